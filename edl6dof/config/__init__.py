@@ -1,0 +1,1 @@
+"""Configuration: YAML files to validated parameter models to records for compiled code."""

@@ -1,0 +1,78 @@
+"""The one declaration of a parameter: a pydantic field with unit suffix, bounds, meaning and status.
+
+From it follow the YAML check, the JSON schema, the reference table (``edl6dof params``), the record field that compiled code
+reads (:mod:`edl6dof.config.dtype`) and the dotted path used by ``--set``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+#: published: printed by a named source; derived: calculated from published data; recalled: quoted in the literature, not re-read;
+#: estimate: engineering estimate, free to change; design: a choice of this software (gain, rate, switch), no claim on hardware.
+Status = Literal["published", "derived", "recalled", "estimate", "design"]
+
+#: The marks used beside numbers in YAML comments.
+STATUS_MARKS: dict[str, Status] = {"P": "published", "D": "derived", "R": "recalled", "E": "estimate", "S": "design"}
+
+REQUIRED: Any = ...
+
+Vec3 = tuple[float, float, float]
+
+
+class Params(BaseModel):
+    """Base of every parameter model: unknown keys, wrong types and non-finite numbers are errors."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
+
+
+@dataclass(frozen=True)
+class Capacity:
+    """Annotation of a ``list[Model]`` field: how many slots its record array has; a longer list is a validation error."""
+
+    slots: int
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
+        """Tell pydantic the longest length, so that too many entries are reported with file and line."""
+        return {**handler(source), "max_length": self.slots}
+
+
+def param(
+    default: Any,
+    meaning: str,
+    *,
+    status: Status = "design",
+    source: str = "",
+    record: bool = True,
+    factory: Callable[[], Any] | None = None,
+    **bounds: Any,
+) -> Any:
+    """Declare one parameter.
+
+    Args:
+        default: default value in the unit of the name's suffix, or ``REQUIRED``.
+        meaning: one line for the reference table.
+        status: what kind of claim the default value is.
+        source: report, paper or rule behind the default value.
+        record: whether compiled code needs it (``False`` for names, files and Python-side switches).
+        factory: makes the default instead of ``default`` (for lists and sub-models).
+        **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
+    """
+    extra = {"status": status, "source": source, "record": record}
+    if factory is not None:
+        return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
+    return Field(default, description=meaning, json_schema_extra=extra, **bounds)
+
+
+def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
+    """Declare a sub-model that may be left out of the file when every one of its parameters has a default."""
+    return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
+
+
+def section(meaning: str, *, record: bool = True) -> Any:
+    """Declare a sub-model that the file must contain."""
+    return Field(..., description=meaning, json_schema_extra={"record": record})

@@ -1,0 +1,119 @@
+"""Record layout (numpy structured dtype) of a parameter model, and the copy of a validated model into a record.
+
+Rules: a float becomes ``f8`` in SI units under its name without the unit suffix; an int or bool ``i8``; a ``Literal`` the index
+of its value as ``i8``; a tuple a sub-array; a sub-model a nested record; a ``list`` with a :class:`Capacity` a fixed array plus
+``n_<name>``; text and fields declared ``record=False`` stay in Python.
+"""
+
+from __future__ import annotations
+
+import types
+from typing import Any, Literal, Union, get_args, get_origin
+
+import numpy as np
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from edl6dof.config.base import Capacity
+from edl6dof.config.units import split_unit
+
+
+def in_record(info: FieldInfo) -> bool:
+    """Whether a field belongs to the compiled record."""
+    extra = info.json_schema_extra
+    return not (isinstance(extra, dict) and extra.get("record") is False)
+
+
+def capacity_of(info: FieldInfo) -> int | None:
+    """Slots of a list field, or ``None`` when it is not a capacity-bound list."""
+    for item in info.metadata:
+        if isinstance(item, Capacity):
+            return item.slots
+    return None
+
+
+def literal_values(annotation: Any) -> tuple[str, ...] | None:
+    """Values of a ``Literal`` of names, in declaration order: the index is what the record stores."""
+    return get_args(annotation) if get_origin(annotation) is Literal else None
+
+
+def dtype_of(model: type[BaseModel]) -> np.dtype:
+    """The aligned structured dtype that carries ``model`` into compiled code."""
+    fields: list[tuple] = []
+    for name, info in model.model_fields.items():
+        if in_record(info):
+            fields += _fields_of(name, info)
+    return np.dtype(fields, align=True)
+
+
+def fill(record: np.ndarray | np.void, model: BaseModel) -> None:
+    """Copy a validated model into a record of its dtype, converting to SI units."""
+    for name, info in type(model).model_fields.items():
+        if not in_record(info):
+            continue
+        value = getattr(model, name)
+        target, unit = split_unit(name)
+        if value is None or isinstance(value, str) and literal_values(_bare(info.annotation)) is None:
+            continue
+        if isinstance(value, BaseModel):
+            fill(record[target], value)
+        elif (slots := capacity_of(info)) is not None:
+            if len(value) > slots:
+                raise ValueError(f"{name}: {len(value)} entries, at most {slots} are allowed")
+            record[f"n_{target}"] = len(value)
+            for index, item in enumerate(value):
+                if isinstance(item, BaseModel):
+                    fill(record[target][index], item)
+                elif isinstance(item, str):
+                    record[target][index] = literal_values(get_args(_bare(info.annotation))[0]).index(item)
+                else:
+                    record[target][index] = np.asarray(item, dtype=np.float64) * unit.to_si
+        elif isinstance(value, str):
+            record[target] = literal_values(_bare(info.annotation)).index(value)
+        elif isinstance(value, bool | int) and not _is_float(info.annotation):
+            record[target] = int(value)
+        else:
+            record[target] = np.asarray(value, dtype=np.float64) * unit.to_si
+
+
+def _fields_of(name: str, info: FieldInfo) -> list[tuple]:
+    target, _ = split_unit(name)
+    annotation = _bare(info.annotation)
+    slots = capacity_of(info)
+    if slots is not None:
+        (item,) = get_args(annotation)
+        if isinstance(item, type) and issubclass(item, BaseModel):
+            return [(target, dtype_of(item), (slots,)), (f"n_{target}", "i8")]
+        scalar, shape = _scalar(item)
+        return [(target, scalar, (slots, *shape)), (f"n_{target}", "i8")]
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [(target, dtype_of(annotation))]
+    if annotation is str:
+        return []
+    scalar, shape = _scalar(annotation)
+    return [(target, scalar, shape)] if shape else [(target, scalar)]
+
+
+def _scalar(annotation: Any) -> tuple[str, tuple[int, ...]]:
+    if annotation in (float,):
+        return "f8", ()
+    if annotation in (int, bool) or literal_values(annotation) is not None:
+        return "i8", ()
+    if get_origin(annotation) is tuple:
+        items = get_args(annotation)
+        scalar, shape = _scalar(items[0])
+        return scalar, (len(items), *shape)
+    raise TypeError(f"no record type for {annotation!r}")
+
+
+def _bare(annotation: Any) -> Any:
+    """Strip ``Optional``."""
+    if get_origin(annotation) in (Union, types.UnionType):
+        items = [item for item in get_args(annotation) if item is not type(None)]
+        if len(items) == 1:
+            return items[0]
+    return annotation
+
+
+def _is_float(annotation: Any) -> bool:
+    return _bare(annotation) is float

@@ -1,0 +1,124 @@
+"""A validated model as YAML text with every default written out: enough to fly it again, bit for bit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import to_jsonable_python
+
+from edl6dof.config.base import STATUS_MARKS
+from edl6dof.config.scalars import write_flow, write_scalar
+
+WIDTH = 110
+
+_LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
+
+
+def dump_resolved(
+    instance: BaseModel,
+    header_lines: Sequence[str] = (),
+    status: Mapping[str, str] | None = None,
+    sources: Mapping[str, str] | None = None,
+) -> str:
+    """YAML text of a model, in declaration order, that reads back as an equal model.
+
+    Args:
+        instance: validated model.
+        header_lines: comment lines at the top (package version, source hash, ...).
+        status: dotted path to status name, as :class:`~edl6dof.config.source.Document` collects it from the file's marks.
+        sources: dotted path to the text behind the mark.
+
+    A value without a mark of its own is marked with its declared status only as long as it is the declared default: the claim
+    belongs to that number, not to another one put in its place.
+    """
+    header = [f"# {line}".rstrip() for text in header_lines for line in (text.splitlines() or [""])]
+    body = list(_Writer(status or {}, sources or {}).mapping(instance, "", 0))
+    return "\n".join([*header, *body]) + "\n"
+
+
+class _Writer:
+    def __init__(self, status: Mapping[str, str], sources: Mapping[str, str]):
+        self.status = status
+        self.sources = sources
+
+    def mapping(self, value: BaseModel | dict[str, Any], prefix: str, indent: int) -> Iterator[str]:
+        """Lines of ``key: value`` pairs."""
+        pad = " " * indent
+        pairs = list(_pairs(value))
+        if not pairs:
+            yield pad + "{}"
+        for name, item, info in pairs:
+            path = f"{prefix}{name}"
+            yield from self._entry(f"{pad}{write_scalar(name)}:", item, path, indent, self._mark(path, item, info))
+
+    def _entry(self, start: str, value: Any, path: str, indent: int, mark: str) -> Iterator[str]:
+        """Lines of one value after ``start``, which is ``key:`` or ``-``."""
+        if _has_entries(value):
+            yield start
+            yield from self.mapping(value, path + ".", indent + 2)
+        elif isinstance(value, list | tuple) and any(_has_entries(item) for item in value):
+            yield start
+            yield from self._mappings(value, path, indent + 2)
+        else:
+            yield from self._plain(start, to_jsonable_python(value), path, indent, mark)
+
+    def _mappings(self, items: Sequence[Any], path: str, indent: int) -> Iterator[str]:
+        for index, item in enumerate(items):
+            if not _has_entries(item):
+                yield f"{' ' * indent}- {write_flow(to_jsonable_python(item))}"
+                continue
+            lines = list(self.mapping(item, f"{path}.{index}.", indent + 2))
+            yield f"{' ' * indent}- {lines[0].lstrip(' ')}"
+            yield from lines[1:]
+
+    def _plain(self, start: str, value: Any, path: str, indent: int, mark: str) -> Iterator[str]:
+        """A scalar or a list of numbers: on one line, as a table of rows, or as a list wrapped over lines."""
+        text = f"{start} {write_flow(value)}"
+        if len(text) <= WIDTH or not isinstance(value, list):
+            yield text + mark
+        elif any(isinstance(item, list) for item in value):
+            yield start + mark
+            for index, item in enumerate(value):
+                own = self._mark(f"{path}.{index}", item, None)
+                yield from self._plain(f"{' ' * (indent + 2)}-", item, f"{path}.{index}", indent + 2, own)
+        else:
+            line, pad = f"{start} [", " " * (indent + 2)
+            for position, item in enumerate(value):
+                word = write_scalar(item) + ("]" if position == len(value) - 1 else ",")
+                if len(line) + len(word) >= WIDTH:
+                    yield line.rstrip(" ")
+                    line = pad
+                line += word + " "
+            yield line.rstrip(" ") + mark
+
+    def _mark(self, path: str, value: Any, info: FieldInfo | None) -> str:
+        if path in self.status:
+            status, source = self.status[path], self.sources.get(path, "")
+        else:
+            status, source = _declared(value, info)
+        letter = _LETTERS.get(status)
+        return f"  # [{letter}] {source}".rstrip() if letter else ""
+
+
+def _pairs(value: BaseModel | dict[str, Any]) -> Iterator[tuple[str, Any, FieldInfo | None]]:
+    if isinstance(value, BaseModel):
+        for name, info in type(value).model_fields.items():
+            yield name, getattr(value, name), info
+    else:
+        for name, item in value.items():
+            yield str(name), item, None
+
+
+def _has_entries(value: Any) -> bool:
+    return isinstance(value, BaseModel) and bool(type(value).model_fields) or isinstance(value, dict) and bool(value)
+
+
+def _declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
+    """Status and source of the declaration, if the value is the declared default."""
+    extra = info.json_schema_extra if info is not None else None
+    if not isinstance(extra, dict) or value != info.get_default(call_default_factory=True):
+        return "", ""
+    return str(extra.get("status", "")), str(extra.get("source", ""))

@@ -1,0 +1,47 @@
+"""JSON schema of a model, for completion and checks in editors (the YAML extension of VS Code reads draft 7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from edl6dof.config.source import INCLUDES
+from edl6dof.config.units import split_unit
+
+DRAFT = "http://json-schema.org/draft-07/schema#"
+
+
+def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) -> dict[str, Any]:
+    """Schema of a scenario file; the include keys also accept the name of a file."""
+    schema = _draft7(model.model_json_schema())
+    for key, kind in includes.items():
+        if (own := schema.get("properties", {}).get(key)) is not None:
+            by_name = {"type": "string", "description": f"name or path of a file of {kind}"}
+            schema["properties"][key] = {"description": own.get("description", ""), "anyOf": [by_name, own]}
+    return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
+
+
+def _draft7(node: Any) -> Any:
+    if isinstance(node, list):
+        return [_draft7(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    changed = {key: _draft7(value) for key, value in node.items()}
+    if isinstance(changed.get("prefixItems"), list):
+        changed["items"] = changed.pop("prefixItems")
+        changed["additionalItems"] = False
+    if isinstance(changed.get("properties"), dict):
+        changed["properties"] = {name: _described(name, item) for name, item in changed["properties"].items()}
+    return changed
+
+
+def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
+    """A property with unit, status and source in the description, where an editor shows them, and without our own keywords."""
+    plain = {key: value for key, value in field.items() if key not in ("record", "status", "source")}
+    unit = split_unit(name)[1].label
+    claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)
+    words = [field.get("description", ""), f"[{unit}]" if unit else "", f"({claim})" if claim else ""]
+    description = " ".join(word for word in words if word)
+    return {**plain, "description": description} if description else plain

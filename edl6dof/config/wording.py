@@ -1,0 +1,99 @@
+"""Plain words for what a parameter must be, what it got, and which name was probably meant."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, get_args, get_origin
+
+from edl6dof.config.introspect import Slot, bounds, is_model
+from edl6dof.config.units import split_unit
+
+_SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+_ONE = {float: "a number", int: "a whole number", bool: "true or false", str: "text", Any: "a value"}
+_MANY = {float: "numbers", int: "whole numbers", bool: "true or false values", str: "texts"}
+
+
+def nearest(name: str, allowed: Iterable[str]) -> str | None:
+    """The allowed name that ``name`` was probably meant to be."""
+    by_fold = {str(item).casefold(): str(item) for item in allowed}
+    found = difflib.get_close_matches(str(name).casefold(), list(by_fold), n=1, cutoff=0.6)
+    return by_fold[found[0]] if found else None
+
+
+def unknown_key(key: str, allowed: Sequence[str]) -> str:
+    """Message for a key that does not exist, with the key that was probably meant."""
+    same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
+    if same:
+        return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"
+    if (near := nearest(key, allowed)) is not None:
+        return f"unknown key; did you mean {near!r}?"
+    return f"unknown key; allowed: {', '.join(allowed) or 'none'}"
+
+
+def got(value: Any) -> str:
+    """A value as it would stand in YAML, kept short."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, dict):
+        return "a mapping of keys"
+    text = repr(list(value) if isinstance(value, tuple) else value)
+    if len(text) <= 60:
+        return text
+    return f"a list of {len(value)}" if isinstance(value, list | tuple) else text[:57] + "..."
+
+
+def expected(slot: Slot) -> str:
+    """``a number in kg``, ``a list of 3 numbers in m``, ``one of apollo, numeric``."""
+    unit = f" in {slot.unit.label}" if slot.unit.label else ""
+    return " or ".join(word + unit if "number" in word else word for word in kinds(slot))
+
+
+def kinds(slot: Slot) -> list[str]:
+    """The alternatives of a place in words, without unit."""
+    return list(dict.fromkeys(_one(option) for option in slot.options)) + (["null"] if slot.optional else [])
+
+
+def in_bounds(slot: Slot, context: dict[str, Any] | None = None) -> str:
+    """``> 0 and <= 2.5``: the declared bounds of a number, or empty."""
+    limits = {**(context or {}), **bounds(slot)}
+    text = " and ".join(f"{sign} {limits[name]:g}" for name, sign in _SIGNS.items() if name in limits)
+    return f"{text} {slot.unit.label}".strip() if text else ""
+
+
+def in_length(slot: Slot, context: dict[str, Any] | None = None) -> str:
+    """``at least 2 and at most 32``: the declared length of a list or text, or empty."""
+    limits = {**(context or {}), **bounds(slot)}
+    low, high = limits.get("min_length"), limits.get("max_length")
+    if low is not None and low == high:
+        return f"exactly {low}"
+    parts = [f"at least {low}"] if low is not None else []
+    return " and ".join(parts + ([f"at most {high}"] if high is not None else []))
+
+
+def _one(option: Any) -> str:
+    if is_model(option):
+        return "a mapping of keys"
+    origin, args = get_origin(option), get_args(option)
+    if origin is Literal:
+        return "one of " + ", ".join(map(str, args)) if len(args) > 1 else repr(args[0])
+    if origin is tuple and not (len(args) == 2 and args[1] is Ellipsis):
+        return f"a list of {len(args)} {_many(args[0])}"
+    if origin in (list, tuple):
+        return f"a list of {_many(args[0])}"
+    if origin is dict or option is dict:
+        return "a mapping of keys"
+    return _ONE.get(option, "a value")
+
+
+def _many(option: Any) -> str:
+    if is_model(option):
+        return "mappings"
+    origin, args = get_origin(option), get_args(option)
+    if origin is tuple and args[-1] is not Ellipsis:
+        return f"lists of {len(args)} {_many(args[0])}"
+    if origin in (list, tuple):
+        return f"lists of {_many(args[0])}"
+    return _MANY.get(option, "values")

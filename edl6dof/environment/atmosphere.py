@@ -1,0 +1,135 @@
+"""Density, pressure, temperature and speed of sound against altitude, with optional random density perturbation.
+
+Pressure is p = rho R T throughout.  The Mars-GRAM table holds density and temperature, and they balance the weight of the air
+only to a few per cent (tides, rounding); p = rho R T is the choice that agrees with both and keeps a^2 = gamma p / rho.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+from typing import Literal
+
+import numpy as np
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.config.dtype import fill
+from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, held, row_at, straight_beyond
+from edl6dof.environment.layout import extended
+from edl6dof.environment.profiles import DENSITY_STREAM, gauss_markov, smooth, stream
+from edl6dof.environment.us76 import us76
+from edl6dof.jit import kernel
+
+TABLE, EXPONENTIAL, US76, NONE = range(4)
+
+#: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km (sigma_scale 1).
+_LEAST = 0.05
+
+
+class ExponentialParams(Params):
+    """Isothermal atmosphere: density falls by e every scale height above the areoid."""
+
+    density_kg_m3: float = param(0.0158, "density at altitude 0", status="published", source="common fit", gt=0.0)
+    scale_height_m: float = param(9354.0, "scale height", status="published", source="common fit", gt=0.0)
+    temperature_k: float = param(
+        214.0, "temperature; also that of model none, for a finite Mach number", status="published", source="COSPAR, 0 km", gt=0.0
+    )
+
+
+class PerturbationParams(Params):
+    """Random density profile of a case: relative sigma of the table times a Gauss-Markov sequence of altitude."""
+
+    enabled: bool = param(False, "whether density is perturbed")
+    sigma_scale: float = param(1.0, "factor on the sigma of the table", ge=0.0, le=5.0)
+    sigma: float = param(0.02, "relative sigma when the table has none", status="estimate", ge=0.0, le=0.5)
+    correlation_length_m: float = param(5000.0, "altitude over which the correlation falls to 1/e", status="estimate", ge=500.0)
+
+
+class AtmosphereParams(Params):
+    """Atmosphere of the truth."""
+
+    model: Literal["table", "exponential", "us76", "none"] = param("table", "which atmosphere (us76 brings its own gas)")
+    table: str = param(
+        "marsgram2010_jezero_feb2021_winds.csv",
+        "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds and of density sigma",
+        source="Basilisk supportData",
+        status="published",
+        record=False,
+    )
+    bottom_m: float = param(-8000.0, "altitude down to which the table is extended", record=False, ge=-50e3, le=0.0)
+    extension_gravity_m_s2: float = param(
+        3.72, "gravity of the hydrostatic extension", status="derived", source="GMM-3, 25 N, with rotation", record=False, gt=0.0
+    )
+    gas_constant_j_kg_k: float = param(191.0, "gas constant", status="published", source="COSPAR: 189-191", gt=50.0, lt=5000.0)
+    heat_capacity_ratio: float = param(1.29, "gamma", status="published", source="COSPAR: 1.29-1.30", gt=1.0, lt=1.7)
+    density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
+    exponential: ExponentialParams = group(ExponentialParams, "used by model exponential")
+    perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
+
+
+#: The parameters, and the relative density change of this case on the rows of the shared table.
+ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS,)))
+
+
+@kernel
+def air(atm, table, alt):
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (= areoid here)."""
+    if atm.model == TABLE:
+        rho, pressure, temperature, sound = _table_air(atm, table, alt)
+    elif atm.model == EXPONENTIAL:
+        temperature = atm.exponential.temperature
+        rho = atm.exponential.density * exp(-alt / atm.exponential.scale_height)
+        pressure, sound = _gas(atm, rho, temperature)
+    elif atm.model == US76:
+        rho, pressure, temperature, sound = us76(alt)
+    else:
+        temperature = atm.exponential.temperature
+        rho = 0.0
+        pressure, sound = _gas(atm, rho, temperature)
+    factor = atm.density_factor
+    if atm.perturbation.enabled:
+        row, t = row_at(table, alt)
+        factor *= max(1.0 + smooth(atm.density_change, table.rows, row, held(t)), _LEAST)
+    return rho * factor, pressure * factor, temperature, sound
+
+
+@kernel
+def _table_air(atm, table, alt):
+    row, t = row_at(table, alt)
+    inside = held(t)
+    rho = exp(cubic(table.ln_density, row, inside) + straight_beyond(table.ln_density, row, t))
+    temperature = cubic(table.temperature, row, inside)
+    pressure, sound = _gas(atm, rho, temperature)
+    return rho, pressure, temperature, sound
+
+
+@kernel
+def _gas(atm, rho, temperature):
+    """Pressure and speed of sound of the ideal gas."""
+    rt = atm.gas_constant * temperature
+    return rho * rt, sqrt(atm.heat_capacity_ratio * rt)
+
+
+def fill_atmosphere_table(record: np.void, params: AtmosphereParams) -> None:
+    """Build the table that all cases share (dtype ``ATMOSPHERE_TABLE``)."""
+    if params.model == "table" and not params.table:
+        raise ValueError("atmosphere model table needs a table file")
+    build_table(
+        record,
+        params.table,
+        params.bottom_m,
+        params.gas_constant_j_kg_k,
+        params.extension_gravity_m_s2,
+        params.perturbation.sigma,
+    )
+
+
+def fill_atmosphere(record: np.void, params: AtmosphereParams, table: np.void, seed: int = 0, case: int = 0) -> None:
+    """Copy the parameters and draw the density profile that belongs to (seed, case)."""
+    fill(record, params)
+    record["density_change"] = 0.0
+    chosen = params.perturbation
+    if chosen.enabled:
+        rows = int(table["rows"])
+        spacing = 1.0 / (float(table["per_step"]) * chosen.correlation_length_m)
+        normal = gauss_markov(stream(seed, case, DENSITY_STREAM), rows, spacing)
+        record["density_change"][:rows] = chosen.sigma_scale * table["sigma"][:rows] * normal

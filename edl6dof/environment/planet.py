@@ -1,0 +1,35 @@
+"""Shape, rotation and gravity of the planet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import REQUIRED, Params, param, section
+from edl6dof.config.dtype import fill
+from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
+from edl6dof.environment.layout import extended
+
+
+class PlanetParams(Params):
+    """Reference ellipsoid, rotation and gravity field; one file each in edl6dof/data/planets."""
+
+    name: str = param(REQUIRED, "name of the planet", record=False)
+    equatorial_radius_m: float = param(
+        REQUIRED, "equatorial radius of the reference ellipsoid", status="published", source="planet file", gt=0.0
+    )
+    flattening: float = param(
+        REQUIRED, "flattening of the reference ellipsoid (0: sphere)", status="published", source="planet file", ge=0.0, lt=0.1
+    )
+    rotation_rate_rad_s: float = param(
+        REQUIRED, "rotation rate about the north pole", status="published", source="planet file", ge=-1e-3, le=1e-3
+    )
+    gravity: GravityParams = section("gravity field")
+
+
+PLANET = extended(PlanetParams, gravity=GRAVITY)
+
+
+def fill_planet(record: np.void, params: PlanetParams) -> None:
+    """Copy the parameters and derive the gravity weights."""
+    fill(record, params)
+    fill_gravity(record["gravity"], params.gravity)

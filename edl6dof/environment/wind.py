@@ -1,0 +1,162 @@
+"""Mean wind, random gust and one discrete gust against altitude.
+
+Directions are those the air moves towards.  The wind depends on altitude alone: no change over ground or time.
+Source: discrete gust, MIL-F-8785C section 3.7.1.3 (1-cosine); strength and scale of the random gust are estimates [E].
+"""
+
+from __future__ import annotations
+
+from math import cos, log, pi, sin
+from typing import Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from edl6dof.config.base import Params, Vec3, group, param
+from edl6dof.config.dtype import fill
+from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, held, row_at
+from edl6dof.environment.layout import extended
+from edl6dof.environment.profiles import GUST_STREAM, gauss_markov, smooth, stream
+from edl6dof.jit import kernel
+
+TABLE, CONSTANT, SHEAR, NONE = range(4)
+
+#: Altitudes (m) that the random gust covers; beyond them its end value is held.
+_GUST_BOTTOM, _GUST_TOP = -8000.0, 200e3
+
+
+class GustParams(Params):
+    """Random gust of a case: Gauss-Markov in altitude, its scale length growing with altitude."""
+
+    enabled: bool = param(False, "whether the random gust blows")
+    sigma_scale: float = param(1.0, "factor on the sigmas", ge=0.0, le=5.0)
+    altitudes_m: Vec3 = param((0.0, 20e3, 60e3), "altitudes of the sigmas, rising", status="estimate")
+    sigma_m_s: Vec3 = param(
+        (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
+    )
+    vertical_ratio: float = param(0.5, "vertical over horizontal sigma", status="estimate", ge=0.0, le=1.0)
+    scale_length_m: float = param(
+        300.0, "altitude over which the correlation falls to 1/e, at 0 m and below", status="estimate", ge=100.0
+    )
+    scale_growth: float = param(
+        0.085, "growth of the scale length per metre of altitude: 2 km at 20 km", status="estimate", gt=1e-3, le=1.0
+    )
+
+    @model_validator(mode="after")
+    def _altitudes_rise(self) -> GustParams:
+        if not self.altitudes_m[0] < self.altitudes_m[1] < self.altitudes_m[2]:
+            raise ValueError("altitudes_m must rise")
+        return self
+
+
+class DiscreteGustParams(Params):
+    """One gust of shape 1-cosine."""
+
+    enabled: bool = param(False, "whether it blows")
+    amplitude_m_s: float = param(20.0, "greatest speed", status="estimate", ge=0.0, le=200.0)
+    altitude_m: float = param(5000.0, "altitude of the greatest speed", ge=-10e3, le=200e3)
+    half_length_m: float = param(100.0, "altitude from its edge to its middle", status="estimate", gt=0.0)
+    azimuth_deg: float = param(90.0, "direction it blows towards, from north through east", ge=-360.0, le=360.0)
+
+
+class WindParams(Params):
+    """Wind of the truth."""
+
+    model: Literal["table", "constant", "shear", "none"] = param("table", "mean wind")
+    scale: float = param(1.0, "factor on the mean wind", ge=-10.0, le=10.0)
+    east_m_s: float = param(0.0, "wind towards east; of model shear at altitude 0", ge=-200.0, le=200.0)
+    north_m_s: float = param(0.0, "wind towards north; of model shear at altitude 0", ge=-200.0, le=200.0)
+    east_shear: float = param(0.0, "growth of the wind towards east, (m/s) per metre of altitude", ge=-1.0, le=1.0)
+    north_shear: float = param(0.0, "growth of the wind towards north, (m/s) per metre of altitude", ge=-1.0, le=1.0)
+    gust: GustParams = group(GustParams, "random gust")
+    discrete_gust: DiscreteGustParams = group(DiscreteGustParams, "single gust of shape 1-cosine")
+
+
+#: The parameters, and the random gust of this case (m/s) on rows evenly spaced in :func:`gust_coordinate`.
+WIND = extended(
+    WindParams,
+    gust_east=("f8", (MAX_ROWS,)),
+    gust_north=("f8", (MAX_ROWS,)),
+    gust_up=("f8", (MAX_ROWS,)),
+    gust_spacing="f8",
+)
+
+
+@kernel
+def wind(w, table, alt):
+    """Wind towards east, north and up, m/s, at ``alt``, m."""
+    east = 0.0
+    north = 0.0
+    up = 0.0
+    if w.model == TABLE:
+        row, t = row_at(table, alt)
+        t = held(t)
+        east = w.scale * cubic(table.east, row, t)
+        north = w.scale * cubic(table.north, row, t)
+    elif w.model == CONSTANT:
+        east = w.scale * w.east
+        north = w.scale * w.north
+    elif w.model == SHEAR:
+        east = w.scale * (w.east + w.east_shear * alt)
+        north = w.scale * (w.north + w.north_shear * alt)
+    if w.gust.enabled:
+        gust_east, gust_north, up = _random_gust(w, alt)
+        east += gust_east
+        north += gust_north
+    if w.discrete_gust.enabled:
+        speed = _one_minus_cosine(w.discrete_gust, alt)
+        east += speed * sin(w.discrete_gust.azimuth)
+        north += speed * cos(w.discrete_gust.azimuth)
+    return east, north, up
+
+
+@kernel
+def gust_coordinate(alt, length, growth):
+    """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth * max(h, 0).
+
+    Evenly spaced rows in it resolve 300 m near the ground and kilometres higher up with one short array.
+    """
+    if alt <= 0.0:
+        return (alt - _GUST_BOTTOM) / length
+    return -_GUST_BOTTOM / length + log(1.0 + growth * alt / length) / growth
+
+
+@kernel
+def _random_gust(w, alt):
+    u = gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing
+    if not u >= 0.0:
+        u = 0.0
+    u = min(u, MAX_ROWS - 1.0)
+    row = min(int(u), MAX_ROWS - 2)
+    t = u - row
+    return smooth(w.gust_east, MAX_ROWS, row, t), smooth(w.gust_north, MAX_ROWS, row, t), smooth(w.gust_up, MAX_ROWS, row, t)
+
+
+@kernel
+def _one_minus_cosine(gust, alt):
+    offset = (alt - gust.altitude) / gust.half_length
+    if abs(offset) >= 1.0:
+        return 0.0
+    return 0.5 * gust.amplitude * (1.0 + cos(pi * offset))
+
+
+def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0, case: int = 0) -> None:
+    """Copy the parameters and draw the random gust that belongs to (seed, case)."""
+    if params.model == "table" and not (np.any(table["east"]) or np.any(table["north"])):
+        raise ValueError("wind model table: the atmosphere table has no winds")
+    fill(record, params)
+    gust = params.gust
+    top = gust_coordinate(_GUST_TOP, gust.scale_length_m, gust.scale_growth)
+    record["gust_spacing"] = spacing = top / (MAX_ROWS - 1)
+    rng = stream(seed, case, GUST_STREAM)
+    sigma = gust.sigma_scale * np.interp(gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s)
+    for name, ratio in (("gust_east", 1.0), ("gust_north", 1.0), ("gust_up", gust.vertical_ratio)):
+        record[name] = ratio * sigma * gauss_markov(rng, MAX_ROWS, spacing) if gust.enabled else 0.0
+
+
+def gust_altitudes(gust: GustParams) -> np.ndarray:
+    """Altitude (m) of each row of the random gust: the inverse of :func:`gust_coordinate`."""
+    length, growth = gust.scale_length_m, gust.scale_growth
+    s = np.linspace(0.0, gust_coordinate(_GUST_TOP, length, growth), MAX_ROWS)
+    above = np.maximum(s + _GUST_BOTTOM / length, 0.0)
+    return np.where(above > 0.0, np.expm1(growth * above) * length / growth, _GUST_BOTTOM + s * length)

@@ -1,0 +1,5 @@
+"""The flight software: navigation, mission sequence, guidance, attitude control, allocation, pulse modulation.
+
+Nothing here may import the truth (``edl6dof.vehicle``, ``edl6dof.environment``) or receive ``case`` or ``plant``; a contract test
+checks it.  Kernels get the ``onboard`` record (what the flight computer believes), sensor or navigation data, and their own memory.
+"""

@@ -1,0 +1,1 @@
+"""Attitude control: from attitude error to demanded torque.  The controllers are a family, see ``registry``."""

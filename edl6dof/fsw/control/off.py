@@ -1,0 +1,19 @@
+"""No attitude control."""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class OffParams(Params):
+    """No attitude control: the vehicle flies freely."""
+
+
+@kernel
+def control(onboard, nav, guide, dt, fsw):
+    """Demand nothing."""
+
+
+MEMBER = Member("off", OffParams, {"control": control}, "none")

@@ -1,0 +1,46 @@
+"""Under the parachute: nothing at first, then damping of large pitch and yaw rates and a slow roll to the local geographic frame.
+
+Source: Hu et al. 2022, section 5.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.fsw.control.bank_to_steer import beyond
+from edl6dof.fsw.control.frames import body_rate, inertia_torque
+from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class RateDampingParams(Params):
+    """Rate damping with large deadbands under the parachute."""
+
+    rest_s: float = param(13.0, "time after the start of the phase without control", status="published", source="S1", ge=0.0)
+    rate_deadband_deg_s: float = param(4.0, "pitch or yaw rate that is left alone", ge=0.0)
+    damping: float = param(0.8, "acceleration per rate beyond the deadband, 1/s", ge=0.0)
+    roll: ZoneParams = group(ZoneParams, "roll channel, to the local geographic frame")
+
+
+MEMORY = np.dtype([("roll", AXIS)], align=True)
+
+
+@kernel
+def control(onboard, nav, guide, dt, fsw):
+    """Demand damping torque in pitch and yaw and the roll torque, after the rest."""
+    p = onboard.control.rate_damping
+    fsw.attitude_error[0] = nav.roll_to_south
+    fsw.attitude_error[1] = fsw.attitude_error[2] = 0.0
+    if nav.t - fsw.phase_start < p.rest:
+        return
+    w = body_rate(nav)
+    roll = axis_acceleration(p.roll, fsw.control.rate_damping.roll, nav.roll_to_south, w[0], dt, fsw.saturated != 0)
+    acceleration = (roll, -p.damping * beyond(w[1], p.rate_deadband), -p.damping * beyond(w[2], p.rate_deadband))
+    torque = inertia_torque(onboard, fsw.configuration, acceleration)
+    for i in range(3):
+        fsw.demand[3 + i] = torque[i]
+
+
+MEMBER = Member("rate_damping", RateDampingParams, {"control": control}, "Hu et al. 2022, section 5", MEMORY)

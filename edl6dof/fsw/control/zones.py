@@ -1,0 +1,73 @@
+"""One axis of attitude control over the four zones of the phase plane.
+
+Far from the goal the rate is driven to a constant; nearer to a parabola that a constant deceleration can follow; close by a PID law
+takes over; and beyond the rate limit the rate is only brought down.  Source: Hu et al. 2022, section 4.1 and Fig. 5.
+"""
+
+from __future__ import annotations
+
+from math import copysign, sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
+
+
+class ZoneParams(Params):
+    """Gains and zone boundaries of one axis."""
+
+    rate_deg_s: float = param(5.0, "rate in the constant-rate zone (d_theta_r)", gt=0.0, le=60.0)
+    far_deg: float = param(20.0, "error beyond which the rate is constant (theta_mL)", gt=0.0, le=180.0)
+    near_deg: float = param(3.0, "error below which the PID law works (theta_mS)", gt=0.0, le=180.0)
+    deceleration_deg_s2: float = param(5.0, "deceleration of the parabolic zone", gt=0.0)
+    rate_gain: float = param(2.5, "acceleration per rate error in the rate zones, 1/s", gt=0.0)
+    proportional: float = param(1.4, "acceleration per angle error, 1/s2", ge=0.0)
+    integral: float = param(0.0, "acceleration per integrated angle error, 1/s3", ge=0.0)
+    derivative: float = param(1.9, "acceleration per rate error in the PID zone, 1/s", ge=0.0)
+    integral_limit_deg_s2: float = param(15.0, "largest acceleration from the integral", ge=0.0)
+
+
+AXIS = np.dtype([("integral", "f8"), ("zone", "i8")], align=True)
+
+PID, PARABOLA, CONSTANT, LIMITER = range(4)
+
+
+@kernel
+def target_rate(zone, error):
+    """Signed rate wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone, rad/s.
+
+    The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is continuous.
+    """
+    size = abs(error)
+    inner = zone.proportional / max(zone.derivative, 1e-9) * zone.near
+    wanted = sqrt(inner * inner + 2.0 * zone.deceleration * max(size - zone.near, 0.0))
+    if size > zone.far:
+        wanted = zone.rate
+    return copysign(min(wanted, zone.rate), error)
+
+
+@kernel
+def axis_acceleration(zone, memory, error, rate, dt, saturated):
+    """Demanded angular acceleration (rad/s2) of one axis.
+
+    Args:
+        zone: ``ZoneParams`` record.
+        memory: ``AXIS`` record.
+        error: goal minus actual angle, rad.
+        rate: actual minus goal rate, rad/s.
+        dt: control cycle, s.
+        saturated: whether the thrusters could not deliver the last demand (stops the integral).
+    """
+    if abs(rate) > 1.15 * zone.rate:
+        memory.zone = LIMITER
+        return zone.rate_gain * (copysign(zone.rate, rate) - rate)
+    if abs(error) > zone.near:
+        memory.zone = CONSTANT if abs(error) > zone.far else PARABOLA
+        return zone.rate_gain * (target_rate(zone, error) - rate)
+    memory.zone = PID
+    if zone.integral > 0.0 and not saturated:
+        limit = zone.integral_limit / zone.integral
+        memory.integral = clamp(memory.integral + error * dt, -limit, limit)
+    return zone.proportional * error + zone.integral * memory.integral - zone.derivative * rate

@@ -1,0 +1,157 @@
+"""One base cycle of the flight software: navigation, mission phase, guidance, attitude control, allocation, pulse modulation."""
+
+from __future__ import annotations
+
+from edl6dof.fsw.allocation import allocate, effects
+from edl6dof.fsw.control.registry import attitude_control
+from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF
+from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.registry import entry_guidance
+from edl6dof.fsw.guidance.powered.registry import powered_guidance
+from edl6dof.fsw.guidance.powered.terminal import avoid, command_thrust, descend, hover, start_or_throttle
+from edl6dof.fsw.modulation import modulate
+from edl6dof.fsw.navigation import navigate
+from edl6dof.jit import kernel
+from edl6dof.mission.phases import (
+    G_AVOID,
+    G_DESCEND,
+    G_ENTRY,
+    G_HOLD_BANK,
+    G_HOVER,
+    G_POWERED,
+    sequence,
+)
+from edl6dof.spatial.vector import take3
+
+AXIAL = 1
+G0 = 9.80665
+R_WING, R_MORTAR, R_HEAT_SHIELD, R_LEGS, R_BACKSHELL, R_IGNITION, R_CUT_OFF = range(7)
+ENTRY, UNDER_CHUTE, LANDER = range(3)
+
+
+@kernel
+def note_requests(onboard, nav, fsw):
+    """What the flight computer concludes from its own deployment commands: configuration, mass, wing and engine state."""
+    request = fsw.command.request
+    vehicle = onboard.vehicle
+    if request[R_WING] != 0:
+        fsw.wing_out = 1
+    if request[R_HEAT_SHIELD] != 0:
+        fsw.configuration = UNDER_CHUTE
+        fsw.mass += vehicle.configuration[UNDER_CHUTE].mass - vehicle.configuration[ENTRY].mass
+    if request[R_BACKSHELL] != 0:
+        fsw.mass += vehicle.configuration[LANDER].mass - vehicle.configuration[fsw.configuration].mass
+        fsw.configuration = LANDER
+    if request[R_IGNITION] != 0:
+        fsw.ignited = 1
+        fsw.ignition_time = nav.t + vehicle.engine.ignition_delay
+        fsw.guide.engine_mode = ENGINE_FULL
+        fsw.guide.thrust = vehicle.engine.full_thrust
+    if request[R_CUT_OFF] != 0:
+        fsw.ignited = 0
+        fsw.guide.engine_mode = ENGINE_OFF
+        fsw.guide.thrust = 0.0
+
+
+@kernel
+def keep_mass(onboard, dt, fsw):
+    """Estimate of the mass by counting commanded engine and thruster impulse."""
+    used = 0.0
+    if fsw.ignited != 0:
+        used = fsw.guide.thrust / onboard.vehicle.engine.specific_impulse
+    for i in range(onboard.vehicle.n_thrusters):
+        on = fsw.command.closes[i] - fsw.command.opens[i]
+        if on > 0.0:
+            used += onboard.vehicle.thrusters[i].thrust * on / (dt * onboard.rates.control_every) / 280.0
+    fsw.mass -= used * dt / G0
+
+
+@kernel
+def guide_vehicle(onboard, kind, k, fsw):
+    """Run the guidance of the present phase when its division of the base cycle comes up."""
+    nav, guide = fsw.nav, fsw.guide
+    rates = onboard.rates
+    entry = onboard.guidance.entry
+    if kind == G_HOLD_BANK or kind == G_ENTRY:
+        if k % rates.entry_guidance_every == 0:
+            guide.alpha = entry.trim_alpha
+            if kind == G_HOLD_BANK:
+                guide.range_to_go, guide.crossrange = to_target(onboard, nav)
+                if nav.t <= 0.0:
+                    guide.bank = entry.preset_bank if guide.crossrange <= 0.0 else -entry.preset_bank
+            else:
+                entry_guidance(entry.law, onboard, nav, fsw.entry, guide)
+        return
+    if k % rates.powered_guidance_every != 0:
+        return
+    if kind == G_POWERED:
+        north, east, up, tilt_limit = powered_guidance(onboard.guidance.powered.law, onboard, nav, fsw.powered, guide)
+        command_thrust(onboard, fsw.mass, (north, east, up), tilt_limit, guide)
+        if fsw.ignited != 0:
+            start_or_throttle(onboard, guide, nav.t - fsw.ignition_time)
+    elif kind == G_HOVER:
+        hover(onboard, nav, fsw.mass, guide)
+    elif kind == G_AVOID:
+        avoid(onboard, nav, fsw.mass, fsw.terminal, guide)
+    elif kind == G_DESCEND:
+        descend(onboard, nav, fsw.mass, guide)
+
+
+@kernel
+def steer(onboard, phase, dt, fsw):
+    """Attitude control, allocation over the allowed thrusters, and pulse modulation for one control cycle."""
+    nav, guide = fsw.nav, fsw.guide
+    vehicle = onboard.vehicle
+    count = vehicle.n_thrusters
+    for i in range(6):
+        fsw.demand[i] = 0.0
+    attitude_control(phase.control, onboard, nav, guide, dt, fsw)
+    duty = fsw.allocator.duty
+    wanted = 0.0
+    for i in range(6):
+        wanted += abs(fsw.demand[i])
+    if wanted > 0.0:
+        allowed = 0
+        for i in range(phase.n_thrusters):
+            allowed |= 1 << phase.thrusters[i]
+        effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
+        allocate(onboard.allocation, vehicle.thrusters, count, allowed, guide.translating != 0, fsw.demand, fsw.allocator)
+    else:
+        for i in range(count):
+            duty[i] = 0.0
+        for i in range(6):
+            fsw.allocator.undelivered[i] = 0.0
+    fsw.saturated = 0
+    for i in range(3, 6):
+        if abs(fsw.allocator.undelivered[i]) > 0.2 * onboard.allocation.torque_scale:
+            fsw.saturated = 1
+    if guide.engine_mode == ENGINE_FULL and fsw.ignited != 0:
+        for i in range(count):
+            if vehicle.thrusters[i].group == AXIAL:
+                duty[i] = 1.0
+    modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
+
+
+@kernel
+def run(onboard, sensed, k, fsw):
+    """Base cycle number ``k``: from ``sensed`` to ``fsw.command``."""
+    command = fsw.command
+    for i in range(command.request.shape[0]):
+        command.request[i] = 0
+    navigate(onboard, sensed, fsw.nav)
+    mission = onboard.mission
+    if mission.n_phases == 0:
+        return
+    before = fsw.phase
+    sequence(mission, fsw.nav, fsw.guide, fsw, command.request)
+    note_requests(onboard, fsw.nav, fsw)
+    phase = mission.phases[fsw.phase]
+    if fsw.phase != before:
+        fsw.guide.translating = 0
+    dt = 1.0 / onboard.rates.base
+    keep_mass(onboard, dt, fsw)
+    guide_vehicle(onboard, phase.guidance, k, fsw)
+    if k % onboard.rates.control_every == 0:
+        steer(onboard, phase, dt * onboard.rates.control_every, fsw)
+    command.thrust = fsw.guide.thrust
+    command.engine_mode = fsw.guide.engine_mode if fsw.ignited != 0 else ENGINE_OFF

@@ -1,0 +1,25 @@
+"""The record by which guidance speaks to attitude control and engine."""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Engine modes.
+ENGINE_OFF, ENGINE_THROTTLE, ENGINE_FULL = range(3)
+
+GUIDE = np.dtype(
+    [
+        ("bank", "f8"),  # commanded bank angle, rad
+        ("alpha", "f8"),  # commanded angle of attack, rad
+        ("thrust_direction_N", "f8", (3,)),  # unit vector, north-east-down
+        ("thrust", "f8"),  # demanded engine thrust, N
+        ("engine_mode", "i8"),
+        ("translating", "i8"),  # lateral force is demanded of the horizontal thrusters
+        ("force_N", "f8", (2,)),  # that force, north and east, N
+        ("reference_drag", "f8"),
+        ("range_to_go", "f8"),
+        ("crossrange", "f8"),
+        ("time_to_go", "f8"),
+    ],
+    align=True,
+)

@@ -1,0 +1,1 @@
+"""Entry guidance laws: the bank angle that brings the vehicle to the parachute target."""

@@ -1,0 +1,1 @@
+"""Powered guidance: the thrust vector from backshell release to touchdown."""

@@ -1,0 +1,38 @@
+"""Gravity turn: thrust against the velocity, sized for a constant deceleration to rest at the final height.
+
+Source: Cheng, "Lunar Terminal Descent Guidance by Gravity-Turn Trajectory", AIAA 66-1863; here the deceleration needed is taken from the
+remaining height and speed, v^2 / (2 h), along the path.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class GravityTurnParams(Params):
+    """Gravity-turn powered guidance."""
+
+    final_height_m: float = param(100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0)
+    tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
+
+
+MEMORY = np.dtype([("unused", "f8")], align=True)
+
+
+@kernel
+def guide(onboard, nav, mem, out):
+    """Commanded thrust acceleration north, east, up (m/s2) and the tilt limit (rad)."""
+    p = onboard.guidance.powered.gravity_turn
+    path = max(nav.height - p.final_height, 1.0)
+    speed = max(nav.speed, 0.1)
+    descent = max(nav.v_N[2], 0.1)
+    brake = 0.5 * speed * descent / path
+    out.time_to_go = 2.0 * path / descent
+    return -brake * nav.v_N[0] / speed, -brake * nav.v_N[1] / speed, brake * nav.v_N[2] / speed + nav.gravity, p.tilt_limit
+
+
+MEMBER = Member("gravity_turn", GravityTurnParams, {"guide": guide}, "Cheng 1966 (gravity turn)", MEMORY)

@@ -1,0 +1,124 @@
+"""The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
+
+Height is controlled by thrust, lateral motion by the horizontal thrusters with the vehicle upright.  Source of the sequence: Hu et al.
+2022, sections 6.3 and 6.4; the laws are proportional-derivative, an estimate.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp, put3
+
+
+class TerminalParams(Params):
+    """Hover, hazard avoidance and slow descent."""
+
+    hover_height_m: float = param(100.0, "height of hover and imaging", status="published", source="S1", gt=0.0)
+    avoidance_rate_m_s: float = param(3.3, "descent rate during hazard avoidance", status="estimate", gt=0.0)
+    avoidance_height_m: float = param(20.0, "height at which hazard avoidance ends", status="published", source="S1", gt=0.0)
+    touchdown_rate_m_s: float = param(1.7, "descent rate of the slow descent", status="estimate", gt=0.0, le=5.0)
+    safe_spot_north_m: float = param(15.0, "safe spot found by imaging, north of the hover point", status="estimate", ge=-100.0, le=100.0)
+    safe_spot_east_m: float = param(-10.0, "safe spot found by imaging, east of the hover point", status="estimate", ge=-100.0, le=100.0)
+    height_gain: float = param(0.25, "descent rate per height error, 1/s", gt=0.0)
+    rate_gain: float = param(1.0, "acceleration per descent-rate error, 1/s", gt=0.0)
+    position_gain: float = param(0.18, "lateral velocity per position error, 1/s", ge=0.0)
+    velocity_gain: float = param(0.8, "lateral acceleration per velocity error, 1/s", ge=0.0)
+    lateral_speed_m_s: float = param(2.0, "largest lateral speed", gt=0.0)
+    hover_tilt_limit_deg: float = param(4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0)
+    settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
+
+
+TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True)
+
+
+@kernel
+def command_thrust(onboard, mass, acceleration, tilt_limit, out):
+    """Turn a wanted acceleration (north, east, up, gravity included) into thrust direction and magnitude."""
+    north, east, up = acceleration
+    side = sqrt(north * north + east * east)
+    limit = up * np.tan(tilt_limit)
+    shrink = limit / side if side > limit and side > 0.0 else 1.0
+    north, east = north * shrink, east * shrink
+    size = sqrt(north * north + east * east + up * up)
+    put3(out.thrust_direction_N, 0, (north / size, east / size, -up / size))
+    out.thrust = mass * size
+
+
+@kernel
+def throttle(onboard, out):
+    """Limit the thrust to the throttle band."""
+    engine = onboard.vehicle.engine
+    out.engine_mode = ENGINE_THROTTLE
+    out.thrust = clamp(out.thrust, engine.throttle_min, engine.throttle_max)
+
+
+@kernel
+def start_or_throttle(onboard, out, elapsed):
+    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; never back."""
+    engine = onboard.vehicle.engine
+    if out.engine_mode != ENGINE_THROTTLE and (out.thrust > engine.throttle_max or elapsed < onboard.guidance.powered.full_time):
+        out.engine_mode = ENGINE_FULL
+        out.thrust = engine.full_thrust
+    else:
+        throttle(onboard, out)
+
+
+@kernel
+def vertical(onboard, nav, p, rate):
+    """Upward acceleration (gravity included) that brings the descent rate to ``rate`` m/s."""
+    return nav.gravity + p.rate_gain * (nav.v_N[2] - rate)
+
+
+@kernel
+def hover(onboard, nav, mass, out):
+    """Hold the hover height and take out lateral velocity by a small tilt."""
+    p = onboard.guidance.powered.terminal
+    rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
+    out.translating = 0
+    acceleration = (-p.settle_gain * nav.v_N[0], -p.settle_gain * nav.v_N[1], vertical(onboard, nav, p, rate))
+    command_thrust(onboard, mass, acceleration, p.hover_tilt_limit, out)
+    throttle(onboard, out)
+
+
+@kernel
+def lateral_force(p, nav, mass, error_n, error_e, out):
+    """Lateral force that flies to a position error with limited speed."""
+    v_n, v_e = p.position_gain * error_n, p.position_gain * error_e
+    speed = sqrt(v_n * v_n + v_e * v_e)
+    if speed > p.lateral_speed:
+        v_n, v_e = v_n * p.lateral_speed / speed, v_e * p.lateral_speed / speed
+    out.translating = 1
+    out.force_N[0] = mass * p.velocity_gain * (v_n - nav.v_N[0])
+    out.force_N[1] = mass * p.velocity_gain * (v_e - nav.v_N[1])
+
+
+@kernel
+def avoid(onboard, nav, mass, memory, out):
+    """Fly sideways to the safe spot with the horizontal thrusters while descending."""
+    p = onboard.guidance.powered.terminal
+    if memory.target_set == 0:
+        memory.target_set = 1
+        memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
+        memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
+    error_e, error_n = memory.target_L[0] - nav.site_L[0], memory.target_L[1] - nav.site_L[1]
+    lateral_force(p, nav, mass, error_n, error_e, out)
+    # slow down towards the final descent rate at the end of the phase
+    above = max(nav.height - p.avoidance_height, 0.0)
+    rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
+    command_thrust(onboard, mass, (0.0, 0.0, vertical(onboard, nav, p, rate)), 0.0, out)
+    throttle(onboard, out)
+
+
+@kernel
+def descend(onboard, nav, mass, out):
+    """Come down vertically at the touchdown rate; the horizontal thrusters only take out lateral velocity."""
+    p = onboard.guidance.powered.terminal
+    lateral_force(p, nav, mass, 0.0, 0.0, out)
+    command_thrust(onboard, mass, (0.0, 0.0, vertical(onboard, nav, p, p.touchdown_rate)), 0.0, out)
+    throttle(onboard, out)

@@ -1,0 +1,132 @@
+"""Navigation: the quantities that mission logic, guidance and control use, from sensor data and onboard models alone.
+
+With perfect sensors this is only geometry.  Velocity is relative to the planet: the wind is not known on board, so angle of attack,
+sideslip, bank and Mach number here differ from the truth by the wind.
+"""
+
+from __future__ import annotations
+
+from math import acos, atan2, cos, exp, sin, sqrt
+
+import numpy as np
+
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import (
+    bank_angle,
+    fixed_to_enu,
+    fixed_to_ned,
+    from_geodetic,
+    geodetic,
+    ned_to_fixed,
+    rotate_z,
+    total_angle_of_attack,
+    wind_angles,
+)
+from edl6dof.spatial.quaternion import axes, from_frame, to_frame
+from edl6dof.spatial.vector import clamp, dot, norm, put3, scale, take3
+
+NAV = np.dtype(
+    [
+        ("t", "f8"),
+        ("q_I2B", "f8", (4,)),
+        ("w_B", "f8", (3,)),
+        ("specific_force_B", "f8", (3,)),
+        ("v_I", "f8", (3,)),  # planet-relative velocity, components in I
+        ("up_I", "f8", (3,)),
+        ("north_I", "f8", (3,)),
+        ("east_I", "f8", (3,)),
+        ("radius", "f8"),
+        ("latitude", "f8"),
+        ("longitude", "f8"),
+        ("altitude", "f8"),
+        ("height", "f8"),
+        ("speed", "f8"),
+        ("flight_path_angle", "f8"),
+        ("azimuth", "f8"),
+        ("v_N", "f8", (3,)),
+        ("site_L", "f8", (3,)),  # position east, north, up of the landing site
+        ("alpha", "f8"),
+        ("beta", "f8"),
+        ("bank", "f8"),
+        ("total_alpha", "f8"),
+        ("mach", "f8"),
+        ("drag", "f8"),
+        ("dynamic_pressure", "f8"),
+        ("energy", "f8"),
+        ("gravity", "f8"),
+        ("tilt", "f8"),
+        ("roll_to_south", "f8"),
+        ("footpad_contact", "i8"),
+    ],
+    align=True,
+)
+
+
+@kernel
+def model_atmosphere(table, altitude):
+    """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at ``altitude`` (m)."""
+    s = clamp((altitude - table.bottom) / table.spacing, 0.0, table.ln_density.shape[0] - 1.001)
+    i = int(s)
+    f = s - i
+    slope = table.ln_density[i + 1] - table.ln_density[i]
+    density = exp(table.ln_density[i] + f * slope)
+    sound = table.speed_of_sound[i] + f * (table.speed_of_sound[i + 1] - table.speed_of_sound[i])
+    return density, sound, -table.spacing / slope
+
+
+@kernel
+def navigate(onboard, sensed, nav):
+    """Fill ``nav`` from ``sensed``."""
+    planet = onboard.planet
+    t = sensed.t
+    nav.t = t
+    q = (sensed.q_I2B[0], sensed.q_I2B[1], sensed.q_I2B[2], sensed.q_I2B[3])
+    for i in range(4):
+        nav.q_I2B[i] = q[i]
+    for i in range(3):
+        nav.w_B[i] = sensed.w_B[i]
+        nav.specific_force_B[i] = sensed.specific_force_B[i]
+    spin = planet.rotation_rate
+    c, s = cos(spin * t), sin(spin * t)
+    r_I = take3(sensed.r_I, 0)
+    v_I = (sensed.v_I[0] + spin * r_I[1], sensed.v_I[1] - spin * r_I[0], sensed.v_I[2])
+    r_F, v_F = rotate_z(c, s, r_I), rotate_z(c, s, v_I)
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
+    up = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 0.0, -1.0)))
+    north = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (1.0, 0.0, 0.0)))
+    east = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 1.0, 0.0)))
+    put3(nav.v_I, 0, v_I)
+    put3(nav.up_I, 0, up)
+    put3(nav.north_I, 0, north)
+    put3(nav.east_I, 0, east)
+    nav.radius = norm(r_I)
+    nav.latitude, nav.longitude, nav.altitude = atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon), altitude
+    nav.height = sensed.height_above_ground
+    v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F)
+    put3(nav.v_N, 0, v_N)
+    speed = norm(v_I)
+    nav.speed = speed
+    nav.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
+    nav.azimuth = atan2(v_N[1], v_N[0])
+
+    site = onboard.site
+    site_F = from_geodetic(planet.equatorial_radius, planet.flattening, site.latitude, site.longitude, site.elevation)
+    sl, cl, so, co = sin(site.latitude), cos(site.latitude), sin(site.longitude), cos(site.longitude)
+    put3(nav.site_L, 0, fixed_to_enu(site_F, sl, cl, so, co, r_F))
+
+    v_B = to_frame(q, v_I)
+    _, nav.alpha, nav.beta = wind_angles(v_B)
+    nav.total_alpha = total_angle_of_attack(v_B)
+    x, y, z = axes(q)
+    nav.bank = bank_angle(v_I, up, x, y, z)
+    density, sound, _ = model_atmosphere(onboard.atmosphere, altitude)
+    nav.mach = speed / sound
+    nav.dynamic_pressure = 0.5 * density * speed * speed
+    force_I = from_frame(q, take3(sensed.specific_force_B, 0))
+    nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_I))
+    nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / planet.equatorial_radius - 1.0 / nav.radius)
+    nav.gravity = planet.mu / (nav.radius * nav.radius)
+    nav.tilt = acos(clamp(-dot(x, up), -1.0, 1.0))
+    # roll of y_B about the upward x_C away from south, seen with the thrust axis brought to the vertical
+    nav.roll_to_south = atan2(dot(y, east), -dot(y, north))
+    nav.footpad_contact = sensed.footpad_contact

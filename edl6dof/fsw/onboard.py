@@ -1,0 +1,198 @@
+"""The Onboard record: everything the flight computer believes, and its settings.
+
+It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is a coarse table of
+density and speed of sound without wind; drag and lift are one number each.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+
+from edl6dof.config.base import Capacity, Params, group, param
+from edl6dof.config.dtype import dtype_of
+from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
+from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.reference import REFERENCE
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
+from edl6dof.fsw.modulation import MODULATOR, ModulationParams
+from edl6dof.fsw.navigation import NAV
+from edl6dof.mission.phases import MISSION, PHASE_MEMORY
+
+NODES = 128
+MAX_THRUSTERS = 32
+
+_EntryLaws = ENTRY_LAWS.params_model("EntryLawParams", "law", "drag_tracking", "Entry guidance.")
+_PoweredLaws = POWERED_LAWS.params_model("PoweredLawParams", "law", "polynomial", "Powered guidance.")
+
+
+class EntryGuidanceParams(_EntryLaws):
+    """Entry guidance: the law, and what all laws share."""
+
+    preset_bank_deg: float = param(55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0)
+    trim_alpha_deg: float = param(-10.0, "angle of attack commanded before and during lift control", status="published", source="S1")
+    align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)
+    final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0)
+    aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived")
+    aim_east_m: float = param(0.0, "aim point of entry guidance east of the landing site", status="derived")
+
+
+class PoweredGuidanceParams(_PoweredLaws):
+    """Powered guidance: the deceleration law and the terminal phases."""
+
+    full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
+    terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
+
+
+class GuidanceParams(Params):
+    """Guidance laws."""
+
+    entry: EntryGuidanceParams = group(EntryGuidanceParams, "entry guidance")
+    powered: PoweredGuidanceParams = group(PoweredGuidanceParams, "powered guidance")
+
+
+ControlParams = CONTROLLERS.params_model("ControlParams", "spare", "off", "Attitude controllers; each phase names the one it uses.")
+
+
+class RateParams(Params):
+    """Divisions of the base cycle at which the parts of the flight software run."""
+
+    base_hz: int = param(50, "base cycle: sensing, navigation, mission sequence", ge=5, le=200)
+    control_every: int = param(2, "attitude control, allocation and modulation", ge=1, le=50)
+    entry_guidance_every: int = param(10, "entry guidance", ge=1, le=500)
+    powered_guidance_every: int = param(5, "powered guidance", ge=1, le=500)
+
+
+class FlightSoftwareParams(Params):
+    """Settings of the flight software."""
+
+    rates: RateParams = group(RateParams, "rate table")
+    guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
+    control: ControlParams = group(ControlParams, "attitude controllers")
+    allocation: AllocationParams = group(AllocationParams, "thruster allocation")
+    modulation: ModulationParams = group(ModulationParams, "pulse modulation")
+
+
+class BelievedThruster(Params):
+    """What the flight computer knows of a thruster."""
+
+    position_m: tuple[float, float, float] = param(..., "position in B")
+    direction: tuple[float, float, float] = param(..., "unit force direction in B")
+    thrust_n: float = param(..., "thrust")
+    minimum_pulse_s: float = param(..., "shortest pulse")
+    group: int = param(..., "group index")
+
+
+class _Thrusters(Params):
+    thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(..., "believed thrusters")
+
+
+CONFIGURATION = np.dtype([("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (3,))], align=True)
+#: Indices of the believed configurations.
+ENTRY, UNDER_CHUTE, LANDER = range(3)
+
+ONBOARD = np.dtype(
+    [
+        (
+            "planet",
+            np.dtype(
+                [("mu", "f8"), ("equatorial_radius", "f8"), ("flattening", "f8"), ("rotation_rate", "f8")], align=True
+            ),
+        ),
+        (
+            "atmosphere",
+            np.dtype(
+                [("bottom", "f8"), ("spacing", "f8"), ("ln_density", "f8", (NODES,)), ("speed_of_sound", "f8", (NODES,))],
+                align=True,
+            ),
+        ),
+        (
+            "site",
+            np.dtype(
+                [
+                    ("latitude", "f8"),
+                    ("longitude", "f8"),
+                    ("elevation", "f8"),
+                    ("aim_latitude", "f8"),
+                    ("aim_longitude", "f8"),
+                ],
+                align=True,
+            ),
+        ),
+        (
+            "vehicle",
+            np.dtype(
+                [
+                    ("entry_mass", "f8"),
+                    ("drag_area", "f8"),
+                    ("lift_to_drag", "f8"),
+                    ("configuration", CONFIGURATION, (3,)),
+                    (
+                        "engine",
+                        np.dtype(
+                            [
+                                ("full_thrust", "f8"),
+                                ("throttle_min", "f8"),
+                                ("throttle_max", "f8"),
+                                ("specific_impulse", "f8"),
+                                ("ignition_delay", "f8"),
+                            ],
+                            align=True,
+                        ),
+                    ),
+                    *[(name, *dtype_of(_Thrusters).fields[name][:1]) for name in ("thrusters", "n_thrusters")],
+                ],
+                align=True,
+            ),
+        ),
+        ("rates", dtype_of(RateParams)),
+        ("guidance", dtype_of(GuidanceParams)),
+        ("control", dtype_of(ControlParams)),
+        ("allocation", dtype_of(AllocationParams)),
+        ("modulation", dtype_of(ModulationParams)),
+        ("mission", MISSION),
+        ("reference", REFERENCE),
+    ],
+    align=True,
+)
+
+#: Commands that leave the flight computer.
+COMMAND = np.dtype(
+    [
+        ("opens", "f8", (MAX_THRUSTERS,)),
+        ("closes", "f8", (MAX_THRUSTERS,)),
+        ("request", "i8", (7,)),
+        ("thrust", "f8"),
+        ("engine_mode", "i8"),
+    ],
+    align=True,
+)
+
+#: All memory of the flight software.
+FSW = np.dtype(
+    [
+        *PHASE_MEMORY,
+        ("configuration", "i8"),
+        ("wing_out", "i8"),
+        ("saturated", "i8"),
+        ("ignited", "i8"),
+        ("ignition_time", "f8"),
+        ("mass", "f8"),
+        ("demand", "f8", (6,)),
+        ("attitude_error", "f8", (3,)),
+        ("nav", NAV),
+        ("guide", GUIDE),
+        ("entry", ENTRY_LAWS.memory),
+        ("powered", POWERED_LAWS.memory),
+        ("terminal", TERMINAL),
+        ("control", CONTROLLERS.memory),
+        ("allocator", ALLOCATOR),
+        ("modulator", MODULATOR),
+        ("command", COMMAND),
+    ],
+    align=True,
+)

@@ -1,0 +1,124 @@
+"""The ``@kernel`` decorator: compiled, cached, GIL-free functions whose cache is never stale.
+
+numba stamps a cache entry with the file of the compiled function only.  When a helper in another module is edited, its callers
+keep running the old machine code (numba issues 1833 and 8851).  Here the stamp of a function is the hash of its own file and,
+recursively, of every module of this package that the file imports, so an edit recompiles exactly what depends on it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from os.path import isfile
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import caching
+
+PACKAGE = Path(__file__).resolve().parent
+#: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X, Y``: the rest of it.
+_IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE)
+#: Comments and line continuations, taken out before the statements are looked for.
+_NOISE = re.compile(r"#[^\n]*|\\\r?\n")
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile ``function`` in numba's nopython mode: cached on disk, numpy division rules, no GIL, no fast-math.
+
+    Fast-math stays off because it changes the last bits between machines; the run must be reproducible.
+    """
+    before = numba.config.CACHE_LOCATOR_CLASSES
+    # The locator is chosen at decoration; setting it only here leaves other users of numba in the process alone.
+    numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
+    try:
+        return numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    finally:
+        numba.config.CACHE_LOCATOR_CLASSES = before
+
+
+class _TreeStamp:
+    """Replaces numba's stamp (one file) by the hash of the file and of the package modules it imports."""
+
+    _py_file: str
+
+    def get_source_stamp(self) -> str:
+        """Hash that changes when this function, or anything of the package it can call, is edited."""
+        return tree_stamp(Path(self._py_file).resolve())
+
+
+class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):
+    """Cache in the directory that ``NUMBA_CACHE_DIR`` names, when it is set."""
+
+
+class TreeLocator(_TreeStamp, caching.InTreeCacheLocator):
+    """Cache in ``__pycache__`` beside the source."""
+
+
+class UserTreeLocator(_TreeStamp, caching.UserWideCacheLocator):
+    """Cache in the user's cache directory, for a package installed read-only."""
+
+
+#: Where compiled code is kept: the first of these that can be written to.
+LOCATORS = (ChosenTreeLocator, TreeLocator, UserTreeLocator)
+
+
+@lru_cache(maxsize=None)
+def tree_stamp(path: Path) -> str:
+    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change compiled code."""
+    digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
+    for module in sorted(_dependencies(str(path))):
+        digest.update(_read(module)[0])
+    return digest.hexdigest()
+
+
+def _dependencies(path: str) -> set[str]:
+    """``path`` and all package files it reaches by imports; each file is read once in a process, and a cycle ends here."""
+    seen = {path}
+    queue = [path]
+    while queue:
+        new = _read(queue.pop())[1] - seen
+        seen |= new
+        queue += new
+    return seen
+
+
+@lru_cache(maxsize=None)
+def _read(path: str) -> tuple[bytes, frozenset[str]]:
+    """Hash of a file, and the package files that it imports itself."""
+    content = Path(path).read_bytes()
+    names = _imported(_NOISE.sub("", content.decode()), path)
+    return hashlib.sha256(content).digest(), frozenset(file for name in names if (file := _file_of(name)))
+
+
+def _imported(text: str, path: str) -> Iterator[str]:
+    """Dotted names that the import statements of a source mention; some are not modules but names in one."""
+    for origin, names, plain in _IMPORT.findall(text):
+        if origin.startswith("."):
+            origin = _absolute(origin, path)
+        if origin:
+            yield origin
+        for item in (names or plain).lstrip("(").split(","):
+            name = item.split(None, 1)[:1]
+            yield ".".join([origin, *name] if origin else name)
+
+
+def _absolute(dotted: str, path: str) -> str:
+    """The origin of a relative import in ``path`` as a name that begins with this package; empty when it lies outside."""
+    tail = dotted.lstrip(".")
+    folder = Path(path).parents[len(dotted) - len(tail) - 1]
+    if not folder.is_relative_to(PACKAGE):
+        return ""
+    return ".".join(part for part in (PACKAGE.name, *folder.relative_to(PACKAGE).parts, tail) if part)
+
+
+@lru_cache(maxsize=None)
+def _file_of(dotted: str) -> str:
+    """File of a module of this package; empty for anything else."""
+    first, *inside = dotted.split(".")
+    if first != PACKAGE.name:
+        return ""
+    base = str(PACKAGE.joinpath(*inside))
+    return next((file for file in (f"{base}.py", f"{base}/__init__.py") if isfile(file)), "")

@@ -1,0 +1,22 @@
+"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay."""
+
+from __future__ import annotations
+
+from edl6dof.jit import kernel
+from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+
+
+@kernel
+def sense(plant, sensed):
+    """Copy into ``sensed`` what ideal instruments at the centre of mass would measure; reads ``plant.out``."""
+    y = plant.y
+    sensed.t = plant.t
+    for i in range(3):
+        sensed.r_I[i] = y[POSITION + i]
+        sensed.v_I[i] = y[VELOCITY + i]
+        sensed.w_B[i] = y[RATE + i]
+        sensed.specific_force_B[i] = plant.out.specific_force_B[i]
+    for i in range(4):
+        sensed.q_I2B[i] = y[ATTITUDE + i]
+    sensed.height_above_ground = plant.agl
+    sensed.footpad_contact = 1 if plant.out.pads > 0 else 0

@@ -1,0 +1,19 @@
+"""The record that crosses from the plant to the flight software."""
+
+from __future__ import annotations
+
+import numpy as np
+
+SENSED = np.dtype(
+    [
+        ("t", "f8"),
+        ("r_I", "f8", (3,)),
+        ("v_I", "f8", (3,)),
+        ("q_I2B", "f8", (4,)),
+        ("w_B", "f8", (3,)),
+        ("specific_force_B", "f8", (3,)),
+        ("height_above_ground", "f8"),
+        ("footpad_contact", "i8"),
+    ],
+    align=True,
+)

@@ -1,0 +1,120 @@
+"""The telemetry channels, declared once: name with unit suffix, and meaning.
+
+From this table follow the log record that compiled code fills (SI units, no suffix), the Parquet columns and their metadata.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.config.units import split_unit
+from edl6dof.vehicle.rcs import MAX_THRUSTERS
+
+
+class Channel(NamedTuple):
+    """One telemetry column: dotted name with unit suffix, and what it means."""
+
+    name: str
+    meaning: str
+
+    @property
+    def group(self) -> str:
+        """Part before the dot: truth, nav, guide, control."""
+        return self.name.partition(".")[0]
+
+    @property
+    def field(self) -> str:
+        """Name in the log record: after the dot, without the unit suffix."""
+        return split_unit(self.name.partition(".")[2])[0]
+
+    @property
+    def unit(self) -> str:
+        """Printed unit."""
+        return split_unit(self.name.partition(".")[2])[1].label
+
+    @property
+    def from_si(self) -> float:
+        """Factor from the logged SI value to the column's unit."""
+        return 1.0 / split_unit(self.name.partition(".")[2])[1].to_si
+
+
+def _vector(stem: str, suffix: str, axes: str, meaning: str) -> list[Channel]:
+    return [Channel(f"{stem}_{axis}{'_' + suffix if suffix else ''}", f"{meaning}, {axis}") for axis in axes.split()]
+
+
+CHANNELS: tuple[Channel, ...] = (
+    Channel("truth.altitude_m", "height above the reference ellipsoid"),
+    Channel("truth.height_m", "height above the ground"),
+    Channel("truth.latitude_deg", "geodetic latitude"),
+    Channel("truth.longitude_deg", "east longitude"),
+    *_vector("truth.site", "m", "east north up", "position relative to the landing site"),
+    *_vector("truth.r_I", "m", "x y z", "position, inertial"),
+    *_vector("truth.v_I", "m_s", "x y z", "velocity, inertial"),
+    *_vector("truth.v", "m_s", "north east down", "planet-relative velocity"),
+    Channel("truth.speed_m_s", "planet-relative speed"),
+    Channel("truth.flight_path_angle_deg", "flight-path angle of the planet-relative velocity"),
+    Channel("truth.azimuth_deg", "azimuth of the planet-relative velocity, from north through east"),
+    Channel("truth.airspeed_m_s", "speed relative to the air"),
+    Channel("truth.alpha_deg", "angle of attack in the air"),
+    Channel("truth.beta_deg", "sideslip angle in the air"),
+    Channel("truth.total_alpha_deg", "angle between the body axis and the air-relative velocity"),
+    Channel("truth.bank_deg", "bank angle about the planet-relative velocity"),
+    Channel("truth.mach", "Mach number"),
+    Channel("truth.dynamic_pressure_pa", "dynamic pressure"),
+    Channel("truth.density_kg_m3", "air density"),
+    Channel("truth.temperature_k", "air temperature"),
+    *_vector("truth.wind", "m_s", "north east down", "wind, towards"),
+    Channel("truth.load_g0", "sensed acceleration, Earth g"),
+    Channel("truth.heat_flux_w_cm2", "stagnation-point convective heat flux, Sutton-Graves"),
+    Channel("truth.heat_load_j_cm2", "integrated heat flux"),
+    *_vector("truth.q_I2B", "", "w x y z", "attitude quaternion, scalar first, inertial to body"),
+    *_vector("truth.rate", "deg_s", "p q r", "inertial body rate"),
+    Channel("truth.tilt_deg", "angle of the thrust axis (-x of B) from the vertical"),
+    Channel("truth.mass_kg", "mass"),
+    *_vector("truth.centre", "m", "x y z", "centre of mass in B"),
+    Channel("truth.propellant_kg", "propellant left"),
+    *_vector("truth.aero_force", "n", "x y z", "aerodynamic force in B, trim wing included"),
+    *_vector("truth.aero_moment", "nm", "x y z", "aerodynamic moment about the centre of mass in B"),
+    *_vector("truth.disturbance", "nm", "x y z", "moment of everything but the thrusters, in B"),
+    *_vector("truth.rcs_force", "n", "x y z", "mean thruster force of the last step, in B"),
+    Channel("truth.engine_thrust_n", "main engine thrust"),
+    Channel("truth.riser_tension_n", "tension in riser and lines"),
+    *_vector("truth.canopy", "m", "east north up", "canopy relative to the landing site"),
+    *_vector("truth.heat_shield", "m", "east north up", "jettisoned heat shield relative to the landing site"),
+    *_vector("truth.backshell", "m", "east north up", "released backshell relative to the landing site"),
+    Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
+    Channel("truth.footpads", "footpads on the ground"),
+    Channel("nav.mach", "navigated Mach number (no wind)"),
+    Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
+    Channel("nav.beta_deg", "navigated sideslip angle (no wind)"),
+    Channel("nav.bank_deg", "navigated bank angle"),
+    Channel("nav.drag_m_s2", "measured drag acceleration"),
+    Channel("nav.mass_kg", "believed mass"),
+    Channel("guide.phase", "mission phase, index into the phase table"),
+    Channel("guide.bank_deg", "commanded bank angle"),
+    Channel("guide.reference_drag_m_s2", "reference drag acceleration"),
+    Channel("guide.range_to_go_km", "great-circle range to the entry aim point"),
+    Channel("guide.crossrange_km", "crossrange to the entry aim point, positive when heading right of it"),
+    Channel("guide.time_to_go_s", "time to go of powered guidance"),
+    Channel("guide.thrust_n", "commanded engine thrust"),
+    *_vector("guide.thrust_direction", "", "north east down", "commanded thrust direction"),
+    *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller"),
+    *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
+    *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
+)
+
+GROUPS = tuple(dict.fromkeys(channel.group for channel in CHANNELS))
+
+TICK = np.dtype(
+    [
+        ("t", "f8"),
+        *[
+            (group, np.dtype([(channel.field, "f8") for channel in CHANNELS if channel.group == group]))
+            for group in GROUPS
+        ],
+        ("duty", "f8", (MAX_THRUSTERS,)),
+    ],
+    align=True,
+)

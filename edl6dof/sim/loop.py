@@ -1,0 +1,54 @@
+"""The loop: plant, sensors, flight software, actuators, plant again."""
+
+from __future__ import annotations
+
+from edl6dof.fsw.cycle import run
+from edl6dof.jit import kernel
+from edl6dof.sensors.perfect import sense
+from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
+from edl6dof.sim.record import record
+from edl6dof.vehicle.actuate import actuate
+from edl6dof.vehicle.body import derivatives
+from edl6dof.vehicle.debris import step_debris
+from edl6dof.vehicle.integrate import advance, look_down
+from edl6dof.vehicle.mass import compose_dry
+
+
+@kernel
+def prepare(cases, tables_, plants):
+    """Make a plant at t = 0 consistent: mass properties, forces, ground."""
+    case, tables, plant = cases[0], tables_[0], plants[0]
+    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
+    look_down(case, tables, plant)
+
+
+@kernel
+def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps, log, log_first):
+    """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
+
+    All arguments but the counters are record arrays of length one, except ``log``, which has a row for each logged cycle.  Cycle ``k``
+    starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and the last state always.
+    """
+    case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
+    sensed, fsw = sensors[0], memories[0]
+    cycle = 1.0 / onboard.rates.base
+    rows = 0
+    for k in range(first, last):
+        t = k * cycle
+        derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
+        look_down(case, tables, plant)
+        sense(plant, sensed)
+        run(onboard, sensed, k, fsw)
+        actuate(case, fsw.command, plant)
+        outcome = judge(case, plant)
+        if k % case.simulation.log_every == 0 or outcome != FLYING:
+            record(case, plant, fsw, log[log_first + rows])
+            rows += 1
+        if outcome != FLYING:
+            return outcome, k - first, rows
+        for j in range(steps):
+            if not advance(case, tables, plant, t + cycle * (j + 1) / steps):
+                return NOT_FINITE, k - first, rows
+        step_debris(case, tables, plant, t, cycle)
+    return FLYING, last - first, rows

@@ -1,0 +1,50 @@
+"""How a flight ends: always with a named cause."""
+
+from __future__ import annotations
+
+from math import acos, cos, sqrt
+
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp, norm, take3
+from edl6dof.vehicle.body import ground_velocity_N, tilt
+from edl6dof.vehicle.parachute import PACKED
+from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+
+OUTCOMES = ("flying", "landed", "crashed", "tipped over", "lost attitude", "skipped out", "not finite", "time limit")
+FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT = range(8)
+
+#: Dynamic pressure (Pa) below which the angle of attack says nothing about control.
+THIN_AIR = 50.0
+
+
+@kernel
+def judge(case, plant):
+    """Outcome code of the present state; ``plant.out`` must be fresh."""
+    limits, out, y = case.limits, plant.out, plant.y
+    t = plant.t
+    if plant.touched != 0:
+        if t == plant.touchdown_time or t - plant.touchdown_time < 0.05:
+            speed = norm(ground_velocity_N(case, t, take3(y, POSITION), take3(y, VELOCITY), out))
+            if plant.legs == 0 or speed > limits.crash_speed:
+                return CRASHED
+        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        if tilt(case, t, q, out) > 0.8:
+            return TIPPED_OVER
+        if t - plant.touchdown_time >= case.simulation.settle:
+            return LANDED
+        return FLYING
+    if norm(take3(y, RATE)) > limits.body_rate:
+        return LOST_ATTITUDE
+    if plant.canopy == PACKED and out.dynamic_pressure > THIN_AIR and case.vehicle.aero.model == 0:
+        v = take3(out.v_air_B, 0)
+        if acos(clamp(v[0] / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), -1.0, 1.0)) > limits.total_alpha:
+            return LOST_ATTITUDE
+    if plant.running != 0:
+        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+        if cos(tilt(case, t, q, out)) < 0.0:
+            return LOST_ATTITUDE
+    if out.altitude > case.initial.altitude + 5000.0:
+        return SKIPPED_OUT
+    if t >= case.simulation.time_limit - 1e-9:
+        return TIME_LIMIT
+    return FLYING

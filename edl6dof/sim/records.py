@@ -1,0 +1,220 @@
+"""The records one flight is made of, built from a validated scenario.
+
+``CASE`` is the truth, ``TABLES`` the large arrays all cases share, ``ONBOARD`` the belief.  Truth and belief are filled from the same
+nominal configuration and never touch again.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, radians, sin
+
+import numpy as np
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere, fill_atmosphere_table
+from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.planet import PLANET, fill_planet
+from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
+from edl6dof.environment.wind import WIND, fill_wind
+from edl6dof.fsw.guidance.entry.reference import fill_reference
+from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
+from edl6dof.sensors.sensed import SENSED
+from edl6dof.sim.scenario import InitialState, LimitParams, Scenario, SimulationParams
+from edl6dof.spatial.frames import attitude_from_wind_angles, from_geodetic, great_circle, ned_to_fixed
+from edl6dof.vehicle.aerodynamics import capsule_coefficients
+from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
+from edl6dof.vehicle.mass import BODY, fill_lander, lander_dry
+from edl6dof.vehicle.plant import ATTITUDE, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.rcs import GROUPS
+from edl6dof.vehicle.vehicle import VehicleParams
+
+CASE = np.dtype(
+    [
+        ("planet", PLANET),
+        ("atmosphere", ATMOSPHERE),
+        ("wind", WIND),
+        ("terrain", TERRAIN),
+        ("vehicle", dtype_of(VehicleParams)),
+        ("lander", BODY),
+        ("initial", dtype_of(InitialState)),
+        ("simulation", dtype_of(SimulationParams)),
+        ("limits", dtype_of(LimitParams)),
+    ],
+    align=True,
+)
+TABLES = np.dtype([("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True)
+
+#: Mach number at which the one believed drag and lift coefficient are taken.
+BELIEF_MACH = 15.0
+
+
+def build_tables(scenario: Scenario) -> np.ndarray:
+    """The shared tables, shape (1,)."""
+    tables = np.zeros(1, TABLES)
+    fill_atmosphere_table(tables[0]["atmosphere"], scenario.atmosphere)
+    if scenario.terrain.model == "mola":
+        fill_terrain_grid(tables[0]["terrain"])
+    if scenario.vehicle.aero.model == "capsule":
+        tables[0]["aero"] = build_aero_table(scenario.vehicle.aero.capsule)[0]
+    return tables
+
+
+def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> np.ndarray:
+    """The truth of one flight, shape (1,)."""
+    case = np.zeros(1, CASE)
+    record = case[0]
+    fill_planet(record["planet"], scenario.planet)
+    fill_atmosphere(record["atmosphere"], scenario.atmosphere, tables[0]["atmosphere"], scenario.seed, case_index)
+    fill_wind(record["wind"], scenario.wind, tables[0]["atmosphere"], scenario.seed, case_index)
+    fill_terrain(record["terrain"], scenario.terrain, tables[0]["terrain"])
+    fill(record["vehicle"], scenario.vehicle)
+    fill_lander(record["lander"], scenario.vehicle.mass)
+    fill(record["initial"], scenario.initial)
+    fill(record["simulation"], scenario.simulation)
+    fill(record["limits"], scenario.limits)
+    return case
+
+
+def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
+    """What the flight computer believes, shape (1,): nominal models, no perturbation, no wind."""
+    onboard = np.zeros(1, ONBOARD)
+    record = onboard[0]
+    planet = scenario.planet
+    record["planet"]["mu"] = planet.gravity.mu_m3_s2
+    record["planet"]["equatorial_radius"] = planet.equatorial_radius_m
+    record["planet"]["flattening"] = planet.flattening
+    record["planet"]["rotation_rate"] = planet.rotation_rate_rad_s
+    _believe_atmosphere(record["atmosphere"], scenario, tables)
+    _believe_vehicle(record["vehicle"], scenario, tables)
+    software = scenario.flight_software
+    for name in ("rates", "guidance", "control", "allocation", "modulation"):
+        fill(record[name], getattr(software, name))
+    fill(record["mission"], scenario.mission)
+    _set_site(record["site"], scenario)
+    if scenario.mission.phases:
+        _plan_entry(onboard, scenario)
+    return onboard
+
+
+def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
+    nominal = np.zeros(1, ATMOSPHERE)
+    quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
+    calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
+    fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
+    altitudes = np.linspace(-8000.0, 150000.0, NODES)
+    record["bottom"], record["spacing"] = altitudes[0], altitudes[1] - altitudes[0]
+    for i, altitude in enumerate(altitudes):
+        density, _, _, sound = air(nominal[0], tables[0]["atmosphere"], altitude)
+        record["ln_density"][i] = np.log(max(density, 1e-30))
+        record["speed_of_sound"][i] = sound
+
+
+def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
+    vehicle = scenario.vehicle
+    mass = vehicle.mass
+    record["entry_mass"] = mass.entry_kg
+    if vehicle.aero.model == "capsule":
+        truth = np.zeros(1, dtype_of(VehicleParams))
+        fill(truth[0], vehicle)
+        alpha = radians(abs(scenario.flight_software.guidance.entry.trim_alpha_deg))
+        capsule = truth[0]["aero"]["capsule"]
+        axial, normal, _, _ = capsule_coefficients(capsule, tables[0]["aero"], BELIEF_MACH, 1e-3, alpha)
+        drag = axial * cos(alpha) + normal * sin(alpha)
+        lift = axial * sin(alpha) - normal * cos(alpha)
+        record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
+        record["lift_to_drag"] = lift / drag
+    for index, gone in ((ENTRY, ()), (UNDER_CHUTE, ("parachute", "heat_shield")), (LANDER, ("parachute", "heat_shield", "backshell"))):
+        _believe_configuration(record["configuration"][index], scenario, gone)
+    engine, believed = vehicle.engine, record["engine"]
+    believed["full_thrust"], believed["throttle_min"] = engine.full_thrust_n, engine.throttle_min_n
+    believed["throttle_max"], believed["ignition_delay"] = engine.throttle_max_n, engine.ignition_delay_s
+    believed["specific_impulse"] = engine.full_specific_impulse_s
+    record["n_thrusters"] = len(vehicle.rcs.thrusters)
+    for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
+        slot["position"], slot["direction"] = jet.position_m, jet.direction
+        slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
+        slot["group"] = GROUPS.index(jet.group)
+
+
+def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str, ...]) -> None:
+    """Mass, centre and principal inertia of the loaded vehicle without the parts that are gone."""
+    mass = scenario.vehicle.mass
+    total, _, centre = lander_dry(mass)
+    bodies = [(total, np.asarray(centre), lander_dry(mass)[1])]
+    for name in ("heat_shield", "backshell", "parachute", "propellant"):
+        part = getattr(mass, name)
+        if name not in gone:
+            bodies.append((part.mass_kg, np.asarray(part.centre_m), np.diag(part.inertia_kg_m2)))
+    whole = sum(m for m, _, _ in bodies)
+    middle = sum(m * c for m, c, _ in bodies) / whole
+    inertia = sum(j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle)) for m, c, j in bodies)
+    record["mass"], record["centre"], record["inertia"] = whole, middle, np.diag(inertia)
+
+
+def _set_site(record: np.void, scenario: Scenario) -> None:
+    terrain, entry = scenario.terrain, scenario.flight_software.guidance.entry
+    latitude, longitude = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    record["latitude"], record["longitude"], record["elevation"] = latitude, longitude, terrain.site_elevation_m
+    radius = scenario.planet.equatorial_radius_m
+    record["aim_latitude"] = latitude + entry.aim_north_m / radius
+    record["aim_longitude"] = longitude + entry.aim_east_m / (radius * cos(latitude))
+
+
+def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
+    """Solve the reference trajectory from entry interface to the aim point."""
+    initial, entry = scenario.initial, scenario.flight_software.guidance.entry
+    site = onboard["site"][0]
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    arc, _ = great_circle(
+        sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"])
+    )
+    start = (initial.altitude_m, initial.speed_m_s, radians(initial.flight_path_angle_deg))
+    fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.align_speed_m_s, entry.final_speed_m_s)
+
+
+def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
+    """The plant at t = 0, shape (1,)."""
+    plant = np.zeros(1, PLANT)
+    record = plant[0]
+    initial, planet = scenario.initial, scenario.planet
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    r = np.array(from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, initial.altitude_m))
+    vertical = lat if initial.vertical == "geodetic" else atan2(r[2], np.hypot(r[0], r[1]))
+    gamma, azimuth = radians(initial.flight_path_angle_deg), radians(initial.azimuth_deg)
+    axes = (sin(vertical), cos(vertical), sin(lon), cos(lon))
+    v_N = initial.speed_m_s * np.array([cos(gamma) * cos(azimuth), cos(gamma) * sin(azimuth), -sin(gamma)])
+    v_relative = np.array(ned_to_fixed(*axes, tuple(v_N)))
+    up = ned_to_fixed(*axes, (0.0, 0.0, -1.0))
+    spin = planet.rotation_rate_rad_s
+    y = record["y"]
+    y[POSITION : POSITION + 3] = r
+    y[VELOCITY : VELOCITY + 3] = v_relative + np.array([-spin * r[1], spin * r[0], 0.0])
+    # the attitude of a vehicle at rest is given relative to a velocity along the azimuth
+    along = tuple(v_relative) if initial.speed_m_s > 0.0 else ned_to_fixed(*axes, (cos(azimuth), sin(azimuth), 0.0))
+    y[ATTITUDE : ATTITUDE + 4] = attitude_from_wind_angles(
+        along, up, radians(initial.bank_deg), radians(initial.alpha_deg), radians(initial.beta_deg)
+    )
+    y[RATE : RATE + 3] = np.radians(initial.rate_deg_s)
+    y[PROPELLANT] = scenario.vehicle.mass.propellant.mass_kg
+    record["attached"][:] = 1
+    record["due"][:] = 1e99
+    record["done"][:] = np.nan
+    record["wing_start"] = 1e99
+    record["line_stretch_time"] = 1e99
+    record["touchdown_time"] = np.nan
+    record["agl"] = 1e99
+    return plant
+
+
+def initial_fsw(onboard: np.ndarray) -> np.ndarray:
+    """Flight-software memory at t = 0, shape (1,)."""
+    fsw = np.zeros(1, FSW)
+    fsw["mass"] = onboard["vehicle"]["entry_mass"]
+    fsw["entered"] = np.nan
+    fsw["entered"][0, 0] = 0.0
+    return fsw
+
+
+def initial_sensed() -> np.ndarray:
+    """Sensor record, shape (1,)."""
+    return np.zeros(1, SENSED)

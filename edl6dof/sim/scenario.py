@@ -1,0 +1,127 @@
+"""The scenario file: planet, environment, vehicle, initial state, flight software, mission, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import model_validator
+
+from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.config.overrides import apply_overrides
+from edl6dof.config.source import Document, read_document, resolve_scenario
+from edl6dof.config.validate import validate
+from edl6dof.environment.atmosphere import AtmosphereParams
+from edl6dof.environment.planet import PlanetParams
+from edl6dof.environment.terrain import TerrainParams
+from edl6dof.environment.wind import WindParams
+from edl6dof.fsw.onboard import FlightSoftwareParams
+from edl6dof.mission.phases import MissionParams
+from edl6dof.vehicle.vehicle import VehicleParams
+
+
+class InitialState(Params):
+    """State of the centre of mass and attitude at t = 0."""
+
+    epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
+    altitude_m: float = param(REQUIRED, "height above the ellipsoid", ge=-10e3, le=1e7)
+    latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
+    longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
+    speed_m_s: float = param(REQUIRED, "speed relative to the rotating planet", ge=0.0, le=20000.0)
+    flight_path_angle_deg: float = param(REQUIRED, "flight-path angle, negative downwards", ge=-90.0, le=90.0)
+    azimuth_deg: float = param(REQUIRED, "azimuth of the velocity, from north through east", ge=-360.0, le=360.0)
+    vertical: Literal["geodetic", "geocentric"] = param("geodetic", "which vertical the angles refer to")
+    alpha_deg: float = param(0.0, "angle of attack", ge=-180.0, le=180.0)
+    beta_deg: float = param(0.0, "sideslip angle", ge=-90.0, le=90.0)
+    bank_deg: float = param(0.0, "bank angle", ge=-180.0, le=180.0)
+    rate_deg_s: tuple[float, float, float] = param((0.0, 0.0, 0.0), "inertial body rate p, q, r")
+
+
+class SimulationParams(Params):
+    """Integration, logging and when to stop."""
+
+    step_s: float = param(0.01, "integration step", ge=1e-4, le=0.1)
+    log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
+    time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
+    settle_s: float = param(3.0, "time flown on after first ground contact", ge=0.0, le=60.0)
+
+
+class LimitParams(Params):
+    """What counts as landed within limits, and what ends a flight."""
+
+    touchdown_vertical_m_s: float = param(3.6, "vertical speed at first contact", status="estimate", gt=0.0)
+    touchdown_horizontal_m_s: float = param(1.0, "horizontal speed at first contact", status="estimate", gt=0.0)
+    touchdown_tilt_deg: float = param(4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0)
+    touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
+    slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
+    landing_distance_m: float = param(28000.0, "distance from the landing site", status="published", gt=0.0)
+    parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
+    parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
+    parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
+    backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
+    backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
+    crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
+    body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", gt=0.0)
+    total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)
+
+
+class Scenario(Params):
+    """Everything one flight needs."""
+
+    name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
+    description: str = param("", "what it shows", record=False)
+    seed: int = param(1, "seed of all random profiles", record=False, ge=0)
+    planet: PlanetParams = section("planet, by name or in full")
+    atmosphere: AtmosphereParams = group(AtmosphereParams, "atmosphere")
+    wind: WindParams = group(WindParams, "wind")
+    terrain: TerrainParams = section("landing site and ground")
+    vehicle: VehicleParams = section("vehicle, by file or in full")
+    initial: InitialState = section("initial state")
+    simulation: SimulationParams = group(SimulationParams, "integration and logging")
+    flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
+    mission: MissionParams = group(MissionParams, "mission phases")
+    limits: LimitParams = group(LimitParams, "limits of the verdict")
+    published: dict[str, float] = param(
+        None, "figures of the real flight, shown beside this one's", status="published", record=False, factory=dict
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scenario:
+        cycle = 1.0 / self.flight_software.rates.base_hz
+        steps = cycle / self.simulation.step_s
+        if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
+            raise ValueError(
+                f"simulation.step_s {self.simulation.step_s:g} must divide the base cycle "
+                f"1/flight_software.rates.base_hz = {cycle:g} s"
+            )
+        phases = self.mission.phases
+        for phase in phases[:-1]:
+            if phase.until is None:
+                raise ValueError(f"mission.phases: phase {phase.name!r} has no 'until'; only the last may go on for ever")
+        return self
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Integration steps in one base cycle of the flight software."""
+        return round(1.0 / self.flight_software.rates.base_hz / self.simulation.step_s)
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A validated scenario with where it came from."""
+
+    scenario: Scenario
+    document: Document
+
+
+def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Read, override and validate a scenario file, or a shipped scenario by name.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    document = read_document(resolve_scenario(str(name_or_path)))
+    document = apply_overrides(document, overrides, Scenario)
+    return LoadedScenario(validate(Scenario, document), document)

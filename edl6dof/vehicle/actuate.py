@@ -1,0 +1,30 @@
+"""From flight-software commands to valves, engine and pyrotechnics."""
+
+from __future__ import annotations
+
+from edl6dof.jit import kernel
+from edl6dof.vehicle.plant import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
+
+N_EVENTS = len(EVENTS)
+ENGINE_FULL = 2
+
+
+@kernel
+def actuate(case, command, plant):
+    """Set valve intervals and engine level, and schedule what was requested with its delay."""
+    vehicle = case.vehicle
+    for i in range(vehicle.rcs.n_thrusters):
+        plant.valves.opens[i] = command.opens[i]
+        plant.valves.closes[i] = command.closes[i]
+    plant.thrust_command = command.thrust
+    plant.starting = 1 if command.engine_mode == ENGINE_FULL else 0
+    for event in range(N_EVENTS):
+        if command.request[event] != 0:
+            delay = 0.0
+            if event == MORTAR:
+                delay = vehicle.parachute.mortar_delay
+            elif event == IGNITION:
+                delay = vehicle.engine.ignition_delay
+            elif event == HEAT_SHIELD_OFF or event == BACKSHELL_OFF:
+                delay = vehicle.staging.pyro_delay
+            plant.due[event] = plant.t + delay

@@ -1,0 +1,199 @@
+"""Equations of motion: the derivative of the integrated state of vehicle, propellant, engine and canopy.
+
+State in I: position and velocity of the centre of mass, quaternion ``q_I2B``, body rate.  Forces: gravitation, aerodynamics, trim
+wing, thrusters, engine, riser, ground.  Left out: the momentum of propellant moving inside the vehicle (jet damping) and the slow
+shift of the centre of mass inside the body while propellant is used, both below 1e-4 of the control torque.
+"""
+
+from __future__ import annotations
+
+from math import acos, cos, sin, sqrt
+
+from edl6dof.environment.atmosphere import air
+from edl6dof.environment.gravity import gravity_F
+from edl6dof.environment.wind import wind
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z
+from edl6dof.spatial.quaternion import from_frame, rate, to_frame
+from edl6dof.spatial.vector import add, clamp, cross, inertia_solve, inertia_times, norm, put3, scale, sub, take3
+from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
+from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.landing_gear import contact
+from edl6dof.vehicle.mass import BACKSHELL, HEAT_SHIELD, with_propellant
+from edl6dof.vehicle.parachute import (
+    EXTRACTING,
+    INFLATING,
+    apparent_mass,
+    canopy_force,
+    inflation,
+    riser_tension,
+)
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    CANOPY_POSITION,
+    CANOPY_VELOCITY,
+    HEAT,
+    POSITION,
+    PROPELLANT,
+    RATE,
+    THRUST,
+    VELOCITY,
+)
+from edl6dof.vehicle.trim_wing import wing_force, wing_opening
+
+#: Sutton-Graves constant for Mars, kg^0.5/m (reference data section 5.3, published).
+SUTTON_GRAVES = 1.9027e-4
+
+
+@kernel
+def derivatives(case, tables, plant, t, y, dy):
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); also refreshes ``plant.out`` with the quantities met on the way.
+
+    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
+    """
+    out = plant.out
+    vehicle = case.vehicle
+    r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
+    q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
+
+    spin = case.planet.rotation_rate
+    c, s = cos(spin * t), sin(spin * t)
+    r_F = rotate_z(c, s, r_I)
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(case.planet.equatorial_radius, case.planet.flattening, r_F)
+    g_I = rotate_z(c, -s, gravity_F(case.planet.gravity, r_F[0], r_F[1], r_F[2]))
+    density, pressure, temperature, sound = air(case.atmosphere, tables.atmosphere, altitude)
+    east, north, up = wind(case.wind, tables.atmosphere, altitude)
+    carried = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, -up)))
+    # velocity of the air at the vehicle: rotation plus wind
+    air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])
+    v_air_I = sub(v_I, air_I)
+    v_air = to_frame(q, v_air_I)
+    speed = norm(v_air)
+    mach = speed / sound if sound > 0.0 else 0.0
+    qbar = 0.5 * density * speed * speed
+
+    mass, centre, inertia = with_propellant(plant.dry, vehicle.mass.propellant, y[PROPELLANT])
+
+    # capsule, open backshell, lander: 0, 1, 2 as parts leave
+    shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
+    wrench = aerodynamic_wrench(
+        vehicle.aero, tables.aero, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2]
+    )
+    aero_force = (wrench[0], wrench[1], wrench[2])
+    arm = (wrench[6] - centre[0], -centre[1], -centre[2])
+    aero_moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, aero_force))
+    extension = wing_opening(vehicle.trim_wing, t - plant.wing_start)
+    if extension > 0.0 and plant.attached[BACKSHELL] != 0:
+        wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
+        wing_f = (wing[0], wing[1], wing[2])
+        aero_force = add(aero_force, wing_f)
+        aero_moment = add(aero_moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
+
+    engine_force, engine_moment = thrust_wrench(vehicle.engine, y[THRUST])
+    rcs_force, rcs_moment = take3(plant.rcs_force, 0), take3(plant.rcs_moment, 0)
+    thrust = add(engine_force, rcs_force)
+    force = add(aero_force, thrust)
+    moment = add(aero_moment, sub(add(engine_moment, rcs_moment), cross(centre, thrust)))
+
+    tension = 0.0
+    if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
+        chute = vehicle.parachute
+        hook = sub(take3(chute.confluence, 0), centre)
+        hook_r = add(r_I, from_frame(q, hook))
+        hook_v = add(v_I, from_frame(q, cross(w, hook)))
+        line = sub(take3(y, CANOPY_POSITION), hook_r)
+        distance = max(norm(line), 1e-6)
+        line = scale(1.0 / distance, line)
+        v_canopy = take3(y, CANOPY_VELOCITY)
+        stretch_rate = (
+            (v_canopy[0] - hook_v[0]) * line[0] + (v_canopy[1] - hook_v[1]) * line[1] + (v_canopy[2] - hook_v[2]) * line[2]
+        )
+        packed = vehicle.mass.parachute.mass
+        tension = riser_tension(chute, packed, distance, stretch_rate)
+        fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
+        v_canopy_air = sub(v_canopy, air_I)
+        canopy_mach = norm(v_canopy_air) / sound
+        drag = canopy_force(chute, fraction, density, canopy_mach, t, v_canopy_air, scale(-1.0, line))
+        total = packed + apparent_mass(chute, density, fraction)
+        pull = to_frame(q, scale(tension, line))
+        force = add(force, pull)
+        moment = add(moment, cross(hook, pull))
+        inverse = 1.0 / total
+        put3(dy, CANOPY_POSITION, v_canopy)
+        put3(
+            dy,
+            CANOPY_VELOCITY,
+            (
+                (drag[0] - tension * line[0] + packed * g_I[0]) * inverse,
+                (drag[1] - tension * line[1] + packed * g_I[1]) * inverse,
+                (drag[2] - tension * line[2] + packed * g_I[2]) * inverse,
+            ),
+        )
+
+    pads = 0
+    if plant.legs != 0 and plant.agl < 50.0:
+        slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
+        inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
+        normal_F = ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
+        normal_B = to_frame(q, rotate_z(c, -s, normal_F))
+        ground_I = (-spin * r_I[1], spin * r_I[0], 0.0)
+        v_ground = to_frame(q, sub(v_I, ground_I))
+        w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
+        clearance = (altitude - plant.ground_elevation) * inverse
+        gear_force, gear_moment, pads = contact(vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
+        force = add(force, gear_force)
+        moment = add(moment, sub(gear_moment, cross(centre, gear_force)))
+
+    specific = scale(1.0 / mass, force)
+    push_I = from_frame(q, specific)
+    put3(dy, POSITION, v_I)
+    put3(dy, VELOCITY, add(push_I, g_I))
+    q_dot = rate(q, w)
+    for i in range(4):
+        dy[ATTITUDE + i] = q_dot[i]
+    put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
+    dy[PROPELLANT] = 0.0
+    if y[PROPELLANT] > 0.0:
+        dy[PROPELLANT] = -propellant_flow(vehicle.engine, y[THRUST]) - plant.rcs_flow
+    command = plant.thrust_command if plant.running != 0 and y[PROPELLANT] > 0.0 else 0.0
+    dy[THRUST] = 0.0
+    if command != 0.0 or y[THRUST] != 0.0:
+        dy[THRUST] = thrust_rate(vehicle.engine, y[THRUST], command, plant.starting != 0 or plant.running == 0)
+    heat_flux = SUTTON_GRAVES * sqrt(density / vehicle.nose_radius) * speed * speed * speed
+    dy[HEAT] = heat_flux
+
+    out.altitude = altitude
+    out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon = sin_lat, cos_lat, sin_lon, cos_lon
+    out.density, out.pressure, out.temperature, out.speed_of_sound = density, pressure, temperature, sound
+    out.mach, out.dynamic_pressure, out.heat_flux = mach, qbar, heat_flux
+    put3(out.v_air_B, 0, v_air)
+    put3(out.v_air_I, 0, v_air_I)
+    put3(out.wind_N, 0, (north, east, -up))
+    put3(out.aero_force_B, 0, aero_force)
+    put3(out.aero_moment_B, 0, aero_moment)
+    put3(out.specific_force_B, 0, specific)
+    # everything that turns the vehicle except the thrusters
+    put3(out.disturbance_moment_B, 0, sub(moment, sub(rcs_moment, cross(centre, rcs_force))))
+    out.riser_tension, out.engine_thrust, out.mass, out.pads = tension, y[THRUST] * vehicle.engine.thrust_factor, mass, pads
+    put3(out.centre, 0, centre)
+    for i in range(6):
+        out.inertia[i] = inertia[i]
+
+
+@kernel
+def ground_velocity_N(case, t, r_I, v_I, out):
+    """Planet-relative velocity in north-east-down, m/s."""
+    spin = case.planet.rotation_rate
+    v = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
+    v_F = rotate_z(cos(spin * t), sin(spin * t), v)
+    return fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, v_F)
+
+
+@kernel
+def tilt(case, t, q, out):
+    """Angle between -x of B (up when landed) and the local vertical, rad."""
+    down_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, 1.0))
+    spin = case.planet.rotation_rate
+    down_I = rotate_z(cos(spin * t), -sin(spin * t), down_F)
+    x = from_frame(q, (1.0, 0.0, 0.0))
+    return acos(clamp(x[0] * down_I[0] + x[1] * down_I[1] + x[2] * down_I[2], -1.0, 1.0))

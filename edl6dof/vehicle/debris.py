@@ -1,0 +1,63 @@
+"""Parts that have left the vehicle: point masses falling with drag, until they reach the ground."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+from edl6dof.environment.atmosphere import air
+from edl6dof.environment.gravity import gravity_F
+from edl6dof.environment.wind import wind
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+
+RESTING = 2
+
+
+@kernel
+def fall(case, tables, t, r_I, v_I, drag_over_mass):
+    """Acceleration (I) of a falling part, and its altitude."""
+    spin = case.planet.rotation_rate
+    c, s = cos(spin * t), sin(spin * t)
+    r_F = rotate_z(c, s, r_I)
+    sl, cl, so, co, altitude = geodetic(case.planet.equatorial_radius, case.planet.flattening, r_F)
+    g_I = rotate_z(c, -s, gravity_F(case.planet.gravity, r_F[0], r_F[1], r_F[2]))
+    density, _, _, _ = air(case.atmosphere, tables.atmosphere, altitude)
+    east, north, up = wind(case.wind, tables.atmosphere, altitude)
+    carried = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (north, east, -up)))
+    air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])
+    v = sub(v_I, air_I)
+    return add(g_I, scale(-0.5 * density * norm(v) * drag_over_mass, v)), altitude
+
+
+@kernel
+def step_part(case, tables, part, t, h, ground_elevation):
+    """Advance one part by ``h`` s; on the ground it rests and turns with the planet."""
+    r, v = take3(part.r_I, 0), take3(part.v_I, 0)
+    spin = case.planet.rotation_rate
+    if part.active == RESTING:
+        c, s = cos(spin * h), sin(spin * h)
+        put3(part.r_I, 0, rotate_z(c, -s, r))
+        return
+    ratio = part.drag_area / part.mass
+    a1, altitude = fall(case, tables, t, r, v, ratio)
+    if altitude <= ground_elevation:
+        part.active = RESTING
+        put3(part.v_I, 0, (-spin * r[1], spin * r[0], 0.0))
+        return
+    r2, v2 = add(r, scale(0.5 * h, v)), add(v, scale(0.5 * h, a1))
+    a2, _ = fall(case, tables, t + 0.5 * h, r2, v2, ratio)
+    r3, v3 = add(r, scale(0.5 * h, v2)), add(v, scale(0.5 * h, a2))
+    a3, _ = fall(case, tables, t + 0.5 * h, r3, v3, ratio)
+    r4, v4 = add(r, scale(h, v3)), add(v, scale(h, a3))
+    a4, _ = fall(case, tables, t + h, r4, v4, ratio)
+    put3(part.r_I, 0, add(r, scale(h / 6.0, add(add(v, v4), scale(2.0, add(v2, v3))))))
+    put3(part.v_I, 0, add(v, scale(h / 6.0, add(add(a1, a4), scale(2.0, add(a2, a3))))))
+
+
+@kernel
+def step_debris(case, tables, plant, t, h):
+    """Advance every part that has left the vehicle."""
+    for i in range(plant.debris.shape[0]):
+        if plant.debris[i].active != 0:
+            step_part(case, tables, plant.debris[i], t, h, plant.ground_elevation)

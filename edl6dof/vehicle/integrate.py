@@ -1,0 +1,204 @@
+"""Fixed-step fourth-order Runge-Kutta with events located inside the step.
+
+Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state (line stretch, first contact of
+a footpad) are found by repeating the step with a shorter length until the event function is zero to 1e-9 s.  A step is cut, never
+rounded; thruster impulse stays exact because valve levels are integrated in closed form over whatever length the step has.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, isfinite, sin, sqrt
+
+from edl6dof.environment.terrain import ground
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import ned_to_fixed, rotate_z
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, norm, put3, sub, take3
+from edl6dof.vehicle.body import derivatives
+from edl6dof.vehicle.landing_gear import lowest_point
+from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    CANOPY_POSITION,
+    EVENTS,
+    POSITION,
+    STATES,
+    STATES_VEHICLE,
+)
+from edl6dof.vehicle.rcs import fire
+from edl6dof.vehicle.staging import carry_out
+
+TIME_TOLERANCE = 1e-9
+N_EVENTS = len(EVENTS)
+
+
+@kernel
+def rk4(case, tables, plant, t, h):
+    """Advance ``plant.y`` by one classical Runge-Kutta step of length ``h`` (s) from time ``t``."""
+    y, k, trial = plant.y, plant.k, plant.trial
+    n = STATES if plant.canopy == EXTRACTING or plant.canopy == INFLATING else STATES_VEHICLE
+    k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
+    derivatives(case, tables, plant, t, y, k1)
+    for i in range(n):
+        trial[i] = y[i] + 0.5 * h * k1[i]
+    derivatives(case, tables, plant, t + 0.5 * h, trial, k2)
+    for i in range(n):
+        trial[i] = y[i] + 0.5 * h * k2[i]
+    derivatives(case, tables, plant, t + 0.5 * h, trial, k3)
+    for i in range(n):
+        trial[i] = y[i] + h * k3[i]
+    derivatives(case, tables, plant, t + h, trial, k4)
+    for i in range(n):
+        y[i] += h * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0
+    q2 = y[6] * y[6] + y[7] * y[7] + y[8] * y[8] + y[9] * y[9]
+    inverse = 1.0 / sqrt(q2)
+    for i in range(ATTITUDE, ATTITUDE + 4):
+        y[i] *= inverse
+
+
+@kernel
+def look_down(case, tables, plant):
+    """Refresh the ground under the vehicle (elevation and slope) at the start of a step."""
+    out = plant.out
+    lat, lon = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
+    elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, lat, lon)
+    plant.ground_elevation = elevation
+    plant.ground_slope[0] = slope_north
+    plant.ground_slope[1] = slope_east
+    plant.agl = out.altitude - elevation
+
+
+@kernel
+def ground_clearance(case, plant, t):
+    """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground, m."""
+    y, out = plant.y, plant.out
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
+    inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
+    up_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
+    spin = case.planet.rotation_rate
+    up_B = to_frame(q, rotate_z(cos(spin * t), -sin(spin * t), up_F))
+    centre = take3(out.centre, 0)
+    if plant.legs != 0:
+        low = lowest_point(case.vehicle.landing_gear, centre, up_B)
+    else:
+        low = -(centre[0] * up_B[0] + centre[1] * up_B[1] + centre[2] * up_B[2])
+    return (out.altitude - plant.ground_elevation) * inverse + low
+
+
+@kernel
+def line_slack(case, plant):
+    """Length of line still to be paid out before line stretch, m."""
+    y = plant.y
+    hook = sub(take3(case.vehicle.parachute.confluence, 0), take3(plant.out.centre, 0))
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    anchor = add(take3(y, POSITION), from_frame(q, hook))
+    return case.vehicle.parachute.line_length - norm(sub(take3(y, CANOPY_POSITION), anchor))
+
+
+@kernel
+def event_function(case, plant, t):
+    """Positive until the next event of the state; NaN-free: 1 when no such event is possible."""
+    if plant.canopy == EXTRACTING:
+        return line_slack(case, plant)
+    if plant.touched == 0 and plant.agl < 50.0:
+        return ground_clearance(case, plant, t)
+    return 1.0
+
+
+@kernel
+def step(case, tables, plant, h):
+    """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its end."""
+    t = plant.t
+    fx, fy, fz, mx, my, mz, flow = fire(case.vehicle.rcs, plant.valves, t, h, plant.out.dynamic_pressure)
+    if plant.y[13] <= 0.0:
+        fx = fy = fz = mx = my = mz = flow = 0.0
+    put3(plant.rcs_force, 0, (fx, fy, fz))
+    put3(plant.rcs_moment, 0, (mx, my, mz))
+    plant.rcs_flow = flow
+    rk4(case, tables, plant, t, h)
+    plant.t = t + h
+
+
+@kernel
+def restore(plant, t):
+    """Return to the saved beginning of a step."""
+    for i in range(STATES):
+        plant.y[i] = plant.y0[i]
+    for i in range(plant.level0.shape[0]):
+        plant.valves.level[i] = plant.level0[i]
+    plant.t = t
+
+
+@kernel
+def located_step(case, tables, plant, h):
+    """Step of at most ``h`` that ends exactly at the first event of the state; returns whether it ended at one."""
+    t = plant.t
+    before = event_function(case, plant, t)
+    for i in range(STATES):
+        plant.y0[i] = plant.y[i]
+    for i in range(plant.level0.shape[0]):
+        plant.level0[i] = plant.valves.level[i]
+    step(case, tables, plant, h)
+    after = event_function(case, plant, plant.t)
+    if not (before > 0.0 and after <= 0.0):
+        return False
+    low, high = 0.0, h
+    f_low, f_high = before, after
+    for iteration in range(60):
+        if high - low < TIME_TOLERANCE:
+            break
+        # false position, with bisection every third pass against a one-sided stall
+        share = 0.5 if iteration % 3 == 2 else f_low / (f_low - f_high)
+        trial = low + min(max(share, 0.02), 0.98) * (high - low)
+        restore(plant, t)
+        step(case, tables, plant, trial)
+        value = event_function(case, plant, plant.t)
+        if value > 0.0:
+            low, f_low = trial, value
+        else:
+            high, f_high = trial, value
+    restore(plant, t)
+    step(case, tables, plant, high)
+    return True
+
+
+@kernel
+def advance(case, tables, plant, t_end):
+    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False if not finite."""
+    while True:
+        due = t_end
+        event = -1
+        for i in range(N_EVENTS):
+            if plant.due[i] <= due:
+                due = plant.due[i]
+                event = i
+        h = due - plant.t
+        if h > TIME_TOLERANCE:
+            if plant.agl < 20000.0 or plant.canopy == EXTRACTING:
+                look_down(case, tables, plant)
+            if event_function(case, plant, plant.t) != 1.0:
+                if located_step(case, tables, plant, h):
+                    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
+                    if plant.canopy == EXTRACTING:
+                        plant.canopy = INFLATING
+                        plant.line_stretch_time = plant.t
+                    else:
+                        plant.touched = 1
+                        plant.touchdown_time = plant.t
+                        for i in range(STATES):
+                            plant.touchdown[i] = plant.y[i]
+                    continue
+            else:
+                step(case, tables, plant, h)
+        plant.t = due
+        if event < 0:
+            break
+        plant.due[event] = 1e99
+        plant.done[event] = plant.t
+        carry_out(case, tables, plant, event)
+    total = 0.0
+    for i in range(STATES_VEHICLE):
+        total += plant.y[i]
+    return isfinite(total)
+

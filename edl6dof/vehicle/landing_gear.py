@@ -1,0 +1,93 @@
+"""Footpads on springs and dampers with Coulomb friction, on a locally plane ground."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Annotated
+
+from edl6dof.config.base import Capacity, Params, Vec3, param
+from edl6dof.config.dtype import dtype_of
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import cross
+
+MAX_FOOTPADS = 8
+
+
+class LandingGearParams(Params):
+    """Legs that end in footpads; each presses along the ground's normal."""
+
+    footpads_m: Annotated[list[Vec3], Capacity(MAX_FOOTPADS)] = param(
+        None, "footpad positions in B with the legs out", factory=list, max_length=MAX_FOOTPADS
+    )
+    stiffness_n_m: float = param(60000.0, "spring constant of one leg", status="estimate", gt=0.0)
+    damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
+    friction: float = param(0.6, "Coulomb friction coefficient of a footpad on the soil", status="estimate", ge=0.0, le=2.0)
+    slip_speed_m_s: float = param(0.05, "speed over which friction builds up (keeps it smooth)", gt=0.0)
+
+
+LANDING_GEAR = dtype_of(LandingGearParams)
+
+
+@kernel
+def leg_force(gear, depth, v_normal, v_slip):
+    """Force of one leg: (along the outward normal, friction force per unit slip velocity).
+
+    Args:
+        gear: landing-gear record.
+        depth: how far the footpad is below the ground, m.
+        v_normal: velocity of the footpad along the outward normal, m/s.
+        v_slip: magnitude of its velocity along the ground, m/s.
+    """
+    if depth <= 0.0:
+        return 0.0, 0.0
+    # the ground pushes but never pulls
+    normal = max(gear.stiffness * depth - gear.damping * v_normal, 0.0)
+    return normal, -gear.friction * normal / sqrt(v_slip * v_slip + gear.slip_speed * gear.slip_speed)
+
+
+@kernel
+def contact(gear, centre, clearance, up_B, v_B, w_B):
+    """Ground reaction on all footpads: force and moment about the origin of B (two tuples), and the number of pads on the ground.
+
+    Args:
+        gear: landing-gear record.
+        centre: centre of mass in B, m.
+        clearance: height of the centre of mass above the local ground plane along its normal, m.
+        up_B: outward normal of the ground in B.
+        v_B: velocity of the centre of mass relative to the ground, in B, m/s.
+        w_B: body rate relative to the ground, in B, rad/s.
+    """
+    fx = fy = fz = mx = my = mz = 0.0
+    pads = 0
+    for k in range(gear.n_footpads):
+        p = (gear.footpads[k][0], gear.footpads[k][1], gear.footpads[k][2])
+        arm = (p[0] - centre[0], p[1] - centre[1], p[2] - centre[2])
+        depth = -(clearance + arm[0] * up_B[0] + arm[1] * up_B[1] + arm[2] * up_B[2])
+        if depth <= 0.0:
+            continue
+        spin = cross(w_B, arm)
+        vx, vy, vz = v_B[0] + spin[0], v_B[1] + spin[1], v_B[2] + spin[2]
+        vn = vx * up_B[0] + vy * up_B[1] + vz * up_B[2]
+        sx, sy, sz = vx - vn * up_B[0], vy - vn * up_B[1], vz - vn * up_B[2]
+        normal, drag = leg_force(gear, depth, vn, sqrt(sx * sx + sy * sy + sz * sz))
+        force = (normal * up_B[0] + drag * sx, normal * up_B[1] + drag * sy, normal * up_B[2] + drag * sz)
+        moment = cross(p, force)
+        fx += force[0]
+        fy += force[1]
+        fz += force[2]
+        mx += moment[0]
+        my += moment[1]
+        mz += moment[2]
+        pads += 1
+    return (fx, fy, fz), (mx, my, mz), pads
+
+
+@kernel
+def lowest_point(gear, centre, up_B):
+    """Signed distance along the normal from the centre of mass to the lowest footpad (negative: below), m; 0 without footpads."""
+    low = 0.0
+    for k in range(gear.n_footpads):
+        p = gear.footpads[k]
+        height = (p[0] - centre[0]) * up_B[0] + (p[1] - centre[1]) * up_B[1] + (p[2] - centre[2]) * up_B[2]
+        low = min(low, height)
+    return low

@@ -1,0 +1,106 @@
+"""The Plant record: everything about the true vehicle that changes in flight."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.vehicle.mass import BODY
+from edl6dof.vehicle.rcs import MAX_THRUSTERS
+
+#: Layout of the integrated state ``y``.
+POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = 0, 3, 6, 10, 13, 14, 15, 16, 19
+STATES = 22
+#: Components that exist without a free canopy.
+STATES_VEHICLE = 16
+
+#: Things that happen once, in the order of the flight; ``due`` holds when.
+EVENTS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
+TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF = range(7)
+
+VALVES = np.dtype(
+    [
+        ("opens", "f8", (MAX_THRUSTERS,)),
+        ("closes", "f8", (MAX_THRUSTERS,)),
+        ("level", "f8", (MAX_THRUSTERS,)),
+        ("mean", "f8", (MAX_THRUSTERS,)),
+    ],
+    align=True,
+)
+
+#: Quantities evaluated with the derivatives at the last point of the trajectory; sensors and the log read them.
+OUTPUT = np.dtype(
+    [
+        ("altitude", "f8"),
+        ("sin_lat", "f8"),
+        ("cos_lat", "f8"),
+        ("sin_lon", "f8"),
+        ("cos_lon", "f8"),
+        ("density", "f8"),
+        ("pressure", "f8"),
+        ("temperature", "f8"),
+        ("speed_of_sound", "f8"),
+        ("mach", "f8"),
+        ("dynamic_pressure", "f8"),
+        ("heat_flux", "f8"),
+        ("v_air_B", "f8", (3,)),
+        ("v_air_I", "f8", (3,)),
+        ("wind_N", "f8", (3,)),
+        ("aero_force_B", "f8", (3,)),
+        ("aero_moment_B", "f8", (3,)),
+        ("specific_force_B", "f8", (3,)),
+        ("disturbance_moment_B", "f8", (3,)),
+        ("riser_tension", "f8"),
+        ("engine_thrust", "f8"),
+        ("mass", "f8"),
+        ("centre", "f8", (3,)),
+        ("inertia", "f8", (6,)),
+        ("pads", "i8"),
+    ],
+    align=True,
+)
+
+#: A part that has left the vehicle: a point mass with drag.
+DEBRIS = np.dtype(
+    [("active", "i8"), ("mass", "f8"), ("drag_area", "f8"), ("r_I", "f8", (3,)), ("v_I", "f8", (3,))],
+    align=True,
+)
+
+PLANT = np.dtype(
+    [
+        ("t", "f8"),
+        ("y", "f8", (STATES,)),
+        ("attached", "i8", (3,)),
+        ("canopy", "i8"),
+        ("legs", "i8"),
+        ("running", "i8"),
+        ("starting", "i8"),
+        ("touched", "i8"),
+        ("thrust_command", "f8"),
+        ("line_stretch_time", "f8"),
+        ("wing_start", "f8"),
+        ("touchdown_time", "f8"),
+        ("due", "f8", (len(EVENTS),)),
+        ("done", "f8", (len(EVENTS),)),
+        ("dry", BODY),
+        ("valves", VALVES),
+        ("rcs_force", "f8", (3,)),
+        ("rcs_moment", "f8", (3,)),
+        ("rcs_flow", "f8"),
+        ("ground_elevation", "f8"),
+        ("ground_slope", "f8", (2,)),
+        ("agl", "f8"),
+        ("clearance", "f8"),
+        ("touchdown", "f8", (STATES,)),
+        ("peak_heat_flux", "f8"),
+        ("peak_load", "f8"),
+        ("peak_tension", "f8"),
+        ("debris", DEBRIS, (2,)),
+        ("out", OUTPUT),
+        # scratch of the integrator
+        ("k", "f8", (4, STATES)),
+        ("trial", "f8", (STATES,)),
+        ("y0", "f8", (STATES,)),
+        ("level0", "f8", (MAX_THRUSTERS,)),
+    ],
+    align=True,
+)

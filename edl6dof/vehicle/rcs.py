@@ -1,0 +1,126 @@
+"""Reaction-control thrusters: valves opened and closed at any time, impulse delivered exactly.
+
+A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in ``rise_s`` while the valve is
+open and falls to zero in ``decay_s`` when it is shut.  Over one integration step the level is integrated in closed form and its mean
+is applied as a constant force, so the impulse of a pulse does not depend on the step.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import field_validator
+
+from edl6dof.config.base import REQUIRED, Capacity, Params, Vec3, param
+from edl6dof.config.dtype import dtype_of
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
+
+MAX_THRUSTERS = 32
+G0 = 9.80665
+
+GROUPS = ("horizontal", "axial", "attitude", "fine")
+HORIZONTAL, AXIAL, ATTITUDE, FINE = range(4)
+
+
+class Thruster(Params):
+    """One reaction-control thruster."""
+
+    name: str = param(REQUIRED, "name, unique in the vehicle", record=False, min_length=1)
+    group: Literal["horizontal", "axial", "attitude", "fine"] = param(
+        REQUIRED, "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; fine pointing"
+    )
+    position_m: Vec3 = param(REQUIRED, "nozzle position in B")
+    direction: Vec3 = param(REQUIRED, "unit vector of the force on the vehicle in B")
+    thrust_n: float = param(REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0)
+    specific_impulse_s: float = param(REQUIRED, "specific impulse, steady", gt=0.0, le=500.0)
+    minimum_pulse_s: float = param(REQUIRED, "shortest commanded pulse", gt=0.0, le=1.0)
+    rise_s: float = param(0.012, "time from valve opening to full thrust", status="estimate", gt=0.0, le=0.2)
+    decay_s: float = param(0.012, "time from valve closing to no thrust", status="estimate", gt=0.0, le=0.2)
+
+    @field_validator("direction")
+    @classmethod
+    def _unit_length(cls, value: Vec3) -> Vec3:
+        length = float(np.linalg.norm(value))
+        if abs(length - 1.0) > 1e-3:
+            raise ValueError(f"must be a unit vector, its length is {length:.4f}")
+        return tuple(float(component) / length for component in value)
+
+
+class RcsParams(Params):
+    """The thruster set and its interaction with the flow."""
+
+    thrusters: Annotated[list[Thruster], Capacity(MAX_THRUSTERS)] = param(
+        None, "thrusters; empty for none", factory=list, max_length=MAX_THRUSTERS
+    )
+    flow_loss: float = param(0.0, "fraction of thrust lost at the reference dynamic pressure", status="estimate", ge=0.0, lt=1.0)
+    flow_loss_pressure_pa: float = param(5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0)
+
+    @field_validator("thrusters")
+    @classmethod
+    def _unique_names(cls, value: list[Thruster]) -> list[Thruster]:
+        names = [thruster.name for thruster in value]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ValueError(f"thruster names must be unique; given twice: {', '.join(twice)}")
+        return value
+
+
+RCS = dtype_of(RcsParams)
+
+
+@kernel
+def climb(level, duration, slope):
+    """Integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0 or 1; returns (integral, new level)."""
+    if duration <= 0.0:
+        return 0.0, level
+    goal = 1.0 if slope > 0.0 else 0.0
+    reach = (goal - level) / slope
+    if reach >= duration:
+        end = level + slope * duration
+        return 0.5 * (level + end) * duration, end
+    return 0.5 * (level + goal) * reach + goal * (duration - reach), goal
+
+
+@kernel
+def mean_level(level, rise, decay, start, step, opens, closes):
+    """Mean thrust level over [start, start + step] of a valve open during [opens, closes]; returns (mean, level at the end)."""
+    end = start + step
+    a = clamp(opens, start, end)
+    b = clamp(closes, a, end)
+    before, level = climb(level, a - start, -1.0 / decay)
+    during, level = climb(level, b - a, 1.0 / rise)
+    after, level = climb(level, end - b, -1.0 / decay)
+    return (before + during + after) / step, level
+
+
+@kernel
+def fire(rcs, valves, t, step, dynamic_pressure):
+    """Mean force and moment of all thrusters over a step and their propellant flow, for constant application in that step.
+
+    Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn as plumes).
+    Returns (Fx, Fy, Fz, Mx, My, Mz about the origin of B, kg/s).
+    """
+    efficiency = 1.0 - rcs.flow_loss * clamp(dynamic_pressure / rcs.flow_loss_pressure, 0.0, 1.0)
+    fx = fy = fz = mx = my = mz = flow = 0.0
+    for i in range(rcs.n_thrusters):
+        if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
+            valves.mean[i] = 0.0
+            continue
+        jet = rcs.thrusters[i]
+        mean, level = mean_level(valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i])
+        valves.level[i] = level
+        valves.mean[i] = mean
+        force = mean * jet.thrust
+        flow += force / (jet.specific_impulse * G0)
+        force *= efficiency
+        x, y, z = force * jet.direction[0], force * jet.direction[1], force * jet.direction[2]
+        px, py, pz = jet.position[0], jet.position[1], jet.position[2]
+        fx += x
+        fy += y
+        fz += z
+        mx += py * z - pz * y
+        my += pz * x - px * z
+        mz += px * y - py * x
+    return fx, fy, fz, mx, my, mz, flow

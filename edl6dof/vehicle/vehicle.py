@@ -1,0 +1,28 @@
+"""The vehicle file: all parameters of the true vehicle."""
+
+from __future__ import annotations
+
+from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.vehicle.aerodynamics import AeroParams
+from edl6dof.vehicle.engine import EngineParams
+from edl6dof.vehicle.landing_gear import LandingGearParams
+from edl6dof.vehicle.mass import MassParams
+from edl6dof.vehicle.parachute import ParachuteParams
+from edl6dof.vehicle.rcs import RcsParams
+from edl6dof.vehicle.staging import StagingParams
+from edl6dof.vehicle.trim_wing import TrimWingParams
+
+
+class VehicleParams(Params):
+    """An entry vehicle and everything that leaves it."""
+
+    name: str = param(REQUIRED, "name of the vehicle", record=False, min_length=1)
+    nose_radius_m: float = param(0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0)
+    mass: MassParams = section("mass properties")
+    aero: AeroParams = section("aerodynamics")
+    trim_wing: TrimWingParams = group(TrimWingParams, "trim wing")
+    rcs: RcsParams = group(RcsParams, "reaction-control thrusters")
+    engine: EngineParams = group(EngineParams, "main landing engine")
+    parachute: ParachuteParams = group(ParachuteParams, "parachute")
+    staging: StagingParams = group(StagingParams, "separations")
+    landing_gear: LandingGearParams = group(LandingGearParams, "landing legs")
