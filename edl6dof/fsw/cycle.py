@@ -67,13 +67,13 @@ def keep_mass(onboard, dt, fsw):
 
 
 @kernel
-def guide_vehicle(onboard, kind, k, fsw):
-    """Run the guidance of the present phase when its division of the base cycle comes up."""
+def guide_vehicle(onboard, kind, k, entered, fsw):
+    """Run the guidance of the present phase when its division of the base cycle comes up, and at once in a new phase."""
     nav, guide = fsw.nav, fsw.guide
     rates = onboard.rates
     entry = onboard.guidance.entry
     if kind == G_HOLD_BANK or kind == G_ENTRY:
-        if k % rates.entry_guidance_every == 0:
+        if entered or k % rates.entry_guidance_every == 0:
             guide.alpha = entry.trim_alpha
             if kind == G_HOLD_BANK:
                 guide.range_to_go, guide.crossrange = to_target(onboard, nav)
@@ -82,7 +82,7 @@ def guide_vehicle(onboard, kind, k, fsw):
             else:
                 entry_guidance(entry.law, onboard, nav, fsw.entry, guide)
         return
-    if k % rates.powered_guidance_every != 0:
+    if not entered and k % rates.powered_guidance_every != 0:
         return
     if kind == G_POWERED:
         north, east, up, tilt_limit = powered_guidance(onboard.guidance.powered.law, onboard, nav, fsw.powered, guide)
@@ -130,6 +130,13 @@ def steer(onboard, phase, dt, fsw):
             if vehicle.thrusters[i].group == AXIAL:
                 duty[i] = 1.0
     modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
+    for j in range(3):
+        fsw.applied_torque[j] = 0.0
+    for i in range(count):
+        share = (fsw.command.closes[i] - fsw.command.opens[i]) / dt
+        if share > 0.0:
+            for j in range(3):
+                fsw.applied_torque[j] += share * fsw.allocator.effect[i, 3 + j]
 
 
 @kernel
@@ -150,7 +157,7 @@ def run(onboard, sensed, k, fsw):
         fsw.guide.translating = 0
     dt = 1.0 / onboard.rates.base
     keep_mass(onboard, dt, fsw)
-    guide_vehicle(onboard, phase.guidance, k, fsw)
+    guide_vehicle(onboard, phase.guidance, k, fsw.phase != before, fsw)
     if k % onboard.rates.control_every == 0:
         steer(onboard, phase, dt * onboard.rates.control_every, fsw)
     command.thrust = fsw.guide.thrust

@@ -183,6 +183,7 @@ FSW = np.dtype(
         ("ignition_time", "f8"),
         ("mass", "f8"),
         ("demand", "f8", (6,)),
+        ("applied_torque", "f8", (3,)),
         ("attitude_error", "f8", (3,)),
         ("nav", NAV),
         ("guide", GUIDE),

@@ -6,7 +6,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.mass import BACKSHELL, HEAT_SHIELD, PARACHUTE, compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
@@ -46,7 +46,7 @@ def separate(case, plant, part, kept_part, speed, debris, drag_area):
     """Take ``part`` off the vehicle and push it along +x of B at ``speed`` relative to what stays; momentum is conserved.
 
     The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the rigid-body velocity of their
-    own centre, then share the spring's impulse.
+    own centre, then share the spring's impulse, which acts along x of B through the part's centre and turns what stays behind.
 
     Args:
         case: true parameters.
@@ -64,13 +64,15 @@ def separate(case, plant, part, kept_part, speed, debris, drag_area):
     _, old, _ = with_propellant(plant.dry, load, y[PROPELLANT])
     plant.attached[kept_part] = 0
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
-    mass, new, _ = with_propellant(plant.dry, load, y[PROPELLANT])
+    mass, new, inertia = with_propellant(plant.dry, load, y[PROPELLANT])
     part_arm = sub(take3(part.centre, 0), old)
     kept_arm = sub(new, old)
     push = from_frame(q, (speed, 0.0, 0.0))
     total = mass + part.mass
     v_part = add(add(v, from_frame(q, cross(w, part_arm))), scale(mass / total, push))
     v_kept = sub(add(v, from_frame(q, cross(w, kept_arm))), scale(part.mass / total, push))
+    impulse = (speed * mass * part.mass / total, 0.0, 0.0)
+    put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, kept_arm), impulse))))
     debris.active = 1
     debris.mass = part.mass
     debris.drag_area = drag_area

@@ -1,0 +1,1 @@
+"""Estimators: what the flight software infers about the world beyond navigation."""
