@@ -10,6 +10,17 @@ from edl6dof.vehicle.rcs import MAX_THRUSTERS
 #: Layout of the integrated state ``y``.
 POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = 0, 3, 6, 10, 13, 14, 15, 16, 19
 STATES = 22
+STATE_NAMES = (
+    *(f"position {c} (I)" for c in "xyz"),
+    *(f"velocity {c} (I)" for c in "xyz"),
+    *(f"attitude quaternion {c}" for c in "wxyz"),
+    *(f"body rate {c}" for c in "pqr"),
+    "propellant mass",
+    "engine thrust",
+    "heat load",
+    *(f"canopy position {c} (I)" for c in "xyz"),
+    *(f"canopy velocity {c} (I)" for c in "xyz"),
+)
 #: Components that exist without a free canopy.
 STATES_VEHICLE = 16
 

@@ -1,0 +1,58 @@
+"""The timeline of a flight: phases, deployments, bank reversals, touchdown, outcome."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+#: Plain names of what the vehicle does once, in the order of ``edl6dof.vehicle.plant.EVENTS``.
+DEPLOYMENTS = (
+    "trim wing opens",
+    "mortar fires",
+    "heat shield jettisoned",
+    "landing legs out",
+    "backshell released",
+    "engine ignition",
+    "engine cut-off",
+)
+KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
+
+
+def timeline(telemetry: dict[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str) -> list[dict[str, Any]]:
+    """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then."""
+    found: list[tuple[float, str, str]] = []
+    for index, name in enumerate(phases):
+        entered = float(fsw["entered"][index])
+        if np.isfinite(entered):
+            found.append((entered, f"phase.{name}", f"phase {name}"))
+    for key, name, when in zip(KEYS, DEPLOYMENTS, plant["done"], strict=True):
+        if np.isfinite(when):
+            found.append((float(when), key, name))
+    if plant["line_stretch_time"] < 1e9:
+        found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
+    found += [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
+    if np.isfinite(plant["touchdown_time"]):
+        found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))
+    found.append((float(plant["t"]), "end", ending))
+    return [_with_state(telemetry, *event) for event in sorted(found, key=lambda event: event[0])]
+
+
+def bank_reversals(telemetry: dict[str, np.ndarray]) -> list[tuple[float, str]]:
+    """Times (s) at which the commanded bank angle changes sign, and the new side."""
+    t, bank = telemetry["t_s"], telemetry["guide.bank_deg"]
+    steps = np.flatnonzero(bank[1:] * bank[:-1] < 0.0) + 1
+    return [(float(t[i]), "right" if bank[i] > 0.0 else "left") for i in steps]
+
+
+def _with_state(telemetry: dict[str, np.ndarray], t: float, key: str, name: str) -> dict[str, Any]:
+    i = min(int(np.searchsorted(telemetry["t_s"], t - 1e-9)), len(telemetry["t_s"]) - 1)
+    row = {
+        "altitude_m": telemetry["truth.altitude_m"][i],
+        "height_m": telemetry["truth.height_m"][i],
+        "speed_m_s": telemetry["truth.speed_m_s"][i],
+        "mach": telemetry["truth.mach"][i],
+    }
+    values = {column: (float(value) if abs(value) < 1e9 else None) for column, value in row.items()}
+    detail = f"{values['altitude_m'] / 1e3:.1f} km, {values['speed_m_s']:.0f} m/s, Mach {values['mach']:.2f}"
+    return {"t_s": t, "key": key, "name": name, "detail": detail, **values}

@@ -1,0 +1,244 @@
+"""Fly a scenario: the Python side of the loop, and the flight that comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from edl6dof.config.dump import dump_resolved
+from edl6dof.config.source import parse_document
+from edl6dof.config.validate import validate
+from edl6dof.fsw.onboard import FSW
+from edl6dof.sim import records
+from edl6dof.sim.channels import TICK
+from edl6dof.sim.events import timeline
+from edl6dof.sim.loop import fly as fly_cycles
+from edl6dof.sim.loop import prepare
+from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, OUTCOMES
+from edl6dof.sim.scenario import LoadedScenario, Scenario
+from edl6dof.sim.state import State
+from edl6dof.sim.telemetry import columns
+from edl6dof.sim.touchdown import touchdown_state
+from edl6dof.sim.verdict import Check, checks, metrics
+from edl6dof.vehicle.plant import PLANT, STATE_NAMES
+
+if TYPE_CHECKING:
+    import pandas
+    from pyquaternion import Quaternion
+
+CHUNK_S = 5.0
+
+#: Called between chunks with (time s, time limit s, phase name, altitude m, Mach).
+Progress = Callable[[float, float, str, float, float], None]
+
+
+@dataclass
+class Flight:
+    """One finished flight.
+
+    Attributes:
+        loaded: scenario and where it came from.
+        case: true parameters, ``CASE`` record array of length one.
+        plant: final true state.
+        fsw: final flight-software memory.
+        log: telemetry rows, ``TICK`` records in SI units.
+        code: outcome code of the loop.
+        flown_cycles: base cycles flown by this call.
+    """
+
+    loaded: LoadedScenario
+    case: np.ndarray
+    plant: np.ndarray
+    fsw: np.ndarray
+    log: np.ndarray
+    code: int
+    flown_cycles: int = 0
+    saved: State | None = field(default=None, repr=False)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The validated scenario."""
+        return self.loaded.scenario
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.scenario.name
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases; ``guide.phase`` is the index."""
+        return [phase.name for phase in self.scenario.mission.phases]
+
+    @property
+    def time_s(self) -> float:
+        """Time at the end of the flight."""
+        return float(self.plant["t"][0])
+
+    @cached_property
+    def telemetry(self) -> dict[str, np.ndarray]:
+        """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.sim.channels``."""
+        return columns(self.log, [jet.name for jet in self.scenario.vehicle.rcs.thrusters])
+
+    @cached_property
+    def events(self) -> list[dict[str, Any]]:
+        """Timeline: dicts with t_s, key, name, detail and the state then."""
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome)
+
+    @cached_property
+    def metrics(self) -> dict[str, float]:
+        """Figures of the flight by name with unit suffix."""
+        events = timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, "")
+        return metrics(self.telemetry, events, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+
+    @cached_property
+    def checks(self) -> list[Check]:
+        """Every limit of the scenario with this flight's value."""
+        return checks(self.scenario.limits, self.metrics)
+
+    @property
+    def landed(self) -> bool:
+        """Whether the vehicle came to rest upright."""
+        return self.code == LANDED
+
+    @property
+    def success(self) -> bool:
+        """Whether it landed within all limits."""
+        return self.landed and all(check.ok for check in self.checks)
+
+    @cached_property
+    def outcome(self) -> str:
+        """How the flight ended, in words."""
+        if self.code == LANDED:
+            missed = [check.label for check in self.checks if not check.ok]
+            return "landed within limits" if not missed else f"landed outside limits ({', '.join(missed)})"
+        if self.code == NOT_FINITE:
+            bad = self.first_bad_quantity
+            return f"not finite: {bad} at t = {self.time_s:.2f} s in phase {self.phase}"
+        if OUTCOMES[self.code] == "crashed":
+            vertical = self.metrics.get("touchdown_vertical_m_s", float("nan"))
+            return f"crashed at {vertical:.1f} m/s descent rate in phase {self.phase}"
+        return f"{OUTCOMES[self.code]} in phase {self.phase}" if self.phase_names else OUTCOMES[self.code]
+
+    @property
+    def phase(self) -> str:
+        """Name of the last phase."""
+        names = self.phase_names
+        return names[int(self.fsw["phase"][0])] if names else "free flight"
+
+    @property
+    def first_bad_quantity(self) -> str | None:
+        """Name of the first state that is not finite, or ``None``."""
+        for name, value in zip(STATE_NAMES, self.plant["y"][0], strict=True):
+            if not np.isfinite(value):
+                return name
+        return None
+
+    @property
+    def resolved_scenario(self) -> str:
+        """The scenario as YAML with every default: enough to fly it again, bit for bit."""
+        return resolved_text(self.loaded)
+
+    def attitude(self, t: float) -> Quaternion:
+        """Attitude at time ``t`` (s): rotation from I axes to B axes, interpolated between rows.
+
+        Raises:
+            ValueError: ``t`` lies outside the telemetry.
+        """
+        from pyquaternion import Quaternion
+
+        times = self.log["t"]
+        if not times[0] <= t <= times[-1]:
+            raise ValueError(f"t must lie in {times[0]:g} .. {times[-1]:g} s, got {t:g}")
+        i = min(int(np.searchsorted(times, t, side="right")) - 1, len(times) - 2)
+        before, after = (Quaternion([self.log["truth"][f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, i + 1))
+        return Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i]))
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Telemetry as a data frame indexed by time.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        import pandas
+
+        return pandas.DataFrame(self.telemetry).set_index("t_s")
+
+
+def resolved_text(loaded: LoadedScenario) -> str:
+    """Resolved scenario with the package version on top."""
+    from edl6dof import __version__
+
+    header = [f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight bit for bit"]
+    return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
+
+
+def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenario:
+    """The scenario a saved state belongs to."""
+    from edl6dof.config.overrides import apply_overrides
+
+    document = apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
+    return LoadedScenario(validate(Scenario, document), document)
+
+
+def fly(
+    loaded: LoadedScenario,
+    *,
+    case_index: int = 0,
+    start: State | None = None,
+    save_at_s: float | None = None,
+    progress: Progress | None = None,
+) -> Flight:
+    """Fly a scenario to its end.
+
+    Args:
+        loaded: from :func:`edl6dof.load`.
+        case_index: which random profiles of the scenario's seed to use.
+        start: saved state to continue from, instead of the initial state.
+        save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
+        progress: called every few seconds of flight.
+    """
+    scenario = loaded.scenario
+    tables = records.build_tables(scenario)
+    case = records.build_case(scenario, tables, case_index)
+    onboard = records.build_onboard(scenario, tables)
+    if start is None:
+        plant, fsw = records.initial_plant(scenario, case), records.initial_fsw(onboard)
+        sensed, cycle = records.initial_sensed(), 0
+        prepare(case, tables, plant)
+    else:
+        plant, fsw, sensed, cycle = start.plant.copy(), start.fsw.copy(), start.sensed.copy(), start.cycle
+    base = scenario.flight_software.rates.base_hz
+    stop = int(np.ceil(scenario.simulation.time_limit_s * base)) + 1
+    save_cycle = round(save_at_s * base) if save_at_s is not None else -1
+    first, code, saved, logs = cycle, FLYING, None, []
+    while code == FLYING and cycle < stop:
+        if cycle == save_cycle:
+            saved = State(cycle, plant.copy(), sensed.copy(), fsw.copy(), resolved_text(loaded))
+        end = min(cycle + round(CHUNK_S * base), stop)
+        if cycle < save_cycle:
+            end = min(end, save_cycle)
+        log = np.zeros(end - cycle, TICK)
+        code, flown, rows = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, log, 0)
+        logs.append(log[:rows])
+        cycle += flown
+        if progress is not None:
+            _report(progress, scenario, plant, fsw)
+    flight = Flight(loaded, case, plant, fsw, np.concatenate(logs), code, cycle - first)
+    flight.saved = saved
+    return flight
+
+
+def _report(progress: Progress, scenario: Scenario, plant: np.ndarray, fsw: np.ndarray) -> None:
+    phases = scenario.mission.phases
+    phase = phases[int(fsw["phase"][0])].name if phases else "free flight"
+    out = plant["out"][0]
+    progress(float(plant["t"][0]), scenario.simulation.time_limit_s, phase, float(out["altitude"]), float(out["mach"]))
+
+
+__all__ = ["FSW", "PLANT", "Flight", "Progress", "continue_from", "fly", "resolved_text"]

@@ -1,0 +1,32 @@
+"""From the log record to named columns in the units of their names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from edl6dof.sim.channels import CHANNELS
+
+
+def columns(log: np.ndarray, thrusters: Sequence[str]) -> dict[str, np.ndarray]:
+    """``t_s``, every channel, and ``rcs.<thruster>`` (mean duty of the last step, 0..1) as contiguous arrays."""
+    table = {"t_s": np.ascontiguousarray(log["t"])}
+    for channel in CHANNELS:
+        table[channel.name] = log[channel.group][channel.field] * channel.from_si
+    for index, name in enumerate(thrusters):
+        table[f"rcs.{name}"] = np.ascontiguousarray(log["duty"][:, index])
+    return table
+
+
+def describe(name: str) -> tuple[str, str]:
+    """Unit and meaning of a telemetry column."""
+    if name == "t_s":
+        return "s", "time since the initial state"
+    if name.startswith("rcs."):
+        return "", f"mean thrust fraction of thruster {name[4:]} over the last integration step"
+    channel = _BY_NAME[name]
+    return channel.unit, channel.meaning
+
+
+_BY_NAME = {channel.name: channel for channel in CHANNELS}
