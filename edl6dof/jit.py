@@ -122,3 +122,9 @@ def _file_of(dotted: str) -> str:
         return ""
     base = str(PACKAGE.joinpath(*inside))
     return next((file for file in (f"{base}.py", f"{base}/__init__.py") if isfile(file)), "")
+
+
+def is_cached(compiled: Any) -> bool:
+    """Whether machine code of ``compiled`` for the present sources lies in the cache (any signature)."""
+    cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    return cache_file is None or bool(cache_file._load_index())

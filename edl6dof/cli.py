@@ -1,0 +1,100 @@
+"""The command line.  Heavy imports happen inside the commands, so that ``--help`` is quick."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Six-degree-of-freedom Mars entry, descent and landing.",
+)
+
+BAD_INPUT = 2
+FAILED_FLIGHT = 1
+
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")
+]
+
+
+@app.command()
+def fly(
+    scenario: Annotated[str | None, typer.Argument(help="Scenario file, or the name of a shipped one.")] = None,
+    sets: Sets = None,
+    out: Annotated[Path | None, typer.Option(help="Run folder; runs/<name> if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
+    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the verdict only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")] = False,
+    save_state: Annotated[float | None, typer.Option(metavar="T", help="Keep the state at time T (s) as state.npz.")] = None,
+    start: Annotated[Path | None, typer.Option("--from", metavar="STATE", help="Continue a saved state.")] = None,
+) -> None:
+    """Fly one scenario and write its run folder.  Exit status: 0 within limits, 1 not, 2 bad input."""
+    from edl6dof.app.fly import FlyOptions, run_fly
+
+    options = FlyOptions(scenario, tuple(sets or ()), out, force, replay, quiet, as_json, save_state, start)
+    raise typer.Exit(run_fly(options))
+
+
+@app.command()
+def check(files: Annotated[list[str], typer.Argument(help="Scenario files or names.")], sets: Sets = None) -> None:
+    """Check scenario files; print every problem with file, line and key."""
+    from edl6dof.app.inspect import run_check
+
+    raise typer.Exit(run_check(files, tuple(sets or ())))
+
+
+@app.command()
+def params(
+    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute.")] = "",
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """The reference table: every parameter with unit, bounds, default, meaning and status."""
+    from edl6dof.app.inspect import run_params
+
+    raise typer.Exit(run_params(path, as_json))
+
+
+@app.command()
+def schema() -> None:
+    """JSON schema of scenario files, for editors."""
+    from edl6dof.app.inspect import run_schema
+
+    raise typer.Exit(run_schema())
+
+
+@app.command()
+def replay(run: Annotated[Path, typer.Argument(help="Run folder.")]) -> None:
+    """Open the 3D replay of a run."""
+    from edl6dof.app.inspect import run_replay
+
+    raise typer.Exit(run_replay(run))
+
+
+@app.command()
+def version() -> None:
+    """Print the version."""
+    from edl6dof import __version__
+
+    print(__version__)
+
+
+def main() -> None:
+    """Entry point: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a traceback."""
+    from edl6dof.config.errors import ConfigError
+
+    try:
+        app()
+    except ConfigError as error:
+        print(error, file=sys.stderr)
+        sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        sys.exit(130)

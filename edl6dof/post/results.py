@@ -1,0 +1,82 @@
+"""The files of a run: resolved scenario, telemetry, events, summary, replay."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from edl6dof import __version__
+
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+
+def write_run(flight: Flight, folder: Path, *, replay: bool = True) -> None:
+    """Write every file of a run into ``folder``, which exists."""
+    (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
+    write_telemetry(flight, folder / "telemetry.parquet")
+    (folder / "events.json").write_text(_json(flight.events), encoding="utf-8")
+    (folder / "summary.json").write_text(_json(summary(flight)), encoding="utf-8")
+    if replay:
+        from edl6dof.post.replay import write_replay
+
+        write_replay(flight, folder / "replay.rrd")
+
+
+def summary(flight: Flight) -> dict[str, Any]:
+    """Outcome, figures, limits and published figures of a flight, ready for JSON."""
+    return {
+        "name": flight.name,
+        "outcome": flight.outcome,
+        "success": flight.success,
+        "time_s": flight.time_s,
+        "phase": flight.phase,
+        "edl6dof_version": __version__,
+        "seed": flight.scenario.seed,
+        "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
+        "figures": flight.metrics,
+        "limits": [
+            {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok} for c in flight.checks
+        ],
+        "published": flight.scenario.published,
+    }
+
+
+def write_telemetry(flight: Flight, path: Path) -> None:
+    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from edl6dof.sim.telemetry import describe
+
+    fields, arrays = [], []
+    for name, values in flight.telemetry.items():
+        unit, meaning = describe(name)
+        fields.append(pa.field(name, pa.float64(), metadata={"unit": unit, "meaning": meaning}))
+        arrays.append(pa.array(values))
+    metadata = {
+        "edl6dof_version": __version__,
+        "scenario": flight.resolved_scenario,
+        "outcome": flight.outcome,
+        "phases": json.dumps(flight.phase_names),
+    }
+    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=metadata))
+    pq.write_table(table, path, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
+
+
+def _json(value: Any) -> str:
+    return json.dumps(_finite(value), indent=1, allow_nan=False) + "\n"
+
+
+def _finite(value: Any) -> Any:
+    """JSON has no NaN: a figure that could not be formed becomes null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
