@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import cache
 from os.path import isfile
 from pathlib import Path
 from typing import Any
@@ -65,7 +65,7 @@ class UserTreeLocator(_TreeStamp, caching.UserWideCacheLocator):
 LOCATORS = (ChosenTreeLocator, TreeLocator, UserTreeLocator)
 
 
-@lru_cache(maxsize=None)
+@cache
 def tree_stamp(path: Path) -> str:
     """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change compiled code."""
     digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
@@ -85,7 +85,7 @@ def _dependencies(path: str) -> set[str]:
     return seen
 
 
-@lru_cache(maxsize=None)
+@cache
 def _read(path: str) -> tuple[bytes, frozenset[str]]:
     """Hash of a file, and the package files that it imports itself."""
     content = Path(path).read_bytes()
@@ -114,7 +114,7 @@ def _absolute(dotted: str, path: str) -> str:
     return ".".join(part for part in (PACKAGE.name, *folder.relative_to(PACKAGE).parts, tail) if part)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _file_of(dotted: str) -> str:
     """File of a module of this package; empty for anything else."""
     first, *inside = dotted.split(".")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 
@@ -34,3 +34,15 @@ class ConfigError(Exception):
 
     def __str__(self) -> str:
         return "\n".join(str(problem) for problem in self.problems)
+
+
+class Inconsistent(ValueError):
+    """Raised by a model validator for values that do not fit together: each problem at its own key instead of at the section's.
+
+    >>> raise Inconsistent({"simulation.step_s": "must divide the base cycle"})
+    """
+
+    def __init__(self, problems: Mapping[str, str]):
+        """``problems``: dotted path below the validated section (empty for the section itself) to message."""
+        self.problems = dict(problems)
+        super().__init__("; ".join(": ".join(part for part in pair if part) for pair in self.problems.items()))

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
 from edl6dof.config.source import Document
 from edl6dof.config.wording import expected, got, in_bounds, in_length, nearest, unknown_key
@@ -48,6 +48,11 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
             path, value = (*path, tag), value[tag]
         if error["loc"] and error["type"] != "missing" and (not path or path[-1] != error["loc"][-1]):
             refused.add(path)
+        if isinstance(cause := error.get("ctx", {}).get("error"), Inconsistent):
+            for below, message in cause.problems.items():
+                inner = (*path, *_steps(below))
+                problems.setdefault(inner, document.problem(inner, message))
+            continue
         # Each alternative of a union reports on its own; the first report already names all alternatives.
         problems.setdefault(path, document.problem(path, _message(error, path, slot, parent, value)))
     # Where another alternative got further inside, only what it found there is of use.
@@ -74,6 +79,10 @@ def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[t
         data = data[key] if _holds(data, key) else None
         slot, parent = slot.child(key) or Slot(str(key), ()), slot
     return tuple(path), slot, parent
+
+
+def _steps(dotted_path: str) -> tuple[str | int, ...]:
+    return tuple(int(part) if part.isdecimal() else part for part in dotted_path.split(".") if part)
 
 
 def _holds(data: Any, key: Any) -> bool:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.config.errors import Inconsistent
 from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.source import Document, read_document, resolve_scenario
 from edl6dof.config.validate import validate
@@ -19,7 +21,10 @@ from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.mission.phases import MissionParams
+from edl6dof.sim.data_files import file_problems
 from edl6dof.vehicle.vehicle import VehicleParams
+
+_FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
 
 
 class InitialState(Params):
@@ -87,20 +92,42 @@ class Scenario(Params):
         None, "figures of the real flight, shown beside this one's", status="published", record=False, factory=dict
     )
 
+    @field_validator("name")
+    @classmethod
+    def _names_a_folder(cls, value: str) -> str:
+        if not _FOLDER_NAME.fullmatch(value):
+            raise ValueError(
+                f"must do as the name of a folder: letters, digits, blanks and . _ + - and no dot or blank at the ends (got {value!r})"
+            )
+        return value
+
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
+        problems = {**self._cycle_problems(), **self._phase_problems(), **file_problems(self)}
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def _cycle_problems(self) -> dict[str, str]:
         cycle = 1.0 / self.flight_software.rates.base_hz
         steps = cycle / self.simulation.step_s
-        if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
-            raise ValueError(
-                f"simulation.step_s {self.simulation.step_s:g} must divide the base cycle "
-                f"1/flight_software.rates.base_hz = {cycle:g} s"
-            )
-        phases = self.mission.phases
-        for phase in phases[:-1]:
-            if phase.until is None:
-                raise ValueError(f"mission.phases: phase {phase.name!r} has no 'until'; only the last may go on for ever")
-        return self
+        if abs(steps - round(steps)) <= 1e-9 * steps and round(steps) >= 1:
+            return {}
+        message = f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got {self.simulation.step_s:g})"
+        return {"simulation.step_s": message}
+
+    def _phase_problems(self) -> dict[str, str]:
+        problems: dict[str, str] = {}
+        for index, phase in enumerate(self.mission.phases):
+            here = f"mission.phases.{index}"
+            if phase.until is None and phase is not self.mission.phases[-1]:
+                problems[here] = f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
+            triggers = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
+            for below, trigger in {**triggers, "until": phase.until}.items():
+                if trigger is not None and trigger.latest_s < trigger.earliest_s:
+                    message = f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
+                    problems[f"{here}.{below}.latest_s"] = message
+        return problems
 
     @property
     def steps_per_cycle(self) -> int:

@@ -131,7 +131,7 @@ def derivatives(case, tables, plant, t, y, dy):
         )
 
     pads = 0
-    if plant.legs != 0 and plant.agl < 50.0:
+    if plant.legs != 0 and plant.touched != 0:
         slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
         inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
         normal_F = ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))

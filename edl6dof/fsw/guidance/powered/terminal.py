@@ -32,6 +32,8 @@ class TerminalParams(Params):
     lateral_speed_m_s: float = param(2.0, "largest lateral speed", gt=0.0)
     hover_tilt_limit_deg: float = param(4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0)
     settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
+    touchdown_tilt_limit_deg: float = param(0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0)
+    touchdown_settle_gain: float = param(0.2, "lateral acceleration per velocity in slow descent, by tilt, 1/s", ge=0.0)
 
 
 TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True)
@@ -117,8 +119,10 @@ def avoid(onboard, nav, mass, memory, out):
 
 @kernel
 def descend(onboard, nav, mass, out):
-    """Come down vertically at the touchdown rate; the horizontal thrusters only take out lateral velocity."""
+    """Come down vertically at the touchdown rate, lateral velocity taken out by a small tilt; the thrusters keep to attitude."""
     p = onboard.guidance.powered.terminal
-    lateral_force(p, nav, mass, 0.0, 0.0, out)
-    command_thrust(onboard, mass, (0.0, 0.0, vertical(onboard, nav, p, p.touchdown_rate)), 0.0, out)
+    out.translating = 0
+    up = vertical(onboard, nav, p, p.touchdown_rate)
+    acceleration = (-p.touchdown_settle_gain * nav.v_N[0], -p.touchdown_settle_gain * nav.v_N[1], up)
+    command_thrust(onboard, mass, acceleration, p.touchdown_tilt_limit, out)
     throttle(onboard, out)

@@ -1,0 +1,327 @@
+"""Thruster allocation against scipy's bounded least squares, and the Tianwen-1 layout against linear programming."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog, lsq_linear
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.allocation import ALLOCATOR, FINE, AllocationParams, allocate, effects
+from edl6dof.fsw.onboard import ENTRY, LANDER, UNDER_CHUTE
+
+GROUPS = ("horizontal", "axial", "attitude", "fine")
+ALL = 0b1111
+CENTRES = {"entry": ENTRY, "under_chute": UNDER_CHUTE, "lander": LANDER}
+
+
+def params(**changes):
+    record = np.zeros(1, dtype_of(AllocationParams))
+    fill(record[0], AllocationParams(**changes))
+    return record[0]
+
+
+def exact():
+    """Settings with which the iteration runs until it stands still."""
+    return params(sweeps=100, tolerance=1e-12)
+
+
+def wrenches(thrusters, count, centre):
+    """Force and torque columns by numpy, independent of the kernel."""
+    force = thrusters["thrust"][:count, None] * thrusters["direction"][:count]
+    return np.hstack([force, np.cross(thrusters["position"][:count] - centre, force)]).T
+
+
+def random_layout(rng, template, count=14):
+    thrusters = template.copy()
+    for i in range(count):
+        direction = rng.normal(size=3)
+        thrusters[i]["direction"] = direction / np.linalg.norm(direction)
+        thrusters[i]["position"] = rng.uniform(-1.5, 1.5, 3)
+        thrusters[i]["thrust"] = rng.choice([25.0, 100.0, 250.0])
+        thrusters[i]["group"] = rng.integers(3)
+    return thrusters
+
+
+def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, rounds=1, memory=None):
+    memory = np.zeros(1, ALLOCATOR)[0] if memory is None else memory
+    effects(thrusters, count, tuple(centre), memory["effect"])
+    for _ in range(rounds):
+        allocate(p, thrusters, count, allowed, translating, np.asarray(demand, float), memory)
+    return memory
+
+
+def weights(p, translating):
+    force = 1.0 / (p["force_scale"] if translating else p["stray_force_scale"])
+    return np.array([0.0, force, force] + 3 * [1.0 / p["torque_scale"]])
+
+
+def cost(p, effect, thrust, demand, duty, translating=False):
+    """What the docstring says is minimised: |W (B u - d)|^2 + c u."""
+    return np.sum((weights(p, translating) * (effect @ duty - demand)) ** 2) + p["use_cost"] * thrust @ duty / 250.0
+
+
+def best_cost(p, effect, thrust, demand, translating=False):
+    """Least cost over 0 <= u <= 1 by scipy; the linear cost enters as rows s (u + M) with 2 M s^2 = c and M large."""
+    big = 1e4
+    w = weights(p, translating)
+    s = np.sqrt(p["use_cost"] * thrust / 250.0 / (2.0 * big))
+    rows = np.vstack([w[:, None] * effect, np.diag(s)])
+    duty = lsq_linear(rows, np.concatenate([w * demand, -big * s]), (0.0, 1.0), tol=1e-13, method="bvls").x
+    return cost(p, effect, thrust, demand, duty, translating)
+
+
+def random_demand(rng, size=300.0):
+    demand = rng.uniform(-size, size, 6)
+    demand[0] = 0.0
+    return demand
+
+
+@pytest.mark.parametrize("translating", [False, True])
+def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_layouts(shared_onboard, translating):
+    rng = np.random.default_rng(3)
+    p = exact()
+    for _ in range(25):
+        count = 14
+        thrusters = random_layout(rng, shared_onboard[0]["vehicle"]["thrusters"], count)
+        demand = random_demand(rng)
+        memory = solve(p, thrusters, count, (0.1, 0.0, -0.1), demand, translating=translating, rounds=30)
+        effect = wrenches(thrusters, count, (0.1, 0.0, -0.1))
+        thrust = thrusters["thrust"][:count]
+        best = best_cost(p, effect, thrust, demand, translating)
+        assert cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best * (1.0 + 1e-4) + 1e-7
+
+
+@pytest.mark.parametrize("translating", [False, True])
+def test_one_control_cycle_from_cold_comes_close_to_the_optimum_with_the_flown_settings(shared_onboard, translating):
+    """Twelve sweeps: what they leave costs less than a torque error of 7.5 N m (3 % of the torque scale)."""
+    rng = np.random.default_rng(4)
+    vehicle = shared_onboard[0]["vehicle"]
+    p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
+    keep = vehicle["thrusters"]["group"][:count] != GROUPS.index("axial")
+    for _ in range(40):
+        demand = random_demand(rng)
+        memory = solve(p, vehicle["thrusters"], count, centre, demand, allowed=0b1101, translating=translating)
+        best = best_cost(p, effect[:, keep], thrust[keep], demand, translating)
+        assert best - 1e-7 <= cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best + 0.03**2
+
+
+def test_demand_beyond_all_authority_saturates_valves_at_the_bounds_and_never_past_them(shared_onboard):
+    rng = np.random.default_rng(5)
+    vehicle = shared_onboard[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][ENTRY]["centre"]
+    memory = np.zeros(1, ALLOCATOR)[0]
+    at_bound = 0
+    for _ in range(60):
+        solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, random_demand(rng, 5000.0), memory=memory)
+        assert np.all((memory["duty"] >= 0.0) & (memory["duty"] <= 1.0))
+        at_bound += np.sum(memory["duty"] == 1.0)
+    assert at_bound > 60
+
+
+def test_undelivered_is_demand_minus_what_the_duties_produce_also_from_a_warm_start(shared_onboard):
+    rng = np.random.default_rng(6)
+    vehicle = shared_onboard[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    effect = wrenches(vehicle["thrusters"], count, centre)
+    memory = np.zeros(1, ALLOCATOR)[0]
+    for step in range(60):
+        demand = random_demand(rng, 10.0 ** rng.uniform(0.0, 3.5))
+        allowed = [ALL, 0b1101, 0b1000][step % 3]
+        solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, demand, allowed, step % 2 == 0, 1, memory)
+        assert np.allclose(memory["undelivered"], demand - effect @ memory["duty"][:count], rtol=0.0, atol=1e-9 * 5000.0)
+        outside = [(allowed >> g) & 1 == 0 for g in vehicle["thrusters"]["group"][:count]]
+        assert np.all(memory["duty"][:count][outside] == 0.0)
+
+
+def test_small_torque_demand_fires_the_fine_thrusters_alone_and_a_large_one_does_not(shared_onboard):
+    vehicle = shared_onboard[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    fine = vehicle["thrusters"]["group"][:count] == FINE
+    effect = wrenches(vehicle["thrusters"], count, centre)
+    for axis, sign in product(range(3), (1.0, -1.0)):
+        authority = np.sum(np.maximum(sign * effect[3 + axis, fine], 0.0))
+        assert authority > 5.0
+        for share, alone in ((0.4, True), (3.0, False)):
+            demand = np.zeros(6)
+            demand[3 + axis] = sign * share * authority
+            duty = solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, demand, 0b1101)["duty"][:count]
+            assert np.any(duty[fine] > 0.0)
+            assert np.all(duty[~fine] == 0.0) == alone
+            delivered = sign * effect[3 + axis] @ duty
+            assert delivered > 0.6 * share * authority
+
+
+@pytest.mark.parametrize("direction", [(0, 1), (0, -1), (1, 0), (-1, 0), (0.6, -0.8)])
+def test_lateral_force_demand_of_the_lander_is_delivered_without_roll(shared_onboard, direction):
+    """Hazard avoidance: two horizontal thrusters work together in one direction; S1 section 6.3."""
+    vehicle = shared_onboard[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    demand = np.array([0.0, *np.multiply(direction, 300.0), 0.0, 0.0, 0.0])
+    p = exact()
+    duty = solve(p, vehicle["thrusters"], count, centre, demand, 0b1101, True, 30)["duty"][:count]
+    achieved = wrenches(vehicle["thrusters"], count, centre) @ duty
+    assert np.allclose(achieved[1:3], demand[1:3], atol=15.0)  # the cost of use takes a few newtons
+    assert np.all(np.abs(achieved[3:]) < 15.0)
+    assert np.sum(duty[vehicle["thrusters"]["group"][:count] == 0] > 0.05) >= 2
+
+
+def test_torque_demand_alone_produces_little_stray_force_where_couples_exist(shared_onboard):
+    vehicle = shared_onboard[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    roll = np.array([0.0, 0.0, 0.0, 300.0, 0.0, 0.0])
+    duty = solve(exact(), vehicle["thrusters"], count, centre, roll, 0b0001, False, 30)["duty"][:count]
+    achieved = wrenches(vehicle["thrusters"], count, centre) @ duty
+    assert achieved[3] == pytest.approx(300.0, rel=0.1)
+    assert np.all(np.abs(achieved[1:3]) < 0.2 * np.sum(duty) * 250.0)
+
+
+@pytest.mark.parametrize("failed", range(16))
+def test_allocation_without_one_thruster_still_meets_the_optimum_of_what_is_left(shared_onboard, failed):
+    vehicle = shared_onboard.copy()[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    vehicle["thrusters"][failed]["thrust"] = 0.0
+    rng = np.random.default_rng(failed)
+    p = exact()
+    demand = random_demand(rng, 150.0)
+    effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
+    memory = solve(p, vehicle["thrusters"], count, centre, demand, rounds=30)
+    keep = np.arange(count) != failed
+    best = best_cost(p, effect[:, keep], thrust[keep], demand)
+    assert memory["duty"][failed] == 0.0
+    assert cost(p, effect, thrust, demand, memory["duty"][:count]) <= best * (1.0 + 1e-3) + 1e-6
+
+
+def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard):
+    """A diagnosis that sets the believed thrust to zero must close the valve that was open the cycle before."""
+    vehicle = shared_onboard.copy()[0]["vehicle"]
+    count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    demand = np.array([0.0, 0.0, 0.0, 400.0, 0.0, 0.0])
+    memory = solve(exact(), vehicle["thrusters"], count, centre, demand)
+    used = int(np.argmax(memory["duty"]))
+    assert memory["duty"][used] > 0.1
+    vehicle["thrusters"][used]["thrust"] = 0.0
+    solve(exact(), vehicle["thrusters"], count, centre, demand, memory=memory)
+    assert memory["duty"][used] == 0.0
+
+
+# ---- the Tianwen-1 layout -------------------------------------------------------------------------------------------------------
+
+
+def torques(onboard, configuration, failed=None, groups=GROUPS):
+    vehicle = onboard[0]["vehicle"]
+    count = vehicle["n_thrusters"]
+    columns = wrenches(vehicle["thrusters"], count, vehicle["configuration"][configuration]["centre"])[3:]
+    chosen = [GROUPS[g] in groups for g in vehicle["thrusters"]["group"][:count]]
+    return columns[:, [i for i in range(count) if chosen[i] and i != failed]]
+
+
+def authority_along(columns, direction):
+    """Largest s with T u = s d, 0 <= u <= 1, by linear programming; zero when the direction cannot be produced."""
+    count = columns.shape[1]
+    answer = linprog(
+        [*np.zeros(count), -1.0],
+        A_eq=np.column_stack([columns, -np.asarray(direction)]),
+        b_eq=np.zeros(3),
+        bounds=[(0.0, 1.0)] * count + [(0.0, None)],
+        method="highs",
+    )
+    assert answer.status == 0
+    return -answer.fun
+
+
+def inscribed_radius(columns):
+    """Radius of the largest ball about zero inside {T u, 0 <= u <= 1}: least support over the facet normals of the zonotope.
+
+    The facets of a zonotope are spanned by pairs of its generators, so this is exact over all directions.
+    """
+    i, j = zip(*combinations(range(columns.shape[1]), 2), strict=True)
+    normals = np.cross(columns[:, i].T, columns[:, j].T)
+    length = np.linalg.norm(normals, axis=1)
+    normals = normals[length > 1e-6] / length[length > 1e-6, None]
+    if len(normals) == 0:
+        return 0.0
+    both = np.vstack([normals, -normals])
+    return float(np.min(np.sum(np.maximum(both @ columns, 0.0), axis=1)))
+
+
+def directions():
+    d = np.array([v for v in product((-1, 0, 1), repeat=3) if any(v)], float)
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def test_zonotope_radius_and_linear_programme_agree(shared_onboard):
+    """The two proofs of controllability are independent of each other; on random directions radius <= authority."""
+    columns = torques(shared_onboard, LANDER)
+    rng = np.random.default_rng(7)
+    d = rng.normal(size=(300, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    radius = inscribed_radius(columns)
+    along = np.array([authority_along(columns, v) for v in d[:60]])
+    assert np.all(along >= radius * (1 - 1e-9))
+    assert np.min(np.sum(np.maximum(d @ columns, 0.0), axis=1)) >= radius * (1 - 1e-9)
+    only_roll = columns[:, :8]  # horizontal thrusters alone do not give every direction with any size of pitch
+    assert inscribed_radius(only_roll) < radius
+    assert inscribed_radius(np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]).T) == 0.0
+
+
+@pytest.mark.parametrize("name", CENTRES)
+def test_torque_in_every_direction_with_any_single_thruster_of_22_failed(shared_onboard, name):
+    assert shared_onboard[0]["vehicle"]["n_thrusters"] == 22
+    for failed in range(22):
+        columns = torques(shared_onboard, CENTRES[name], failed)
+        assert inscribed_radius(columns) > 50.0, failed
+    for failed in range(22):
+        columns = torques(shared_onboard, CENTRES[name], failed)
+        for d in directions()[::2]:
+            assert authority_along(columns, d) > 50.0, (failed, d)
+
+
+def test_each_phase_keeps_three_axis_torque_with_its_own_thruster_groups_after_one_failure(shared_onboard, scenario):
+    """S1 section 6.3: a fault in any single RCS does not influence the success of landing."""
+    lost = []
+    for phase in scenario.mission.phases:
+        if not phase.thrusters:
+            continue
+        index = ENTRY if phase.name in ("trim_aoa", "lift") else UNDER_CHUTE if phase.name == "parachute" else LANDER
+        for failed in range(22):
+            if inscribed_radius(torques(shared_onboard, index, failed, phase.thrusters)) < 5.0:
+                lost.append((phase.name, scenario.vehicle.rcs.thrusters[failed].name))
+    assert lost == []
+
+
+def test_horizontal_thrusters_have_a_roll_arm_above_one_metre_and_one_failure_leaves_more_than_250_newton_metres(shared_onboard):
+    """S1 section 6.3: two act together in one direction; one failed gives more than 250 N m in the roll channel."""
+    vehicle = shared_onboard[0]["vehicle"]
+    centre = vehicle["configuration"][LANDER]["centre"]
+    horizontal = vehicle["thrusters"][:22][vehicle["thrusters"]["group"][:22] == 0]
+    assert len(horizontal) == 8
+    for jet in horizontal:
+        roll = np.cross(jet["position"] - centre, jet["thrust"] * jet["direction"])[0]
+        assert jet["direction"][0] == 0.0
+        assert abs(roll) > 250.0
+        assert abs(roll) / jet["thrust"] > 1.0
+    about_axis = np.cross(horizontal["position"], horizontal["thrust"][:, None] * horizontal["direction"])[:, 0]
+    for direction in ((0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
+        pair = np.all(horizontal["direction"] == direction, axis=1)
+        assert np.sum(pair) == 2
+        assert np.sum(about_axis[pair]) == pytest.approx(0.0, abs=1e-9)  # the pair pushes without rolling
+
+
+def test_four_axial_thrusters_push_along_the_engine_axis_and_balance_about_it(shared_onboard):
+    vehicle = shared_onboard[0]["vehicle"]
+    axial = vehicle["thrusters"][:22][vehicle["thrusters"]["group"][:22] == 1]
+    assert len(axial) == 4
+    assert np.all(axial["direction"] == (-1.0, 0.0, 0.0))  # engine thrust is along -x of B
+    assert np.sum(axial["thrust"]) == 1000.0
+    assert np.allclose(np.sum(np.cross(axial["position"], axial["thrust"][:, None] * axial["direction"]), axis=0), 0.0)
+
+
+def test_sixteen_of_250_newton_and_six_of_25_newton(shared_onboard):
+    thrust = shared_onboard[0]["vehicle"]["thrusters"]["thrust"][:22]
+    assert np.sum(thrust == 250.0) == 16
+    assert np.sum(thrust == 25.0) == 6
+    minimum = shared_onboard[0]["vehicle"]["thrusters"]["minimum_pulse"][:22]
+    assert np.all(minimum[thrust == 250.0] == 0.040)
+    assert np.all(minimum[thrust == 25.0] == 0.128)

@@ -1,0 +1,184 @@
+"""The compile cache: the trap that numba leaves open, sprung in fresh processes.
+
+A small package is written to disk with the real ``jit.py`` in it; subprocesses compile and run it, edit it and run it again.
+What the machine code returns, and numba's own count of cache hits, say whether the cache was used and whether it was stale.
+The reader of import statements is checked against Python's own parser (``ast``) on every file of the package.
+"""
+
+import ast
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numba
+import pytest
+
+from edl6dof import jit
+
+HELPER = "from probe.jit import kernel\n@kernel\ndef factor():\n    return {}\n"
+CALLER = "from probe.jit import kernel\n{}\n@kernel\ndef area(x):\n    return {}() * x\n"
+CALL = """
+import sys
+sys.path.insert(0, {root!r})
+from probe.caller import area
+print(area(2.0), sum(area.stats.cache_hits.values()), area.stats.cache_path)
+"""
+
+
+@pytest.fixture
+def package(tmp_path):
+    """A package ``probe`` with the real jit.py, a helper (factor 3) and folders for more."""
+    (tmp_path / "probe" / "deep").mkdir(parents=True)
+    write(tmp_path, "__init__.py", "")
+    write(tmp_path, "deep/__init__.py", "")
+    write(tmp_path, "jit.py", Path(jit.__file__).read_text())
+    write(tmp_path, "deep/helper.py", HELPER.format("3.0"))
+    return tmp_path
+
+
+def write(root, name, text):
+    (root / "probe" / name).write_text(text)
+
+
+def call(root, **environment):
+    """Run the caller kernel in a fresh process: (result, cache hits, cache folder)."""
+    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")} | environment
+    run = subprocess.run([sys.executable, "-c", CALL.format(root=str(root))], capture_output=True, text=True, env=env, timeout=60)
+    assert run.returncode == 0, run.stderr
+    result, hits, folder = run.stdout.split()
+    return float(result), int(hits), Path(folder)
+
+
+def reached(root, monkeypatch, name):
+    """Names of the files whose edits recompile the kernels of file ``name``."""
+    monkeypatch.setattr(jit, "PACKAGE", root / "probe")
+    jit._read.cache_clear()
+    jit._file_of.cache_clear()
+    found = {str(Path(file).relative_to(root / "probe")) for file in jit._dependencies(str(root / "probe" / name))}
+    jit._read.cache_clear()
+    jit._file_of.cache_clear()
+    return found
+
+
+def test_an_edited_helper_of_a_helper_recompiles_its_callers_and_nothing_else_does(package):
+    write(package, "middle.py", "from probe.jit import kernel\nfrom probe.deep.helper import factor\n"
+          "@kernel\ndef twice():\n    return 2.0 * factor()\n")  # fmt: skip
+    write(package, "caller.py", CALLER.format("from probe.middle import twice", "twice"))
+    write(package, "stranger.py", "x = 1\n")
+    assert call(package)[:2] == (12.0, 0)
+    assert call(package)[:2] == (12.0, 1)
+    write(package, "stranger.py", "x = 2\n")
+    write(package, "deep/helper.py", HELPER.format("3.0"))  # touched, not changed: content counts, not the date
+    assert call(package)[:2] == (12.0, 1)
+    write(package, "deep/helper.py", HELPER.format("5.0"))  # two imports away, same length, within the clock's resolution
+    assert call(package)[:2] == (20.0, 0)
+
+
+SPELLINGS = {
+    "plain": "from probe.deep.helper import factor",
+    "parentheses": "from probe.deep.helper import (\n    factor,\n    other,  # (why)\n)",
+    "module of a package": "from probe.deep import helper",
+    "module after others": "from probe.deep import (\n    nothing,  # a comment )\n    helper as h,\n)",
+    "whole name": "import probe.deep.helper",
+    "second of two": "import math, probe.deep.helper as h",
+    "continued line": "from probe.deep \\\n    import nothing, \\\n    helper",
+    "star": "from probe.deep.helper import *",
+    "inside a function": "def f():\n    from probe.deep.helper import factor",
+    "relative": "from .deep.helper import factor",
+    "relative package": "from .deep import helper",
+    "relative to here": "from . import deep, other",
+    "tight": "from probe.deep import(helper)",
+}
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_every_spelling_of_an_import_is_seen(package, monkeypatch, spelling):
+    write(package, "deep/__init__.py", "from . import helper\n" if spelling == "relative to here" else "")
+    write(package, "caller.py", SPELLINGS[spelling] + "\n")
+    assert "deep/helper.py" in reached(package, monkeypatch, "caller.py")
+
+
+def test_files_that_are_not_imported_are_not_seen(package, monkeypatch):
+    write(package, "caller.py", "import math\nfrom probed.deep import helper\n# from probe.deep import helper\nfrom .. import jit\n")
+    assert reached(package, monkeypatch, "caller.py") == {"caller.py"}
+
+
+def test_an_import_cycle_ends_and_both_files_count(package, monkeypatch):
+    write(package, "a.py", "from probe import b\n")
+    write(package, "b.py", "import probe.a\nfrom probe.deep.helper import factor\n")
+    assert reached(package, monkeypatch, "a.py") == reached(package, monkeypatch, "b.py")
+    assert {"a.py", "b.py", "deep/helper.py"} <= reached(package, monkeypatch, "a.py")
+
+
+def test_a_parenthesised_submodule_import_springs_the_trap_in_a_running_kernel(package):
+    write(package, "caller.py", CALLER.format("from probe.deep import (\n    helper as h,\n)\nfactor = h.factor", "factor"))
+    assert call(package)[:2] == (6.0, 0)
+    write(package, "deep/helper.py", HELPER.format("7.0"))
+    assert call(package)[:2] == (14.0, 0)
+
+
+def test_the_package_is_read_as_python_reads_it():
+    """Every import statement of every file of edl6dof, by ``ast``, against the fast reader."""
+    for file in jit.PACKAGE.rglob("*.py"):
+        names = set()
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level == 0, f"{file}: the package imports absolutely"
+                names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+            elif isinstance(node, ast.Import):
+                names |= {alias.name for alias in node.names}
+        paths = [jit.PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name.split(".")[0] == "edl6dof"]
+        want = {str(p) for path in paths for p in (path.with_name(path.name + ".py"), path / "__init__.py") if p.is_file()}
+        assert jit._read(str(file))[1] >= want, file
+
+
+def test_stamping_the_whole_tree_costs_no_more_than_a_blink():
+    for memo in (jit.tree_stamp, jit._read, jit._file_of):
+        memo.cache_clear()
+    began = time.process_time()
+    stamps = {jit.tree_stamp(file) for file in jit.PACKAGE.rglob("*.py")}
+    assert time.process_time() - began < 0.1  # 10 ms measured for 89 files
+    assert len(stamps) > 50
+
+
+def test_a_package_that_cannot_be_written_caches_for_the_user(package, tmp_path):
+    write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
+    for folder in ("probe", "probe/deep"):
+        (package / folder / "__pycache__").write_text("")  # a file in its place stops even root
+    home = {"XDG_CACHE_HOME": str(tmp_path / "user"), "PYTHONDONTWRITEBYTECODE": "1"}
+    result, hits, folder = call(package, **home)
+    assert (result, hits) == (6.0, 0) and folder.is_relative_to(tmp_path / "user")
+    assert call(package, **home)[:2] == (6.0, 1)
+    write(package, "deep/helper.py", HELPER.format("5.0"))
+    assert call(package, **home)[:2] == (10.0, 0)
+
+
+def test_a_chosen_cache_folder_is_used(package, tmp_path):
+    write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
+    result, _, folder = call(package, NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
+    assert result == 6.0 and folder.is_relative_to(tmp_path / "chosen")
+
+
+def test_the_decorator_leaves_other_users_of_numba_alone():
+    before = numba.config.CACHE_LOCATOR_CLASSES
+
+    def nothing():
+        return 0
+
+    jit.kernel(nothing)
+    assert before == numba.config.CACHE_LOCATOR_CLASSES
+
+
+def test_division_by_zero_follows_numpy_and_rounding_is_not_relaxed():
+    @jit.kernel
+    def divide(a, b):
+        return a / b
+
+    @jit.kernel
+    def compensated(a, b):
+        return (a + b) - a - b
+
+    assert divide(1.0, 0.0) == float("inf")
+    assert compensated(1.0, 1e-17) == -1e-17  # fast-math would make it 0
