@@ -36,7 +36,10 @@ def fly(
     save_state: Annotated[float | None, typer.Option(metavar="T", help="Keep the state at time T (s) as state.npz.")] = None,
     start: Annotated[Path | None, typer.Option("--from", metavar="STATE", help="Continue a saved state.")] = None,
 ) -> None:
-    """Fly one scenario and write its run folder.  Exit status: 0 within limits, 1 not, 2 bad input."""
+    """Fly one scenario and write its run folder.
+
+    Exit status: 0 landed within limits, 1 not, 2 bad input, 130 interrupted.
+    """
     from edl6dof.app.fly import FlyOptions, run_fly
 
     options = FlyOptions(scenario, tuple(sets or ()), out, force, replay, quiet, as_json, save_state, start)
@@ -45,7 +48,7 @@ def fly(
 
 @app.command()
 def check(files: Annotated[list[str], typer.Argument(help="Scenario files or names.")], sets: Sets = None) -> None:
-    """Check scenario files; print every problem with file, line and key."""
+    """Check scenario files; name every mistake with file, line and key."""
     from edl6dof.app.inspect import run_check
 
     raise typer.Exit(run_check(files, tuple(sets or ())))
@@ -53,11 +56,11 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or nam
 
 @app.command()
 def params(
-    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute.")] = "",
+    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute, or part of a name; all if not given.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """The reference table: every parameter with unit, bounds, default, meaning and status."""
-    from edl6dof.app.inspect import run_params
+    """List parameters: default, unit, bounds, meaning, status."""
+    from edl6dof.app.params import run_params
 
     raise typer.Exit(run_params(path, as_json))
 

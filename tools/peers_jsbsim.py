@@ -8,7 +8,8 @@ Lacks, against the flight of edl6dof: guidance, control, thrusters, parachute, s
 gear, telemetry, events located inside a step.  JSBSim evaluates the forces **once** a step (Adams-Bashforth and trapezoidal rules);
 edl6dof does so four times (Runge-Kutta), and once more in every cycle of the flight software.
 
-The start is at 100 km and not at 125 km, because JSBSim's Mars atmosphere falls below absolute zero above 112.6 km.
+The start is at 100 km and not at 125 km, because JSBSim's Mars atmosphere falls below absolute zero above 112.6 km; the path is
+shallower than Tianwen-1's, to stay above the ground for 250 s.
 """
 
 from __future__ import annotations
@@ -119,11 +120,14 @@ INITIAL = {
     "ic/long-gc-deg": 110.282,
     "ic/h-sl-ft": 100_000.0 / FOOT,
     "ic/vt-fps": 4800.0 / FOOT,
-    "ic/gamma-deg": -11.58,
+    "ic/gamma-deg": -9.0,
     "ic/psi-true-deg": 181.41,
     "ic/alpha-deg": -7.0,
     "ic/beta-deg": 3.0,
     "ic/p-rad_sec": 0.002,
+    # second-order Adams-Bashforth; the default, Euler's rule, makes the capsule tumble
+    "simulation/integrator/rate/rotational": 3,
+    "simulation/integrator/position/rotational": 3,
 }
 WATCHED = ("position/h-sl-ft", "velocities/vt-fps", "velocities/p-rad_sec", "velocities/q-rad_sec", "velocities/r-rad_sec")
 
@@ -156,6 +160,8 @@ def run() -> tuple[float, float, dict[str, float]]:
 def _prepare() -> Any:
     import jsbsim
 
+    if hasattr(jsbsim, "set_logger"):
+        jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.FATAL))
     jsbsim.FGJSBBase().debug_lvl = 0
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "aircraft" / "capsule"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,9 +14,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
+from edl6dof.sim.state import State
 
 BAD_INPUT = 2
+INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
@@ -39,33 +43,43 @@ def run_fly(options: FlyOptions) -> int:
     target = options.out or Path("runs") / loaded.scenario.name
     try:
         refuse_existing(target, options.force)
+        flight = _fly_into(target, options, loaded, state)
     except FolderExists as error:
-        print(error, file=sys.stderr)
-        return BAD_INPUT
+        return _refuse(str(error))
+    except OSError as error:
+        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    _show(flight, target, options)
+    if options.save_state_s is not None and flight.saved is None:
+        message = f"--save-state {options.save_state_s:g}: no state was saved; the flight ended at {flight.time_s:.2f} s"
+        print(message, file=sys.stderr)
+    return 0 if flight.success else 1
 
+
+def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
     from edl6dof.jit import is_cached
     from edl6dof.post.results import write_run
-    from edl6dof.post.tables import show_flight, verdict
-    from edl6dof.sim.flight import fly
     from edl6dof.sim.loop import fly as compiled_loop
 
     talk = not (options.quiet or options.as_json)
-    console = Console(stderr=False, highlight=False)
     if talk and not is_cached(compiled_loop):
-        console.print("Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ...")
-    try:
-        with atomic_folder(target, options.force) as folder:
-            with _progress(console, talk) as report:
-                flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-            write_run(flight, folder, replay=options.replay)
-            if flight.saved is not None:
-                flight.saved.save(folder / "state.npz")
-    except FolderExists as error:
-        print(error, file=sys.stderr)
-        return BAD_INPUT
-    except OSError as error:
-        print(f"{target}: cannot be written: {error.strerror or error}", file=sys.stderr)
-        return BAD_INPUT
+        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
+        print(message, file=sys.stderr, flush=True)
+    with atomic_folder(target, options.force) as folder:
+        with _progress(talk) as report:
+            flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
+        write_run(flight, folder, replay=options.replay)
+        if flight.saved is not None:
+            flight.saved.save(folder / "state.npz")
+    return flight
+
+
+def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
+    from edl6dof.post.tables import show_flight, verdict
+
+    console = Console(highlight=False, soft_wrap=True)
     if options.as_json:
         print((target / "summary.json").read_text(encoding="utf-8"), end="")
     elif options.quiet:
@@ -73,38 +87,47 @@ def run_fly(options: FlyOptions) -> int:
     else:
         show_flight(console, flight)
         files = ", ".join(sorted(path.name for path in target.iterdir()))
-        console.print(f"{target}: {files}")
-    if options.save_state_s is not None and flight.saved is None:
-        print(f"--save-state {options.save_state_s:g}: the flight ended before, at {flight.time_s:.2f} s", file=sys.stderr)
-    return 0 if flight.success else 1
+        console.print(f"{target}: {files}", markup=False)
 
 
-def _load(options: FlyOptions) -> tuple[LoadedScenario, object]:
+def _refuse(message: str) -> int:
+    print(" ".join(message.split()), file=sys.stderr)
+    return BAD_INPUT
+
+
+def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
+    save = options.save_state_s
+    if save is not None and not (math.isfinite(save) and save >= 0.0):
+        raise _problem("--save-state", f"must be a time in s, 0 or more (got {save:g})")
     if options.start is None:
         if options.scenario is None:
-            raise ConfigError([Problem("edl6dof fly", 0, 0, "", "name a scenario, or continue a state with --from STATE")])
+            raise _problem("edl6dof fly", "name a scenario, or continue a state with --from STATE")
         return load_scenario(options.scenario, options.sets), None
     from edl6dof.sim.flight import continue_from
-    from edl6dof.sim.state import State
 
     if options.scenario is not None:
-        raise ConfigError([Problem("--from", 0, 0, "", "a saved state brings its own scenario; give no other")])
+        raise _problem("--from", "a saved state brings its own scenario; give no other")
     state = State.load(options.start)
     return continue_from(state, options.sets), state
 
 
+def _problem(place: str, message: str) -> ConfigError:
+    return ConfigError([Problem(place, 0, 0, "", message)])
+
+
 @contextmanager
-def _progress(console: Console, talk: bool) -> Iterator[object]:
-    """A progress bar with time, phase, altitude and Mach number."""
-    if not talk:
+def _progress(talk: bool) -> Iterator[object]:
+    """A progress line with time, phase, altitude and Mach number on stderr, if that is a terminal."""
+    console = Console(stderr=True)
+    if not (talk and console.is_terminal):
         yield None
         return
     columns = (
         TextColumn("{task.fields[phase]:<22}"),
-        BarColumn(),
-        TextColumn("t = {task.completed:6.1f} s"),
-        TextColumn("{task.fields[altitude]:7.2f} km"),
-        TextColumn("Mach {task.fields[mach]:5.2f}"),
+        BarColumn(bar_width=16),
+        TextColumn("t = {task.completed:5.0f} s"),
+        TextColumn("{task.fields[altitude]:6.1f} km"),
+        TextColumn("Mach {task.fields[mach]:4.1f}"),
         TimeElapsedColumn(),
     )
     with Progress(*columns, console=console, transient=True) as bar:

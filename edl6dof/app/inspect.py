@@ -1,18 +1,14 @@
-"""``edl6dof check``, ``params``, ``schema`` and ``replay``."""
+"""``edl6dof check``, ``schema`` and ``replay``."""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
 from edl6dof.config.errors import ConfigError
+from edl6dof.config.locate import shown
 from edl6dof.sim.scenario import Scenario, load_scenario
 
 BAD_INPUT = 2
@@ -28,30 +24,8 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
             print(error, file=sys.stderr)
             bad = True
         else:
-            print(f"{name}: ok ({loaded.scenario.name}, {len(loaded.scenario.mission.phases)} phases)")
+            print(f"{name}: ok ({', '.join(shown(file) for file in loaded.document.files)})")
     return BAD_INPUT if bad else 0
-
-
-def run_params(path: str, as_json: bool) -> int:
-    """Print the reference table from ``path`` downwards."""
-    from edl6dof.config.reference import rows
-
-    found = rows(Scenario, path)
-    if not found:
-        print(f"{path}: no such parameter; 'edl6dof params' lists all", file=sys.stderr)
-        return BAD_INPUT
-    if as_json:
-        print(json.dumps([asdict(row) if not hasattr(row, "_asdict") else row._asdict() for row in found], indent=1, default=str))
-        return 0
-    table = Table(header_style="bold")
-    for name in ("path", "type", "unit", "bounds", "default", "meaning", "status"):
-        table.add_column(name, overflow="fold")
-    for row in found:
-        cells = (row.path, row.type, row.unit, row.bounds, row.default, row.meaning, row.status)
-        table.add_row(*(escape(str(cell)) if cell is not None else "" for cell in cells))
-    console = Console(highlight=False)
-    console.print(table)
-    return 0
 
 
 def run_schema() -> int:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import glob
 import os
+import platform
 import shutil
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+#: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts as left behind.
+STALE_S = 86400.0
 
 
 class FolderExists(Exception):
@@ -17,45 +23,84 @@ class FolderExists(Exception):
 def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
     """Yield a hidden folder beside ``target`` that takes its place when the block ends without an exception.
 
-    A kill leaves at most the hidden folder; the next run into the same target removes it.
+    A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception leaves nothing, not even the
+    parent folders made here.
 
     Raises:
         FolderExists: ``target`` exists and ``force`` is not set.
     """
+    target = Path(os.path.realpath(target))  # the swap must move a folder, not a link to one
     refuse_existing(target, force)
-    target.parent.mkdir(parents=True, exist_ok=True)
+    made = _make_folders(target.parent)
     _sweep(target)
-    partial = target.parent / f".{target.name}.{os.getpid()}.part"
-    partial.mkdir()
+    owner = f"{os.getpid()}-{_host()}"
+    partial, old = (target.parent / f".{target.name}.{owner}.{kind}" for kind in ("part", "old"))
     try:
+        partial.mkdir()
         yield partial
-        if target.exists():
-            old = target.parent / f".{target.name}.{os.getpid()}.old"
-            target.rename(old)
+        refuse_existing(target, force)  # another run may have finished meanwhile
+        try:
+            if target.exists():
+                target.rename(old)
             partial.rename(target)
-            shutil.rmtree(old)
-        else:
-            partial.rename(target)
-    finally:
+        except BaseException:
+            if old.exists() and not target.exists():
+                old.rename(target)
+            raise
+    except BaseException:
         shutil.rmtree(partial, ignore_errors=True)
+        for folder in made:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def refuse_existing(target: Path, force: bool) -> None:
     """Raise :class:`FolderExists` when ``target`` must not be replaced; a file in its place is never replaced."""
-    if target.is_dir() and not force and any(target.iterdir()):
-        raise FolderExists(f"{target} exists; choose another folder with --out, or replace it with --force")
     if target.exists() and not target.is_dir():
         raise FolderExists(f"{target} is a file, not a folder; choose another folder with --out")
-    if force and target.is_dir() and any(target.iterdir()) and not (target / "summary.json").is_file():
+    if not target.is_dir() or not any(target.iterdir()):
+        return
+    if not force:
+        raise FolderExists(f"{target} exists; choose another folder with --out, or replace it with --force")
+    if not (target / "summary.json").is_file():
         raise FolderExists(f"{target} is not a run folder (no summary.json); it is not replaced even with --force")
 
 
+def _make_folders(folder: Path) -> list[Path]:
+    """Make a folder and its parents; returns those that were missing, the deepest first."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
 def _sweep(target: Path) -> None:
-    """Remove what killed runs into the same target left behind; a folder whose process still lives is kept."""
-    for left in target.parent.glob(f".{target.name}.*.part"):
-        pid = left.name.split(".")[-2]
-        if pid.isdigit() and not _alive(int(pid)):
+    """Remove what killed runs into the same target left behind; a folder whose process still lives is kept.
+
+    A run killed between the two renames of a replacement has put the former result aside: it comes back.
+    """
+    for left in target.parent.glob(f".{glob.escape(target.name)}.*.*"):
+        owner, kind = left.name.rsplit(".", 2)[1:]
+        if kind not in ("part", "old") or not _abandoned(left, owner):
+            continue
+        if kind == "old" and not target.exists():
+            left.rename(target)
+        else:
             shutil.rmtree(left, ignore_errors=True)
+
+
+def _abandoned(left: Path, owner: str) -> bool:
+    pid, _, host = owner.partition("-")
+    if not pid.isdigit():
+        return False
+    if host != _host():
+        return time.time() - left.stat().st_mtime > STALE_S
+    return int(pid) == os.getpid() or not _alive(int(pid))
+
+
+def _host() -> str:
+    return platform.node().replace(".", "_").replace(os.sep, "_")
 
 
 def _alive(pid: int) -> bool:
@@ -63,6 +108,6 @@ def _alive(pid: int) -> bool:
         os.kill(pid, 0)
     except ProcessLookupError:
         return False
-    except PermissionError:
+    except (PermissionError, OverflowError):
         return True
     return True

@@ -154,7 +154,8 @@ def backshell(vehicle: VehicleParams) -> Mesh:
     (x0, r0), (x2, r2) = corners[0], corners[-1]
     panels = [revolve([a, b], _striped(WHITE, 8, 0.72), 64) for a, b in zip(corners, corners[1:], strict=False)]
     rim = revolve([(x0 + 0.01, r0 + 0.008), (x0 - 0.07, r0 + 0.008)], DARK, 64)
-    lid = [revolve([(x2, r2), (x2 - 0.03, r2 * 0.96)], DARK, 48), revolve([(x2 - 0.03, r2 * 0.96), (x2 - 0.03, 1e-4)], ORANGE, 48)]
+    end = (x2 - 0.03, r2 * 0.96)
+    lid = [revolve([(x2, r2), end], DARK, 48), revolve([end, (x2 - 0.03, 1e-4)], ORANGE, 48)]
     return merge([*panels, rim, *lid])
 
 

@@ -1,10 +1,11 @@
-"""What a flight looks like on a terminal: timeline, limits, comparison with the published flight."""
+"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, verdict."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -19,7 +20,7 @@ _BOUNDS = {"max_", "parachute_total_alpha", "backshell_height", "backshell_speed
 
 
 def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, limits, the table against the published flight, and the verdict."""
+    """Print timeline, the table against the published flight, limits, and last, where the eye is, the verdict."""
     console.print(timeline_table(flight))
     if flight.scenario.published:
         console.print(published_table(flight))
@@ -29,54 +30,43 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 
 def timeline_table(flight: Flight) -> Table:
-    """Events in order of time."""
-    table = Table(title="Timeline", title_justify="left", header_style="bold")
-    table.add_column("t (s)", justify="right")
-    table.add_column("event")
-    table.add_column("height (m)", justify="right")
-    table.add_column("speed (m/s)", justify="right")
-    table.add_column("Mach", justify="right")
+    """Events in order of time; what happens inside a phase is indented below it."""
+    table = _table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
     for event in flight.events:
-        style = "bold cyan" if event["key"].startswith("phase.") else ""
+        starts_phase = event["key"].startswith("phase.")
+        name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
-        table.add_row(
-            f"{event['t_s']:.2f}", Text(event["name"], style=style), shown, f"{event['speed_m_s']:.1f}", f"{event['mach']:.2f}"
-        )
+        speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
+        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", f"{mach:.2f}"
+        table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
 
 
 def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    table = Table(title="This flight beside the published flight", title_justify="left", header_style="bold")
-    table.add_column("figure")
-    table.add_column("unit")
-    table.add_column("this flight", justify="right")
-    table.add_column("published", justify="right")
-    table.add_column("difference", justify="right")
+    table = _table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
     for name, published in flight.scenario.published.items():
         base, unit = split_unit(name)
         own = flight.metrics.get(name)
         relation = _relation(name)
+        places = _published_places(published)
+        shown = f"{relation}{published:,.{places}f}"
         if own is None or not math.isfinite(own):
-            table.add_row(_words(base), unit.label, "-", f"{relation}{_number(published)}", "not reached")
-            continue
-        difference = _compared(relation, own, published)
-        table.add_row(_words(base), unit.label, _number(own), f"{relation}{_number(published)}", difference)
+            table.add_row(_words(base), unit.label, "-", shown, "not reached")
+        else:
+            more = places if own == round(own) else places + (places < 2)
+            table.add_row(_words(base), unit.label, f"{own:,.{more}f}", shown, _compared(relation, own - published, more))
     return table
 
 
 def limits_table(flight: Flight) -> Table:
     """Limits of the verdict."""
-    table = Table(title="Limits", title_justify="left", header_style="bold")
-    table.add_column("limit")
-    table.add_column("unit")
-    table.add_column("this flight", justify="right")
-    table.add_column("allowed", justify="right")
-    table.add_column("")
+    table = _table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
-        mark = Text("ok", style="green") if check.ok else Text("missed", style="bold red")
-        table.add_row(check.label, check.unit, _number(check.value), f"<= {_number(check.limit)}", mark)
+        mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
+        value, limit = _pair(check.value, check.limit, check.ok)
+        table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
     return table
 
 
@@ -86,28 +76,37 @@ def verdict(flight: Flight) -> Text:
     return Text(f"{flight.name}: {flight.outcome} at t = {flight.time_s:.1f} s", style=style)
 
 
+def _table(title: str, *columns: str) -> Table:
+    """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in columns:
+        table.add_column(column.rstrip(">"), justify="right" if column.endswith(">") else "left", no_wrap=column.endswith(">"))
+    return table
+
+
 def _relation(name: str) -> str:
     if name == "bank_reversals":
         return ">= "
     return "<= " if any(name.startswith(start) for start in _BOUNDS) else ""
 
 
-def _compared(relation: str, own: float, published: float) -> str:
-    if relation == "<= ":
-        return "kept" if own <= published else f"+{_number(own - published)}"
-    if relation == ">= ":
-        return "kept" if own >= published else f"{_number(own - published)}"
-    return f"{own - published:+.3g}"
+def _compared(relation: str, difference: float, places: int) -> str:
+    kept = difference <= 0.0 if relation == "<= " else relation == ">= " and difference >= 0.0
+    return "kept" if kept else f"{difference:+,.{places}f}"
 
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _number(value: float) -> str:
-    size = abs(value)
-    if size >= 1000.0:
-        return f"{value:,.0f}"
-    if size >= 100.0:
-        return f"{value:.1f}"
-    return f"{value:.3g}" if size < 1.0 else f"{value:.2f}"
+def _published_places(value: float) -> int:
+    """Decimal places with which a figure was published: as many as it has, and not more than six."""
+    return min(len(repr(float(value)).rstrip("0").partition(".")[2]), 6) if abs(value) >= 1e-4 else 0
+
+
+def _pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
+    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look kept."""
+    places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
+    while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
+        places += 1
+    return (f"{value:,.{places}f}" if math.isfinite(value) else "-"), f"{limit:,.{places}f}"

@@ -12,7 +12,6 @@ import numpy as np
 
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.source import parse_document
-from edl6dof.config.validate import validate
 from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import TICK
@@ -20,7 +19,7 @@ from edl6dof.sim.events import timeline
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, OUTCOMES
-from edl6dof.sim.scenario import LoadedScenario, Scenario
+from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import columns
 from edl6dof.sim.touchdown import touchdown_state
@@ -182,8 +181,7 @@ def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenar
     """The scenario a saved state belongs to."""
     from edl6dof.config.overrides import apply_overrides
 
-    document = apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
-    return LoadedScenario(validate(Scenario, document), document)
+    return check_document(apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario))
 
 
 def fly(
@@ -204,11 +202,11 @@ def fly(
         progress: called every few seconds of flight.
     """
     scenario = loaded.scenario
-    tables = records.build_tables(scenario)
-    case = records.build_case(scenario, tables, case_index)
-    onboard = records.build_onboard(scenario, tables)
+    tables = records.build_tables(loaded.truth)
+    case = records.build_case(loaded.truth, tables, case_index)
+    onboard = records.build_onboard(scenario, tables if loaded.truth is scenario else records.build_tables(scenario))
     if start is None:
-        plant, fsw = records.initial_plant(scenario, case), records.initial_fsw(onboard)
+        plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
         sensed, cycle = records.initial_sensed(), 0
         prepare(case, tables, plant)
     else:

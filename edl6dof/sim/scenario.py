@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
@@ -88,6 +89,12 @@ class Scenario(Params):
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
     limits: LimitParams = group(LimitParams, "limits of the verdict")
+    truth: dict[str, Any] = param(
+        None,
+        "dotted paths whose true value differs from what the flight computer was told, such as 'vehicle.mass.entry_kg: 1300'",
+        record=False,
+        factory=dict,
+    )
     published: dict[str, float] = param(
         None, "figures of the real flight, shown beside this one's", status="published", record=False, factory=dict
     )
@@ -137,10 +144,30 @@ class Scenario(Params):
 
 @dataclass(frozen=True)
 class LoadedScenario:
-    """A validated scenario with where it came from."""
+    """A validated scenario with where it came from.
+
+    Attributes:
+        scenario: the nominal: what the flight computer was told.
+        truth: the same with the ``truth`` section applied: what the plant is built from.
+        document: the files it was read from, with the place and status of every value.
+    """
 
     scenario: Scenario
+    truth: Scenario
     document: Document
+
+
+def check_document(document: Document) -> LoadedScenario:
+    """Validate a document, and its truth where that differs.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    scenario = validate(Scenario, document)
+    if not scenario.truth:
+        return LoadedScenario(scenario, scenario, document)
+    changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
+    return LoadedScenario(scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document)
 
 
 def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
@@ -150,5 +177,4 @@ def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Lo
         ConfigError: with every problem found.
     """
     document = read_document(resolve_scenario(str(name_or_path)))
-    document = apply_overrides(document, overrides, Scenario)
-    return LoadedScenario(validate(Scenario, document), document)
+    return check_document(apply_overrides(document, overrides, Scenario))

@@ -46,12 +46,12 @@ BANK = {"rate_deg_s": 20.0, "far_deg": 40.0, "near_deg": 5.0, "deceleration_deg_
 def predicted_slew(zone, angle):
     """Time until the error enters the PID zone.
 
-    Spin-up to the rate with time constant 1/rate_gain costs that much against instant spin-up; then constant rate, then constant
-    deceleration down the parabola, whose inner end is the rate at which the PID law meets the boundary.
+    Constant rate, then constant deceleration down the parabola, whose inner end is the rate at which the PID law meets the boundary.
+    The rate loop lags by 1/rate_gain on both slopes: lost at spin-up, won back at slowing down.
     """
     inner = zone["proportional"] / zone["derivative"] * zone["near"]
     start = zone["near"] + (zone["rate"] ** 2 - inner**2) / (2.0 * zone["deceleration"])
-    return 1.0 / zone["rate_gain"] + (angle - start) / zone["rate"] + (zone["rate"] - inner) / zone["deceleration"]
+    return (angle - start) / zone["rate"] + (zone["rate"] - inner) / zone["deceleration"]
 
 
 @pytest.mark.parametrize("angle", [90.0, 120.0, -120.0, 170.0])
@@ -60,16 +60,16 @@ def test_slew_time_of_a_large_manoeuvre_is_the_rate_limited_prediction(onboard, 
     zone = flown_zones(onboard)["bank"] if name == "flown" else zone_record(**BANK)
     t, error, _, _ = slew(zone, radians(angle), 30.0)
     arrived = t[np.argmax(np.abs(error) < zone["near"])]
-    assert arrived == pytest.approx(predicted_slew(zone, radians(abs(angle))), abs=0.35)
+    assert arrived == pytest.approx(predicted_slew(zone, radians(abs(angle))), abs=0.15)
     assert arrived > (radians(abs(angle)) - zone["near"]) / zone["rate"]  # no faster than the limit allows
 
 
 @pytest.mark.parametrize("name", ["bank", "chute roll", "pitch and yaw", "lander roll", "default"])
-def test_large_slew_does_not_overshoot_by_more_than_a_tenth_of_the_inner_zone_and_never_exceeds_the_rate(onboard, name):
+def test_large_slew_overshoots_by_less_than_one_percent_and_a_fifth_of_the_inner_zone_and_never_exceeds_the_rate(onboard, name):
     zone = flown_zones(onboard)[name]
     angle = radians(120.0)
     t, error, rate, _ = slew(zone, angle, 30.0 + 1.5 * angle / zone["rate"])
-    assert np.min(error) > -0.1 * zone["near"]
+    assert np.min(error) > -min(0.2 * zone["near"], 0.01 * angle)
     assert np.max(np.abs(rate)) <= zone["rate"] * (1.0 + 1e-9)
     assert abs(error[-1]) < 0.02 * zone["near"]
     assert np.all(np.diff(error[: np.argmax(np.abs(error) < zone["near"])]) <= 1e-12)  # always on its way

@@ -1,0 +1,191 @@
+"""Where everything is during the replay: telemetry turned into poses in landing-site axes (east, north, up)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, radians, sin, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+    from edl6dof.sim.flight import Flight
+    from edl6dof.sim.scenario import Scenario
+
+
+def vector(telemetry: dict[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
+    """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
+    return np.stack([telemetry[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
+
+
+def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Rows of about ``rate_hz``, the first and the last row among them."""
+    if len(t) < 2:
+        return np.arange(len(t))
+    step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))
+    rows = np.arange(0, len(t), step)
+    return rows if rows[-1] == len(t) - 1 else np.append(rows, len(t) - 1)
+
+
+def spans(present: np.ndarray) -> list[tuple[int, int]]:
+    """First and one-past-last row of each run of ``True``."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+class Site:
+    """The landing-site frame L and the shape of the ground around it."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        terrain, planet = scenario.terrain, scenario.planet
+        lat, lon = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+        east = (-sin(lon), cos(lon), 0.0)
+        north = (-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat))
+        up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
+        self.axes = np.array([east, north, up])  #: turns components in F into components in L
+        self.elevation = terrain.site_elevation_m
+        self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
+        self.spin = planet.rotation_rate_rad_s
+        e2 = self.flattening * (2.0 - self.flattening)
+        prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
+        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
+
+    def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> Rotation:
+        """Rotation that turns components in B into components in L; F and I coincide at t = 0."""
+        from scipy.spatial.transform import Rotation
+
+        to_F = Rotation.from_rotvec(np.multiply.outer(-self.spin * np.asarray(t), [0.0, 0.0, 1.0]))
+        return Rotation.from_matrix(self.axes) * to_F * Rotation.from_quat(q_I2B, scalar_first=True)
+
+    def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
+        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the limb."""
+        a = self.radius + np.asarray(elevation)
+        squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
+        place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
+        up = self.axes[2]
+        k2 = up[0] ** 2 + up[1] ** 2 + squash * up[2] ** 2
+        k1 = place[..., 0] * up[0] + place[..., 1] * up[1] + squash * place[..., 2] * up[2]
+        k0 = place[..., 0] ** 2 + place[..., 1] ** 2 + squash * place[..., 2] ** 2 - a**2
+        return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
+
+
+class Motion:
+    """Poses of one flight, at all telemetry rows unless said otherwise."""
+
+    def __init__(self, flight: Flight) -> None:
+        tm = flight.telemetry
+        self.site = Site(flight.scenario)
+        self.vehicle = flight.scenario.vehicle
+        centre_L = vector(tm, "truth.site", "east north up", "_m")
+        q_I2B = vector(tm, "truth.q_I2B", "w x y z")
+        norm = np.linalg.norm(q_I2B, axis=-1)
+        good = np.isfinite(centre_L).all(axis=-1) & np.isfinite(norm) & (norm > 0.5)
+        self.valid = np.flatnonzero(good)  #: rows that can be drawn
+        self.t = tm["t_s"][good]
+        self.centre = centre_L[good]  #: centre of mass, m
+        self.rotation = self.site.attitude(self.t, q_I2B[good])  #: B to L
+        self.nose = self.centre - self.rotation.apply(vector(tm, "truth.centre", "x y z", "_m")[good])  #: origin of B
+        self.height = tm["truth.height_m"][good]
+        self.elevation = (tm["truth.altitude_m"] - tm["truth.height_m"])[good]
+        self.canopy = vector(tm, "truth.canopy", "east north up", "_m")[good]
+        self.heat_shield = vector(tm, "truth.heat_shield", "east north up", "_m")[good]
+        self.backshell = vector(tm, "truth.backshell", "east north up", "_m")[good]
+        self._far = np.linalg.norm(self.centre[:, :2] - self.centre[-1, :2], axis=-1)
+
+    @property
+    def last(self) -> np.ndarray:
+        """Last position of the centre of mass, m in L."""
+        return self.centre[-1]
+
+    def released(self, place: np.ndarray) -> int | None:
+        """Row at which a discarded part is first on its own."""
+        rows = np.flatnonzero(np.isfinite(place[:, 0]))
+        return int(rows[0]) if len(rows) else None
+
+    def ground_up(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
+        """Up coordinate of the ground (m): as high as it was under the vehicle at that distance from the end of the flight."""
+        order = np.argsort(self._far, kind="stable")
+        distance = np.hypot(np.asarray(east) - self.last[0], np.asarray(north) - self.last[1])
+        return self.site.surface(east, north, np.interp(distance, self._far[order], self.elevation[order]))
+
+    def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Rows, confluence points, quaternions (x, y, z, w) and scales of the canopy: x from the confluence to the canopy.
+
+        After release the backshell hangs under the canopy, whose own position is no longer computed: it is drawn above.
+        """
+        model = self.vehicle.parachute
+        length = model.line_length_m
+        first = self.released(self.canopy)
+        if first is None or model.diameter_m <= 0.0:
+            return np.empty(0, int), np.empty((0, 3)), np.empty((0, 4)), np.empty((0, 3))
+        alone = self.released(self.backshell)
+        with_vehicle = np.flatnonzero(np.isfinite(self.canopy[:, 0]))
+        after = np.arange(alone, len(self.t)) if alone is not None else np.empty(0, int)
+        rows = np.union1d(with_vehicle, after)
+        confluence = self.nose[rows] + self.rotation[rows].apply(model.confluence_m)
+        line = self.canopy[rows] - confluence
+        free = ~np.isfinite(line[:, 0])
+        if free.any():
+            place, turn = self.discarded(self.backshell, self.vehicle.mass.backshell.centre_m)
+            confluence[free] = place[rows[free]] + turn.apply(model.confluence_m)
+            hang = np.array([0.0, 0.0, length])
+            held = line[~free][-1] if (~free).any() else hang
+            fade = np.exp(-(self.t[rows[free]] - self.t[rows[free][0]]) / 4.0)[:, None]
+            line[free] = held * fade + hang * (1.0 - fade)
+        reach = np.linalg.norm(line, axis=-1)
+        line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
+        spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
+        ground = self.ground_up(confluence[:, 0], confluence[:, 1])
+        fallen = free & (confluence[:, 2] - ground < 3.0)
+        spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if fallen.any() else 1.0
+        scale = np.stack([reach / length, spread, spread], axis=-1)
+        return rows, confluence, _from_x_to(line), scale
+
+    def _spread(self, rows: np.ndarray, reach: np.ndarray, length: float, duration: float) -> np.ndarray:
+        taut = np.flatnonzero(reach >= 0.97 * length)
+        start = self.t[rows[taut[0]]] if len(taut) else np.inf
+        grown = np.clip((self.t[rows] - start) / max(duration, 1e-3), 0.0, 1.0)
+        return 0.08 + 0.92 * grown**2
+
+    def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, Rotation]:
+        """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""
+        turn = self.rotation[self.released(place) or 0]
+        return place - turn.apply(own_centre), turn
+
+    def camera(self) -> tuple[np.ndarray, np.ndarray]:
+        """Point the chase camera looks at, and its scale: 1 close to the vehicle, larger under the parachute."""
+        under = np.isfinite(self.canopy[:, 0])
+        line = self.vehicle.parachute.line_length_m
+        wide = np.log(max(line / 6.0, 1.5))
+        alone = self.released(self.backshell)
+        leaving = np.zeros(len(self.t), bool) if alone is None else (self.t >= self.t[alone]) & (self.t < self.t[alone] + 5.0)
+        middle = np.where(under[:, None], np.nan_to_num(self.canopy - self.centre), 0.0)
+        step = (self.t[-1] - self.t[0]) / max(len(self.t) - 1, 1)
+        ahead, width = (round(s / step) if step > 0.0 else 0 for s in (2.0, 4.0))
+        zoom = _smooth(np.where(under | leaving, wide, 0.0), width, ahead)
+        shift = np.stack([_smooth(0.55 * middle[:, k], width, ahead) for k in range(3)], axis=-1)
+        return self.centre + shift, np.exp(zoom)
+
+
+def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
+    """Two running means over ``width`` rows, centred ``ahead`` rows later: the change has begun when its cause shows."""
+    if width < 2:
+        return values
+    box = np.ones(width) / width
+    padded = np.concatenate([np.full(2 * width, values[0]), values, np.full(2 * width + ahead, values[-1])])
+    smooth = np.convolve(np.convolve(padded, box, "same"), box, "same")
+    return smooth[2 * width + ahead : 2 * width + ahead + len(values)]
+
+
+def _from_x_to(direction: np.ndarray) -> np.ndarray:
+    """Quaternions (x, y, z, w) of the shortest turn from the x axis to unit directions."""
+    w = 1.0 + direction[:, 0]
+    q = np.stack([np.zeros_like(w), -direction[:, 2], direction[:, 1], np.maximum(w, 1e-9)], axis=-1)
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+
+
+def pointing(directions: np.ndarray) -> np.ndarray:
+    """Quaternions (x, y, z, w) that turn the x axis into the given directions, of any length."""
+    return _from_x_to(directions / np.linalg.norm(directions, axis=-1, keepdims=True))

@@ -1,0 +1,99 @@
+"""Verifies: the nominal flight against the published flight of Tianwen-1 (Hu et al. 2022, S1) and its own limits.
+
+gravity GMM-3 degree 4 | atmosphere Mars-GRAM 2010 table | winds Mars-GRAM mean | vehicle tianwen1 | source S1 section 7.
+The windows are those the product promises; they are not fitted to the present result.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+
+def test_nominal_lands_within_limits(nominal):
+    assert nominal.outcome == "landed within limits"
+    assert nominal.success
+
+
+@pytest.mark.parametrize(
+    ("figure", "published", "window"),
+    [
+        ("trim_wing_s", 243.5, 15.0),
+        ("trim_wing_mach", 2.8, 0.05),
+        ("parachute_s", 278.9, 15.0),
+        ("parachute_mach", 1.8, 0.05),
+        ("backshell_s", 447.8, 30.0),
+        ("touchdown_s", 535.9, 45.0),
+    ],
+)
+def test_timeline_is_near_the_published_flight(nominal, figure, published, window):
+    assert abs(nominal.metrics[figure] - published) < window
+
+
+@pytest.mark.parametrize(
+    ("figure", "bound"),
+    [
+        ("parachute_total_alpha_deg", 7.0),
+        ("backshell_height_m", 2000.0),
+        ("backshell_speed_m_s", 115.0),
+        ("max_bank_rate_deg_s", 22.0),
+        ("max_pitch_rate_lift_deg_s", 3.0),
+        ("max_yaw_rate_lift_deg_s", 3.0),
+        ("max_attitude_error_powered_deg", 20.0),
+        ("roll_error_at_ignition_deg", 20.0),
+        ("touchdown_vertical_m_s", 2.0),
+        ("touchdown_horizontal_m_s", 0.5),
+        ("touchdown_tilt_deg", 1.0),
+        ("landing_distance_m", 10000.0),
+    ],
+)
+def test_promised_bounds_hold(nominal, figure, bound):
+    assert abs(nominal.metrics[figure]) < bound
+
+
+@pytest.mark.parametrize("axis", ["roll", "pitch", "yaw"])
+def test_touchdown_attitude_and_rate_are_small(nominal, axis):
+    assert abs(nominal.metrics[f"touchdown_{axis}_error_deg"]) < 1.0
+    assert abs(nominal.metrics[f"touchdown_{axis}_rate_deg_s"]) < 0.5
+
+
+def test_bank_reaches_twenty_degrees_per_second_and_reverses_four_times(nominal):
+    assert nominal.metrics["max_bank_rate_deg_s"] > 18.0
+    assert nominal.metrics["bank_reversals"] >= 4
+
+
+def test_trim_at_minus_ten_degrees_comes_from_the_centre_of_mass_offset(nominal):
+    """In lift control nothing commands the angle of attack; it settles where the moments balance."""
+    table = nominal.telemetry
+    flying = (table["t_s"] > 100.0) & (table["t_s"] < 235.0)
+    assert np.abs(np.mean(table["truth.alpha_deg"][flying]) + 10.0) < 1.0
+    wing_open = (table["t_s"] > nominal.metrics["trim_wing_s"] + 15.0) & (table["t_s"] < nominal.metrics["parachute_s"])
+    assert np.abs(np.mean(table["truth.alpha_deg"][wing_open])) < 1.5
+
+
+def test_every_phase_is_flown_in_order(nominal):
+    entered = [event["name"] for event in nominal.events if event["key"].startswith("phase.")]
+    assert entered == [f"phase {name}" for name in nominal.phase_names]
+
+
+def test_landed_vehicle_rests_on_four_footpads(nominal):
+    assert nominal.telemetry["truth.footpads"][-1] == 4
+    assert nominal.telemetry["truth.speed_m_s"][-1] < 0.02
+
+
+def test_energy_is_lost_to_drag_as_work_of_the_aerodynamic_force(nominal):
+    """Between 100 s and 240 s the loss of specific energy equals the integral of the measured drag times speed (no thrust to speak of)."""
+    table = nominal.telemetry
+    t = table["t_s"]
+    window = (t >= 100.0) & (t <= 240.0)
+    r = np.stack([table[f"truth.r_I_{c}_m"][window] for c in "xyz"])
+    v = np.stack([table[f"truth.v_I_{c}_m_s"][window] for c in "xyz"])
+    spin = nominal.scenario.planet.rotation_rate_rad_s
+    mu = nominal.scenario.planet.gravity.mu_m3_s2
+    radius = np.linalg.norm(r, axis=0)
+    relative = v - spin * np.stack([-r[1], r[0], np.zeros_like(r[0])])
+    # energy in the rotating frame: centrifugal potential included; J2 is 0.2 % of the change of potential over 30 km
+    energy = 0.5 * np.sum(relative**2, axis=0) - mu / radius - 0.5 * spin**2 * (r[0] ** 2 + r[1] ** 2)
+    power = table["nav.drag_m_s2"][window] * np.linalg.norm(relative, axis=0)
+    work = np.trapezoid(power, t[window])
+    assert energy[0] - energy[-1] == pytest.approx(work, rel=2e-3)

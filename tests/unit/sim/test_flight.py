@@ -1,0 +1,57 @@
+"""The Flight object against its own log and against pyquaternion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pyquaternion import Quaternion
+
+from edl6dof.sim.channels import CHANNELS
+
+
+def test_telemetry_has_every_channel_and_thruster(nominal):
+    names = {channel.name for channel in CHANNELS} | {"t_s"} | {f"rcs.{jet.name}" for jet in nominal.scenario.vehicle.rcs.thrusters}
+    assert set(nominal.telemetry) == names
+    assert all(len(column) == len(nominal.log) for column in nominal.telemetry.values())
+
+
+def test_telemetry_is_at_least_fifty_hertz(nominal):
+    assert np.max(np.diff(nominal.telemetry["t_s"])) <= 0.02 + 1e-9
+
+
+def test_attitude_turns_body_axis_to_the_inertial_nose_direction(nominal):
+    """At mid entry the nose lies within the angle of attack of the velocity."""
+    t = 150.0
+    nose = nominal.attitude(t).rotate([1.0, 0.0, 0.0])
+    i = int(np.searchsorted(nominal.log["t"], t))
+    r = np.array([nominal.log["truth"][f"r_I_{c}"][i] for c in "xyz"])
+    v = np.array([nominal.log["truth"][f"v_I_{c}"][i] for c in "xyz"])
+    spin = nominal.scenario.planet.rotation_rate_rad_s
+    relative = v - spin * np.array([-r[1], r[0], 0.0])
+    angle = np.degrees(np.arccos(nose @ relative / np.linalg.norm(relative)))
+    assert angle == pytest.approx(abs(nominal.telemetry["nav.alpha_deg"][i]), abs=1.0)
+
+
+def test_attitude_between_rows_is_on_the_way(nominal):
+    before, middle, after = (nominal.attitude(t) for t in (100.0, 100.01, 100.02))
+    assert isinstance(middle, Quaternion)
+    whole = Quaternion.absolute_distance(before, after)
+    assert Quaternion.absolute_distance(before, middle) == pytest.approx(whole / 2, abs=1e-6)
+
+
+def test_attitude_outside_the_flight_is_refused(nominal):
+    with pytest.raises(ValueError, match="must lie in"):
+        nominal.attitude(1e4)
+
+
+def test_data_frame_has_time_as_index(nominal):
+    pytest.importorskip("pandas")
+    frame = nominal.to_pandas()
+    assert frame.index.name == "t_s"
+    assert frame["truth.mach"].iloc[0] == nominal.telemetry["truth.mach"][0]
+
+
+def test_events_are_in_order_of_time_and_end_with_the_outcome(nominal):
+    times = [event["t_s"] for event in nominal.events]
+    assert times == sorted(times)
+    assert nominal.events[-1]["name"] == nominal.outcome

@@ -1,0 +1,129 @@
+"""Dispatch among interchangeable models: the integer of a record must reach the member it names.
+
+Members return numbers that tell them apart (a square, a cube, ...), so a wrong branch shows as a wrong number.  That a kernel with
+a dispatch inside can be cached on disk is shown with a second process and numba's own count of cache hits.
+"""
+
+import os
+import subprocess
+import sys
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from edl6dof.config.base import Params, param
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.jit import kernel
+from edl6dof.registry import Family, Member, switch
+
+
+@kernel
+def square(x, y):
+    return x * x + y
+
+
+@kernel
+def cube(x, y):
+    return x * x * x + y
+
+
+@kernel
+def root(x, y):
+    return x**0.5 + y
+
+
+POWERS = switch((square, cube, root), 2)
+ONLY = switch((cube,), 2)
+
+
+@kernel
+def through_a_kernel(index, x, y):
+    return POWERS(index, x, y)
+
+
+@kernel
+def one_member(index, x, y):
+    return ONLY(index, x, y)
+
+
+@pytest.mark.parametrize("dispatch", [POWERS, through_a_kernel], ids=["from Python", "from a kernel"])
+def test_the_index_reaches_its_member(dispatch):
+    assert [dispatch(index, 4.0, 0.5) for index in range(3)] == [16.5, 64.5, 2.5]
+
+
+def test_a_family_of_one_needs_no_choice():
+    assert one_member(0, 2.0, 1.0) == ONLY(0, 2.0, 1.0) == 9.0
+
+
+def test_two_switches_in_one_kernel_do_not_mix():
+    other = switch((root, square), 2)
+
+    @kernel
+    def both(i, j, x):
+        return POWERS(i, x, 0.0) + 1000.0 * other(j, x, 0.0)
+
+    assert [both(i, j, 4.0) for i, j in ((0, 0), (1, 1), (2, 0))] == [2016.0, 16064.0, 2002.0]
+
+
+def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
+    (tmp_path / "laws.py").write_text(
+        "from edl6dof.jit import kernel\nfrom edl6dof.registry import switch\n"
+        "@kernel\ndef one(x):\n    return x\n@kernel\ndef two(x):\n    return 2.0 * x\n"
+        "pick = switch((one, two), 1)\n"
+        "@kernel\ndef fly(index, x):\n    return pick(index, x)\n"
+    )
+    code = "from laws import fly; print(fly(0, 7.0), fly(1, 7.0), sum(fly.stats.cache_hits.values()))"
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    env.pop("NUMBA_CACHE_DIR", None)
+    runs = [subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=60) for _ in range(2)]
+    assert [run.stdout.split() for run in runs] == [["7.0", "14.0", "0"], ["7.0", "14.0", "1"]], runs[1].stderr
+
+
+class GentleParams(Params):
+    """A gentle law."""
+
+    gain: float = param(0.5, "gain", gt=0.0)
+
+
+class FirmParams(Params):
+    """A firm law."""
+
+    angle_deg: float = param(90.0, "angle")
+
+
+MEMORY = np.dtype([("sum", "f8")])
+FAMILY = Family(
+    "law",
+    (
+        Member("gentle", GentleParams, {"steer": square}, "nobody, 2020"),
+        Member("firm", FirmParams, {"steer": cube}, "somebody, 2021", MEMORY),
+    ),
+)
+
+
+class TestFamily:
+    model: ClassVar = FAMILY.params_model("LawParams", "law", "gentle", "Choice of a law.")
+
+    def test_the_name_in_yaml_becomes_the_index_that_switch_dispatches_on(self):
+        steer = FAMILY.switch("steer", 2)
+        for name, expected in (("gentle", 9.0), ("firm", 27.0)):
+            record = np.zeros(1, dtype_of(self.model)).view(np.recarray)[0]
+            fill(record, self.model(law=name))
+            assert steer(record.law, 3.0, 0.0) == expected
+
+    def test_every_member_has_its_section_in_si_units(self):
+        record = np.zeros(1, dtype_of(self.model)).view(np.recarray)[0]
+        fill(record, self.model.model_validate({"law": "firm", "firm": {"angle_deg": 180.0}}))
+        assert record.firm.angle == pytest.approx(np.pi) and record.gentle.gain == 0.5
+
+    @pytest.mark.parametrize("section", [{"law": "harsh"}, {"gentle": {"gain": -1.0}}, {"firm": {"gain": 1.0}}])
+    def test_unknown_members_and_foreign_parameters_are_errors(self, section):
+        with pytest.raises(ValidationError):
+            self.model.model_validate(section)
+
+    def test_members_keep_their_memories_apart(self):
+        memory = np.zeros(1, FAMILY.memory)[0]
+        memory["firm"]["sum"] = 3.0
+        assert memory["gentle"]["unused"] == 0.0 and memory["firm"]["sum"] == 3.0
