@@ -1,12 +1,12 @@
 """Basilisk's nearest case: a rigid entry vehicle with drag, eight thrusters and attitude control at 10 Hz, 500 s at 100 Hz.
 
-Has: Mars as a point mass, exponential atmosphere, drag with an offset centre of pressure, eight on/off thrusters with ramps and least
-on-time, ideal navigation, inertial pointing by MRP feedback, force mapping, Schmitt trigger; fourth-order Runge-Kutta as edl6dof.
-Log: none (recording the state at 100 Hz costs Basilisk some 13 % more).
+Has: Mars as a point mass, exponential atmosphere, drag with an offset centre of pressure, eight on/off thrusters with ramps and
+least on-time, ideal navigation, inertial pointing by MRP feedback, force mapping, Schmitt trigger; fourth-order Runge-Kutta as
+edl6dof. Log: none (recording the state at 100 Hz costs Basilisk some 13 % more).
 
-Lacks, against the flight of edl6dof: J2, aerodynamic tables, lift and damping, varying mass, guidance, mission phases, parachute,
-separations, engine, terrain, wind, touchdown, telemetry, events located inside a step.  The density is taken once a step.  The entry is
-shallower than Tianwen-1's, to stay above the ground for 500 s.
+Lacks, against the flight of edl6dof: J2, aerodynamic tables, lift and damping, varying mass, guidance, mission phases,
+parachute, separations, engine, terrain, wind, touchdown, telemetry, events located inside a step. The density is taken once a
+step. The entry is shallower than Tianwen-1's, to stay above the ground for 500 s.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """JSBSim's nearest case: an uncontrolled 6-DOF capsule entering the atmosphere of Mars, 250 s at 100 Hz.
 
-Has: rotating oblate Mars with J2, JSBSim's own Mars atmosphere, constant mass, drag over Mach number and total angle of attack from
-a table, normal force, static moments over the full range of angles, rate damping.  Log: none.  Called from Python step by step
-(``FGFDMExec.run``), the only way its Python module offers without a script.
+Has: rotating oblate Mars with J2, JSBSim's own Mars atmosphere, constant mass, drag over Mach number and total angle of attack
+from a table, normal force, static moments over the full range of angles, rate damping. Log: none. Called from Python step by
+step (``FGFDMExec.run``), as JSBSim's Python users do.
 
-Lacks, against the flight of edl6dof: guidance, control, thrusters, parachute, separations, engine, propellant, terrain, wind, landing
-gear, telemetry, events located inside a step.  JSBSim evaluates the forces **once** a step (Adams-Bashforth and trapezoidal rules);
+Lacks, against the flight of edl6dof: guidance, control, thrusters, parachute, separations, engine, propellant, terrain, wind,
+landing gear, telemetry, events located inside a step. JSBSim evaluates the forces **once** a step (Adams-Bashforth rules);
 edl6dof does so four times (Runge-Kutta), and once more in every cycle of the flight software.
 
 The start is at 100 km and not at 125 km, because JSBSim's Mars atmosphere falls below absolute zero above 112.6 km; the path is

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from os.path import isdir, isfile  # unlike pathlib's, these take names that the system cannot look up
+from os.path import isdir, isfile, normpath  # unlike pathlib's, these take names that the system cannot look up
 from pathlib import Path
 
 from edl6dof.config.errors import ConfigError, Problem
@@ -94,4 +94,4 @@ def shown(path: Path) -> str:
     try:
         return str(path.resolve().relative_to(Path.cwd()))
     except (ValueError, OSError):
-        return str(path)
+        return normpath(path)

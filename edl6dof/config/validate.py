@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
@@ -118,7 +119,7 @@ def _message(error: Any, path: tuple, slot: Slot, parent: Slot | None, value: An
         unit = "characters" if isinstance(value, str) else "entries"
         return f"must have {words} {unit} (got {len(value)})"
     if kind.endswith(("_type", "_parsing", "_error", "_float", "_number")) or kind in {"missing", "too_short", "too_long"}:
-        return f"must be {expected(slot)} (got {got(value)}{_count(value, slot)}){_number_hint(slot, value)}"
+        return f"must be {expected(slot)} (got {got(value)}{_count(value, slot)}){_hint(slot, value)}"
     words = error["msg"].replace("Input should", "must").replace("String should", "must")
     return f"{words} (got {got(value)})"
 
@@ -159,7 +160,10 @@ def _count(value: Any, slot: Slot) -> str:
     return f", {len(value)} entries" if isinstance(value, list) and _fixed(slot) and len(value) <= 20 else ""
 
 
-def _number_hint(slot: Slot, value: Any) -> str:
+def _hint(slot: Slot, value: Any) -> str:
+    """What was probably meant by text in the place of a mapping or a number."""
+    if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
+        return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):
         return ""
     try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -10,13 +10,16 @@ import numpy as np
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
+    Overview = Callable[..., rrb.Spatial3DView]
+
 RGB = tuple[int, int, int]
 
 TIMELINE = "sim_time"
 #: Colours that stay apart on a dark ground.
 SERIES: tuple[RGB, ...] = ((86, 180, 233), (240, 160, 60), (120, 220, 140), (230, 110, 170), (240, 228, 90), (160, 140, 240))
 PHASES: tuple[RGB, ...] = (
-    (90, 140, 250), (250, 120, 60), (240, 215, 80), (90, 210, 140), (70, 200, 220), (190, 130, 245), (250, 130, 180), (200, 200, 200),
+    (90, 140, 250), (250, 120, 60), (240, 215, 80), (90, 210, 140),
+    (70, 200, 220), (190, 130, 245), (250, 130, 180), (200, 200, 200),
 )  # fmt: skip
 SKY: RGB = (74, 52, 42)
 SPACE: RGB = (22, 17, 18)
@@ -37,6 +40,7 @@ class Plot(NamedTuple):
 PLOTS: dict[str, tuple[Plot, ...]] = {
     "Flight": (
         Plot("altitude_km", "Altitude (km)", {"truth.altitude_m": "above ellipsoid", "truth.height_m": "above ground"}, 1e-3),
+        Plot("speed_km_s", "Speed over ground (km/s)", {"truth.speed_m_s": "speed"}, 1e-3),
         Plot("mach", "Mach number (1)", {"truth.mach": "Mach"}),
         Plot("dynamic_pressure_kpa", "Dynamic pressure (kPa)", {"truth.dynamic_pressure_pa": "dynamic pressure"}, 1e-3),
         Plot("load_g0", "Load (Earth g)", {"truth.load_g0": "sensed acceleration"}),
@@ -51,9 +55,11 @@ PLOTS: dict[str, tuple[Plot, ...]] = {
         Plot("crossrange_km", "Crossrange (km)", {"guide.crossrange_km": "crossrange, right +"}, until="mortar"),
     ),
     "Attitude": (
-        Plot("angle_of_attack_deg", "Air angles (deg)", {"truth.alpha_deg": "alpha", "truth.beta_deg": "beta"}, until="backshell"),
+        Plot("angle_of_attack_deg", "Air angles (deg)", {"truth.alpha_deg": "α", "truth.beta_deg": "β"}, until="backshell"),
         Plot(
-            "body_rate_deg_s", "Body rate (deg/s)", {"truth.rate_p_deg_s": "p", "truth.rate_q_deg_s": "q", "truth.rate_r_deg_s": "r"}
+            "body_rate_deg_s",
+            "Body rate (deg/s)",
+            {"truth.rate_p_deg_s": "p", "truth.rate_q_deg_s": "q", "truth.rate_r_deg_s": "r"},
         ),
         Plot(
             "attitude_error_deg",
@@ -78,7 +84,7 @@ PLOTS: dict[str, tuple[Plot, ...]] = {
             since="backshell",
         ),
         Plot("propellant_kg", "Propellant (kg)", {"truth.propellant_kg": "left"}),
-        Plot("riser_tension_kn", "Riser tension (kN)", {"truth.riser_tension_n": "tension"}, 1e-3, since="mortar", until="backshell"),
+        Plot("riser_tension_kn", "Riser tension (kN)", {"truth.riser_tension_n": "tension"}, 1e-3, "backshell", "mortar"),
     ),
 }
 
@@ -109,9 +115,10 @@ def blueprint(
         edge = rrb.TimeRangeBoundary.absolute
         return rrb.TimeAxis(view_range=rrb.TimeRange(start=edge(seconds=first), end=edge(seconds=last)))
 
-    def plot(entity: str, title: str, tab: str) -> rrb.TimeSeriesView:
+    def plot(entity: str, title: str, tab: str, legend: bool = True) -> rrb.TimeSeriesView:
+        corner = rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend)
         return rrb.TimeSeriesView(
-            origin="/plots", name=title, contents=[f"/plots/{entity}"], axis_x=axis(tab), plot_legend=rrb.Corner2D.RightTop
+            origin="/plots", name=title, contents=[f"/plots/{entity}"], axis_x=axis(tab), plot_legend=corner
         )
 
     trail = rrb.VisibleTimeRanges(
@@ -121,18 +128,18 @@ def blueprint(
     )
     chase = rrb.Spatial3DView(
         origin="/site/camera",
-        contents=["/site/**", "- /site/path/**", "- /site/markers/**", "- /site/drop_line"],
+        contents=["/site/**", "- /site/path/**", "- /site/markers/**", "- /site/labels/**", "- /site/drop_line"],
         name="Chase",
         background=rrb.Background(color=SKY),
         line_grid=False,
         overrides={"/site/trail": trail},
-        eye_controls=rrb.EyeControls3D(position=(6.4, 7.6, 3.4), look_target=(0.0, 0.0, -0.1), eye_up=(0.0, 0.0, 1.0)),
+        eye_controls=rrb.EyeControls3D(position=(2.6, 9.2, 3.0), look_target=(0.0, 0.0, -0.2), eye_up=(0.0, 0.0, 1.0)),
     )
 
-    def overview(name: str, place: np.ndarray, target: np.ndarray) -> rrb.Spatial3DView:
+    def overview(name: str, place: np.ndarray, target: np.ndarray, labels: str = "target") -> rrb.Spatial3DView:
         return rrb.Spatial3DView(
             origin="/site",
-            contents=["/site/**", "- /site/camera/**", "- /site/velocity"],
+            contents=["/site/**", "- /site/camera/**", "- /site/velocity", "- /site/labels/**", f"/site/labels/{labels}"],
             name=name,
             background=rrb.Background(color=SPACE),
             line_grid=False,
@@ -143,21 +150,33 @@ def blueprint(
     views = [_entry_view(overview, start, touchdown)]
     if deploy is not None:
         views.insert(0, _descent_view(overview, deploy, touchdown))
-        views.append(overview("Landing", touchdown + [700.0, 500.0, 420.0], touchdown + [0.0, 0.0, 330.0]))
-    tabs = [rrb.Vertical(*[plot(p.entity, p.title, name) for p in plots], name=name) for name, plots in PLOTS.items()]
+        views.append(overview("Landing", touchdown + [700.0, 500.0, 420.0], touchdown + [0.0, 0.0, 330.0], "**"))
+    tabs = [
+        rrb.Grid(*[plot(p.entity, p.title, name, len(p.series) > 1) for p in plots], grid_columns=2, name=name)
+        for name, plots in PLOTS.items()
+    ]
     if groups:
         jets = [plot(f"thruster_duty/{group}", f"{GROUPS.get(group, group)} thrusters, duty (0 to 1)", "") for group in groups]
-        tabs.append(rrb.Vertical(*jets, name="Thrusters"))
+        tabs.append(rrb.Grid(*jets, grid_columns=2, name="Thrusters"))
     lanes = rrb.StateTimelineView(origin="/states", name="Phases", time_view=axis(""))
-    events = rrb.TextLogView(origin="/events", name="Events")
+    columns = rrb.TextLogColumns(text_log_columns=["body"])
+    events = rrb.TextLogView(origin="/events", name="Events", columns=columns)
     right = rrb.Vertical(rrb.Tabs(*views, active_tab=0), rrb.Tabs(*tabs, active_tab=0), row_shares=[2, 3])
-    readout = rrb.TextDocumentView(origin="/readout", name="Now")
-    left = rrb.Horizontal(chase, readout, column_shares=[7, 2])
+    readout = rrb.TextDocumentView(origin="/readout", name="Readout")
+    body = rrb.Spatial3DView(
+        origin="/site/vehicle",
+        contents=["/site/vehicle/**"],
+        name="Body",
+        background=rrb.Background(color=SPACE),
+        line_grid=False,
+        eye_controls=rrb.EyeControls3D(position=(2.6, 3.2, -2.6), look_target=(-1.0, 0.0, 0.0), eye_up=(-1.0, 0.0, 0.0)),
+    )
+    left = rrb.Horizontal(chase, rrb.Vertical(readout, body, row_shares=[5, 3]), column_shares=[7, 2])
     return rrb.Blueprint(
         rrb.Vertical(
             rrb.Horizontal(left, right, column_shares=[11, 8]),
             rrb.Horizontal(lanes, events, column_shares=[11, 8]),
-            row_shares=[5, 1],
+            row_shares=[9, 2],
         ),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"),
         auto_views=False,
@@ -166,7 +185,7 @@ def blueprint(
     )
 
 
-def _entry_view(overview, start: np.ndarray, end: np.ndarray) -> rrb.Spatial3DView:  # noqa: ANN001
+def _entry_view(overview: Overview, start: np.ndarray, end: np.ndarray) -> rrb.Spatial3DView:
     """The whole flight from the side, a little from above."""
     along = end - start
     length = float(np.linalg.norm(along)) or 1.0
@@ -176,7 +195,7 @@ def _entry_view(overview, start: np.ndarray, end: np.ndarray) -> rrb.Spatial3DVi
     return overview("Whole flight", middle - 0.62 * length * side + [0.0, 0.0, 0.20 * length], middle - [0.0, 0.0, 0.02 * length])
 
 
-def _descent_view(overview, deploy: np.ndarray, end: np.ndarray) -> rrb.Spatial3DView:  # noqa: ANN001
+def _descent_view(overview: Overview, deploy: np.ndarray, end: np.ndarray) -> rrb.Spatial3DView:
     """From parachute to ground, from the side."""
     along = end - deploy
     size = float(np.linalg.norm(along)) or 1.0

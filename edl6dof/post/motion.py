@@ -154,19 +154,31 @@ class Motion:
         turn = self.rotation[self.released(place) or 0]
         return place - turn.apply(own_centre), turn
 
-    def camera(self) -> tuple[np.ndarray, np.ndarray]:
-        """Point the chase camera looks at, and its scale: 1 close to the vehicle, larger under the parachute."""
+    def camera(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The chase camera's axes: origin, quaternion (x, y, z, w) and scale, 1 close to the vehicle, larger under the parachute.
+
+        x points horizontally along the flight, z up from the planet where the vehicle is.
+        """
         under = np.isfinite(self.canopy[:, 0])
         line = self.vehicle.parachute.line_length_m
         wide = np.log(max(line / 6.0, 1.5))
         alone = self.released(self.backshell)
-        leaving = np.zeros(len(self.t), bool) if alone is None else (self.t >= self.t[alone]) & (self.t < self.t[alone] + 5.0)
         middle = np.where(under[:, None], np.nan_to_num(self.canopy - self.centre), 0.0)
+        if alone is not None and under[:alone].any():  # stay for the separation
+            leaving = (self.t >= self.t[alone]) & (self.t < self.t[alone] + 7.0)
+            middle[leaving] = middle[:alone][under[:alone]][-1]
+            under = under | leaving
         step = (self.t[-1] - self.t[0]) / max(len(self.t) - 1, 1)
         ahead, width = (round(s / step) if step > 0.0 else 0 for s in (2.0, 4.0))
-        zoom = _smooth(np.where(under | leaving, wide, 0.0), width, ahead)
+        zoom = _smooth(np.where(under, wide, 0.0), width, ahead)
         shift = np.stack([_smooth(0.55 * middle[:, k], width, ahead) for k in range(3)], axis=-1)
-        return self.centre + shift, np.exp(zoom)
+        up = self.centre + self.site.axes @ self.site.origin
+        up /= np.linalg.norm(up, axis=-1, keepdims=True)
+        along = self.last - self.centre[0]
+        side = np.cross(up, along if np.linalg.norm(along[:2]) > 100.0 else [0.0, 1.0, 0.0])
+        side /= np.linalg.norm(side, axis=-1, keepdims=True)
+        axes = np.stack([np.cross(side, up), side, up], axis=-1)
+        return self.centre + shift, self.rotation.from_matrix(axes).as_quat(), np.exp(zoom)
 
 
 def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:

@@ -1,8 +1,9 @@
 """The 3D replay of a flight, as a rerun recording with its own arrangement of views.
 
-Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle lands.  ``/site/vehicle``
-is the body frame.  ``/site/camera`` follows the vehicle without turning and grows under the parachute: seen from it, capsule and
-canopy both fill the view.  ``/plots`` holds the time series, ``/states`` the phase lanes, ``/events`` the timeline.
+Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle lands.
+``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and grows under the
+parachute: seen from it, capsule and canopy both fill the view.  ``/plots`` holds the time series, ``/states`` the phase
+lanes, ``/events`` the timeline.
 """
 
 from __future__ import annotations
@@ -64,8 +65,9 @@ class _Writer:
         self._vehicle_motion()
         self._plumes()
         self._parachute()
-        self._discarded("heat_shield", self.motion.heat_shield, self.vehicle.mass.heat_shield.centre_m, scene.heat_shield(self.vehicle))
-        self._discarded("backshell", self.motion.backshell, self.vehicle.mass.backshell.centre_m, scene.backshell(self.vehicle))
+        mass, motion = self.vehicle.mass, self.motion
+        self._discarded("heat_shield", motion.heat_shield, mass.heat_shield.centre_m, scene.heat_shield(self.vehicle))
+        self._discarded("backshell", motion.backshell, mass.backshell.centre_m, scene.backshell(self.vehicle))
         self._trail()
         self._plots()
         self._states()
@@ -89,8 +91,8 @@ class _Writer:
     def _static(self, entity: str, *what: Any) -> None:
         self.rec.log(entity, *what, static=True)
 
-    def _columns(self, entity: str, t: np.ndarray, *columns: Any) -> None:
-        self.rec.send_columns(entity, [self.rr.TimeColumn(TIMELINE, duration=t)], *columns)
+    def _columns(self, entity: str, t: np.ndarray, columns: Any) -> None:
+        self.rec.send_columns(entity, [self.rr.TimeColumn(TIMELINE, duration=t)], columns)
 
     def _at(self, t: float, entity: str, *what: Any) -> None:
         self.rec.set_time(TIMELINE, duration=float(t))
@@ -134,15 +136,14 @@ class _Writer:
                 radii=rr.Radius.ui_points(1.2),
             ),
         )
-        places = [[0.0, 0.0, float(motion.ground_up(np.zeros(1), np.zeros(1))[0])]]
-        labels = [f"target (outer ring {limit / 1e3:g} km)"]
-        if self.flight.telemetry["truth.footpads"][-1] > 0.0:
-            places.append([*here[:2], float(here[2] - motion.height[-1])])
-            labels.append("touchdown")
-        self._static(
-            "site/markers/labels",
-            rr.Points3D(places, labels=labels, colors=[90, 220, 230], radii=rr.Radius.ui_points(4.0), show_labels=True),
-        )
+        self._label("target", [0.0, 0.0, float(motion.ground_up(np.zeros(1), np.zeros(1))[0])], (90, 220, 230))
+        if self.tm["truth.footpads"][-1] > 0.0:
+            self._label("touchdown", [*here[:2], float(here[2] - motion.height[-1])], (120, 235, 140))
+
+    def _label(self, name: str, place: list[float], colour: scene.RGB) -> None:
+        radius = self.rr.Radius.ui_points(4.0)
+        point = self.rr.Points3D([place], labels=[name], colors=colour, radii=radius, show_labels=True)
+        self._static(f"site/labels/{name}", point)
 
     def _path(self) -> None:
         rows = thin(self.t, 5.0)
@@ -201,10 +202,9 @@ class _Writer:
         t = self.t[rows]
         turn = motion.rotation[rows].as_quat()
         self._columns("site/vehicle", t, rr.Transform3D.columns(translation=motion.nose[rows], quaternion=turn))
-        look, scale = motion.camera()
-        self._columns(
-            "site/camera", t, rr.Transform3D.columns(translation=look[rows], scale=np.repeat(scale[rows, None], 3, axis=1))
-        )
+        look, facing, scale = (part[rows] for part in motion.camera())
+        frame = rr.Transform3D.columns(translation=look, quaternion=facing, scale=np.repeat(scale[:, None], 3, axis=1))
+        self._columns("site/camera", t, frame)
         self._velocity(rows)
         rows = thin(self.t, SCALAR_HZ)
         self._static("site/markers/vehicle", rr.Points3D.from_fields(colors=[255, 255, 255], radii=-5.0))
@@ -240,43 +240,46 @@ class _Writer:
         rows = rows[motion.height[rows] < 300.0]
         if len(rows) == 0:
             return
-        disc = scene.revolve([(0.0, 1.5), (0.0, 1e-4)], (70, 38, 24), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))
+        disc = scene.revolve([(0.0, 1.3), (0.0, 1e-4)], (84, 46, 28), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))
         self._at(self.t[rows[0]], "site/shadow", self._mesh(disc))
         place = motion.centre[rows] - [0.0, 0.0, 1.0] * motion.height[rows, None] + [0.0, 0.0, 0.03]
         self._columns("site/shadow", self.t[rows], self.rr.Transform3D.columns(translation=place))
 
     def _plumes(self) -> None:
         rr = self.rr
-        flame = self._mesh(scene.plume())
         jets = self.vehicle.rcs.thrusters
         rows = thin(self.t, POSE_HZ)
         t = self.t[rows]
         if jets:
             duty = self._mean_duty(rows, [jet.name for jet in jets])
-            firing = duty > 0.02
-            changed = np.append([True], firing.any(axis=1)[:-1]) | firing.any(axis=1)  # and once when all fall silent
             back = pointing(-np.array([jet.direction for jet in jets]))
             places = np.array([jet.position_m for jet in jets])
             size = np.array([1.5 * max(jet.thrust_n / 250.0, 0.05) ** 0.4 for jet in jets])
-            _, which = np.nonzero(firing[changed])
-            length = (size * (0.35 + 0.65 * duty))[changed][firing[changed]]
-            scales = np.column_stack([length, 0.55 * size[which], 0.55 * size[which]])
-            counts = firing[changed].sum(axis=1)
+            firing = duty > 0.02
+            length = size * (0.35 + 0.65 * duty)
+            length, shown, rows_shown = _hide(length, firing)
+            which = np.nonzero(shown)[1]
+            length = length[shown]
+            scales = np.column_stack([length, 0.37 * length, 0.37 * length])
             poses = rr.InstancePoses3D.columns(translations=places[which], quaternions=back[which], scales=scales)
-            self._static("site/vehicle/thruster_plumes", flame)
-            self._columns("site/vehicle/thruster_plumes", t[changed], *poses.partition(counts))
+            self._flames("thruster_plumes", t[rows_shown], poses.partition(shown.sum(axis=1)))
         engine = self.vehicle.engine
         thrust = self.tm["truth.engine_thrust_n"][self.motion.valid][rows]
         if engine.full_thrust_n > 0.0 and np.nanmax(thrust) > 0.0:
             level = np.nan_to_num(thrust) / engine.full_thrust_n
             flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * t)
-            on = level > 0.01
-            scale = np.column_stack([(0.8 + 3.2 * level) * flicker, 0.55 + 0.35 * level, 0.55 + 0.35 * level])
-            nozzle = np.broadcast_to(engine.nozzle_m, (int(on.sum()), 3))
-            keep = on | np.append([True], on[:-1])
-            poses = rr.InstancePoses3D.columns(translations=nozzle, scales=scale[on])
-            self._static("site/vehicle/engine_plume", flame)
-            self._columns("site/vehicle/engine_plume", t[keep], *poses.partition(on[keep].astype(int)))
+            length, shown, rows_shown = _hide(((0.8 + 3.2 * level) * flicker)[:, None], (level > 0.01)[:, None])
+            girth = np.minimum(0.55 + 0.35 * level[rows_shown], length[:, 0])
+            scales = np.column_stack([length[:, 0], girth, girth])
+            nozzle = np.broadcast_to(engine.nozzle_m, scales.shape)
+            poses = rr.InstancePoses3D.columns(translations=nozzle, scales=scales)
+            self._flames("engine_plume", t[rows_shown], poses.partition(shown.sum(axis=1)))
+
+    def _flames(self, name: str, t: np.ndarray, poses: Any) -> None:
+        for layer in ("core", "mantle"):
+            tint = [255, 255, 255, 255 if layer == "core" else 120]
+            self._static(f"site/vehicle/{name}/{layer}", self._mesh(scene.plume(layer == "core"), albedo_factor=tint))
+            self._columns(f"site/vehicle/{name}/{layer}", t, poses)
 
     def _mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
         """Mean duty of each thruster from each of ``rows`` to the next, shape (rows, thrusters)."""
@@ -323,8 +326,8 @@ class _Writer:
         self._columns(f"site/{name}", self.t[rows], rr.Transform3D.columns(translation=origin[rows], quaternion=attitude))
         rows = rows[::5]
         label = rr.Points3D.from_fields(labels=[name.replace("_", " ")], colors=[235, 190, 120], radii=-3.5, show_labels=True)
-        self._at(self.t[first], f"site/markers/{name}", label)
-        self._columns(f"site/markers/{name}", self.t[rows], rr.Points3D.columns(positions=place[rows]))
+        self._at(self.t[first], f"site/labels/{name}", label)
+        self._columns(f"site/labels/{name}", self.t[rows], rr.Points3D.columns(positions=place[rows]))
 
     def _trail(self) -> None:
         """Short segments; the views show those of the last minute."""
@@ -369,7 +372,7 @@ class _Writer:
 
     def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
         columns = self.rr.Scalars.columns(scalars=values.ravel())
-        self._columns(entity, t, *columns.partition(np.full(len(t), values.shape[1])))
+        self._columns(entity, t, columns.partition(np.full(len(t), values.shape[1])))
 
     def _states(self) -> None:
         """Lanes: mission phase, what flies, engine; and the timeline as text."""
@@ -393,12 +396,13 @@ class _Writer:
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if events:
             text = [f"{event['name']}: {event['detail']}" if event["detail"] else event["name"] for event in events]
-            level = ["INFO" if event.get("key", "").startswith(("phase.", "bank_")) else "WARN" for event in events]
+            level = ["INFO"] * len(text)
             level[-1] = "INFO" if self.flight.outcome.startswith("landed within") else "ERROR"
-            level = ["INFO" if name == "WARN" else name for name in level]
             self._columns("events", np.array([e["t_s"] for e in events]), rr.TextLog.columns(text=text, level=level))
 
-    def _lane(self, name: str, changes: list[tuple[float, str]], values: list[str], labels: list[str], colours: list[Any]) -> None:
+    def _lane(
+        self, name: str, changes: list[tuple[float, str]], values: list[str], labels: list[str], colours: list[Any]
+    ) -> None:
         self._static(f"states/{name}", self.rr.StateConfiguration(values=values, labels=labels, colors=colours))
         t, states = zip(*changes, strict=True)
         self._columns(f"states/{name}", np.array(t), self.rr.StateChange.columns(state=states))
@@ -411,9 +415,29 @@ class _Writer:
         for k, row in enumerate(rows):
             lines = [f"| {label} | **{column[name][k]:{form}}** {unit} |" for name, (label, form, unit) in _READOUT.items()]
             title = self.names[self.phase[row]].replace("_", " ")
-            text.append(f"## T+{self.t[row]:.1f} s\n### {title}\n| | |\n|:--|--:|\n" + "\n".join(lines))
+            text.append(f"## T+{self.t[row]:.1f} s\n**{title}**\n\n" + "\n".join([lines[0], "|:--|--:|", *lines[1:]]))
         media = ["text/markdown"] * len(text)
         self._columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
+
+
+def _hide(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows in which something fires, or has just stopped.
+
+    The latter show one flame too small to see: the viewer takes an empty row for one instance in the default pose.
+
+    Args:
+        length: of the flames, shape (rows, nozzles).
+        firing: which of them burn.
+
+    Returns:
+        lengths and shown flames of the rows kept, and the kept rows.
+    """
+    active = firing.any(axis=1)
+    keep = np.flatnonzero(active | np.append([True], active[:-1]))
+    length, shown = length[keep].copy(), firing[keep].copy()
+    silent = ~active[keep]
+    length[silent], shown[silent, 0] = 1e-4, True
+    return length, shown, keep
 
 
 _READOUT = {

@@ -231,13 +231,15 @@ def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
     return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), *lines])
 
 
-def plume() -> Mesh:
-    """Flame of unit length along x, white at the nozzle and orange at the tip."""
-    stations = np.linspace(0.0, 1.0, 9)
-    width = 0.06 + 0.55 * np.sqrt(stations) * (1.0 - stations) ** 0.9
-    hot, cold = np.array([255, 250, 225]), np.array([255, 120, 30])
-    ramp = [tuple(int(c) for c in hot + (cold - hot) * min(1.0, 1.5 * s)) for s in stations]
-    return revolve([(float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], lambda i, j: ramp[j], 16)
+def plume(core: bool) -> Mesh:
+    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around it."""
+    reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
+    stations = np.linspace(0.0, 1.0, 13)
+    width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9
+    mesh = revolve([(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], WHITE, 20)
+    hot, cold = np.array([[255, 252, 235], [255, 214, 130]] if core else [[255, 186, 84], [255, 92, 24]])
+    colours = hot + (cold - hot) * (mesh.positions[:, :1] / reach)
+    return mesh._replace(colours=colours.astype(np.uint8), normals=np.zeros_like(mesh.normals))
 
 
 def ground(centre: np.ndarray, height: Callable[[np.ndarray, np.ndarray], np.ndarray], reach: float) -> Mesh:

@@ -19,11 +19,14 @@ from edl6dof.environment.atmosphere import fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.gravity import GRAVITY, fill_gravity
 from edl6dof.environment.wind import WIND, fill_wind
-from edl6dof.vehicle.aerotable import build_aero_table, capsule_rings, read_static_table
+from edl6dof.vehicle.aerotable import build_aero_table, read_static_table
 
 if TYPE_CHECKING:
     from edl6dof.sim.scenario import Scenario
 
+#: Beginnings of what Python and numpy say of text that is no number, and of rows of unequal length.
+_NUMPY_WORDS = ("could not convert", "invalid literal", "setting an array", "zero-size array", "need at least")
+_NOT_FINITE = "holds a number that is not finite, or one for which no table can be built"
 _UNREADABLE = (OSError, ValueError, LookupError, ArithmeticError, MemoryError, csv.Error)
 
 
@@ -44,9 +47,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.vehicle.aero.model == "capsule":
         capsule = scenario.vehicle.aero.capsule
         with _collected(problems, "vehicle.aero.capsule.static_table"):
-            read_static_table(capsule.static_table)
+            if not all(np.isfinite(part).all() for part in read_static_table(capsule.static_table)):
+                raise ValueError(_NOT_FINITE)
             with _collected(problems, "vehicle.aero.capsule"):
-                capsule_rings(capsule)
                 _require_finite(build_aero_table(capsule))
     return problems
 
@@ -67,12 +70,12 @@ def _words(error: Exception) -> str:
         return "is not a text file"
     if isinstance(error, LookupError):
         return "is not a complete table: a heading, a row or a column is missing"
-    if isinstance(error, ValueError) and "could not convert" not in str(error):
+    if isinstance(error, ValueError) and not str(error).startswith(_NUMPY_WORDS):
         return str(error)
-    return f"is not a table of numbers: {error}"
+    return f"is not a table of numbers ({error})"
 
 
 def _require_finite(record: np.ndarray) -> None:
     for name in record.dtype.names:
         if record.dtype[name].base.kind == "f" and not np.isfinite(record[name]).all():
-            raise ValueError("holds a number that is not finite, or one for which no table can be built")
+            raise ValueError(_NOT_FINITE)

@@ -214,20 +214,21 @@ def fly(
     base = scenario.flight_software.rates.base_hz
     stop = int(np.ceil(scenario.simulation.time_limit_s * base)) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
-    first, code, saved, logs = cycle, FLYING, None, []
+    first, code, saved, rows = cycle, FLYING, None, 0
+    # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight allowed
+    log = np.zeros((stop - cycle) // scenario.simulation.log_every + 2, TICK)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
             saved = State(cycle, plant.copy(), sensed.copy(), fsw.copy(), resolved_text(loaded))
         end = min(cycle + round(CHUNK_S * base), stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
-        log = np.zeros(end - cycle, TICK)
-        code, flown, rows = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, log, 0)
-        logs.append(log[:rows])
+        code, flown, new = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, log, rows)
+        rows += new
         cycle += flown
         if progress is not None:
             _report(progress, scenario, plant, fsw)
-    flight = Flight(loaded, case, plant, fsw, np.concatenate(logs), code, cycle - first)
+    flight = Flight(loaded, case, plant, fsw, log[:rows], code, cycle - first)
     flight.saved = saved
     return flight
 

@@ -10,12 +10,13 @@ from edl6dof.sim.channels import CHANNELS
 
 
 def columns(log: np.ndarray, thrusters: Sequence[str]) -> dict[str, np.ndarray]:
-    """``t_s``, every channel, and ``rcs.<thruster>`` (mean duty of the last step, 0..1) as contiguous arrays."""
-    table = {"t_s": np.ascontiguousarray(log["t"])}
+    """``t_s``, every channel, and ``rcs.<thruster>`` (mean duty of the last step, 0..1); views of the log where no unit changes."""
+    table = {"t_s": log["t"]}
     for channel in CHANNELS:
-        table[channel.name] = log[channel.group][channel.field] * channel.from_si
+        values = log[channel.group][channel.field]
+        table[channel.name] = values if channel.from_si == 1.0 else values * channel.from_si
     for index, name in enumerate(thrusters):
-        table[f"rcs.{name}"] = np.ascontiguousarray(log["duty"][:, index])
+        table[f"rcs.{name}"] = log["duty"][:, index]
     return table
 
 

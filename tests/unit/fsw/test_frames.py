@@ -129,4 +129,4 @@ def test_path_rate_is_the_turning_of_an_integrated_velocity():
         nav["up_I"], nav["v_I"], nav["speed"] = unit(r), v, np.linalg.norm(v)
         nav["gravity"], nav["specific_force_B"] = mu / (r @ r), force_B
         set_attitude(nav, q)
-        assert q.rotate(np.array(path_rate(nav))) == pytest.approx(turning, abs=1e-7)
+        assert q.rotate(np.array(path_rate(nav))) == pytest.approx(turning, abs=1e-6)

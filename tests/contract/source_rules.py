@@ -1,0 +1,106 @@
+"""Rules over the package's own source text: which module may import which, and what a kernel may be given."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import edl6dof
+
+PACKAGE = Path(edl6dof.__file__).parent
+
+#: Layers from the bottom up (design.md, section 3); a module imports its own layer or lower ones.
+LAYERS = (
+    ("jit", "records"),
+    ("config", "registry"),
+    ("spatial",),
+    ("environment",),
+    ("vehicle",),
+    ("sensors",),
+    ("fsw", "mission"),
+    ("sim",),
+    ("studies", "post"),
+    ("cli", "app", "__init__", "__main__"),
+)
+HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
+
+
+def modules(*folders: str) -> list[tuple[str, str]]:
+    """Dotted name and source of every module, of the whole package or of some folders."""
+    found = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
+        if not folders or parts[0] in folders:
+            found.append((".".join(("edl6dof", *parts)), path.read_text(encoding="utf-8")))
+    return found
+
+
+def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str]]:
+    """Line and absolute dotted name of everything a source imports, wherever the statement stands."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parents = module.split(".")[: -node.level]
+                base = ".".join([*parents, base] if base else parents)
+            yield node.lineno, base
+            yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
+        elif isinstance(node, ast.Call) and _called(node) in ("import_module", "__import__") and node.args:
+            if isinstance(node.args[0], ast.Constant):
+                yield node.lineno, str(node.args[0].value)
+
+
+def _called(node: ast.Call) -> str:
+    return node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+
+
+def forbidden_imports(source: str, prefixes: tuple[str, ...], module: str = "edl6dof.x.y") -> list[str]:
+    """``line: name`` of the imports that begin with one of ``prefixes``."""
+    return sorted({f"{line}: {name}" for line, name in imports(source, module) if _within(name, prefixes)})
+
+
+def _within(name: str, prefixes: tuple[str, ...]) -> bool:
+    return any(name == prefix or name.startswith(prefix + ".") for prefix in prefixes)
+
+
+def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
+    """``line: function(parameter)`` of functions that take a parameter of one of ``names``."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef):
+            every = node.args
+            given = [*every.posonlyargs, *every.args, *every.kwonlyargs, *filter(None, (every.vararg, every.kwarg))]
+            label = getattr(node, "name", "lambda")
+            found += [f"{node.lineno}: {label}({a.arg})" for a in given if a.arg in names]
+    return found
+
+
+def has_kernels(source: str) -> bool:
+    """Whether a source defines a compiled function."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef):
+            for mark in node.decorator_list:
+                if getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit"):
+                    return True
+    return False
+
+
+def layer_of(module: str) -> str:
+    """Second part of a dotted name: the folder or top file that decides the layer."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 else "__init__"
+
+
+def upward_imports(module: str, source: str) -> list[str]:
+    """``module:line imports name`` where the imported layer lies above the importing one."""
+    mine = HEIGHT[layer_of(module)]
+    found = []
+    for line, name in imports(source, module):
+        if name == "edl6dof":
+            continue
+        if name.startswith("edl6dof.") and HEIGHT.get(layer_of(name), HEIGHT["cli"]) > mine:
+            found.append(f"{module}:{line} imports {name}")
+    return sorted(set(found))

@@ -1,0 +1,46 @@
+"""Imports point one way: from the command line down to the vector algebra, never back."""
+
+import pytest
+from source_rules import HEIGHT, LAYERS, imports, layer_of, modules, upward_imports
+
+EVERYTHING = modules()
+
+
+def test_every_module_of_the_package_has_a_layer():
+    assert {layer_of(name) for name, _ in EVERYTHING} - set(HEIGHT) == set()
+
+
+@pytest.mark.parametrize("name, source", EVERYTHING, ids=[name for name, _ in EVERYTHING])
+def test_module_imports_only_its_own_layer_or_lower_ones(name, source):
+    assert upward_imports(name, source) == []
+
+
+def test_planted_upward_imports_are_found():
+    for low, high in zip(LAYERS[1:], LAYERS[2:], strict=False):
+        module, planted = f"edl6dof.{low[0]}.a", f"from edl6dof.{high[0]}.b import c"
+        assert upward_imports(module, planted) != []
+        assert upward_imports(f"edl6dof.{high[0]}.a", f"from edl6dof.{low[0]}.b import c") == []
+    assert upward_imports("edl6dof.vehicle.mass", "from ..fsw import onboard") != []
+    assert upward_imports("edl6dof.mission.phases", "from edl6dof.fsw.control.registry import C") == []
+
+
+def test_no_two_modules_import_each_other_in_a_ring_outside_functions():
+    """A ring would make the order of imports matter; looked for over whole modules."""
+    known = {name.removesuffix(".__init__") for name, _ in EVERYTHING}
+    graph = {}
+    for name, source in EVERYTHING:
+        mine = name.removesuffix(".__init__")
+        graph[mine] = {target for _, target in imports(source, name) if target in known and target != mine}
+    state = {}
+
+    def visit(node, path):
+        state[node] = "open"
+        for target in graph[node]:
+            assert state.get(target) != "open", " -> ".join([*path, node, target])
+            if target not in state:
+                visit(target, [*path, node])
+        state[node] = "done"
+
+    for node in graph:
+        if node not in state and node != "edl6dof":
+            visit(node, [])

@@ -1,0 +1,283 @@
+"""One contract for every controller and guidance law: finite, bounded, deterministic, documented, and sourced."""
+
+import importlib
+import inspect
+from itertools import product
+from math import cos, pi, radians, sin
+from typing import Literal, get_origin
+
+import numpy as np
+import pytest
+from pyquaternion import Quaternion
+
+from edl6dof.config.base import Params
+from edl6dof.config.introspect import bounds, field_slot
+from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, entry_guidance
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.terminal import command_thrust
+from edl6dof.fsw.navigation import NAV, navigate
+from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
+from edl6dof.sensors.sensed import SENSED
+
+FAMILIES = {"controller": CONTROLLERS, "entry law": ENTRY_LAWS, "powered law": POWERED_LAWS}
+MEMBERS = [(f"{kind}: {m.name}", family, m) for kind, family in FAMILIES.items() for m in family.members]
+IDS = [name for name, _, _ in MEMBERS]
+X, Y, Z = np.eye(3)
+
+
+def module_of(member):
+    return inspect.getmodule(member.params)
+
+
+def leaves(model, path=""):
+    for name, info in model.model_fields.items():
+        slot = field_slot(name, info)
+        if slot.models:
+            for sub in slot.models:
+                yield from leaves(sub, f"{path}{name}.")
+        else:
+            yield f"{path}{name}", slot
+
+
+# ---- documentation ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
+def test_every_parameter_is_documented_bounded_and_has_a_status(name, family, member):
+    assert issubclass(member.params, Params)
+    assert member.params.__doc__
+    for path, slot in leaves(member.params):
+        assert slot.info.description and len(slot.info.description) > 5, path
+        assert slot.info.json_schema_extra["status"], path
+        literal = any(get_origin(option) is Literal for option in slot.options)
+        assert literal or bool in slot.options or bounds(slot), f"{path} has no bounds"
+
+
+@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
+def test_source_is_cited_by_the_member_and_by_its_module(name, family, member):
+    text = module_of(member).__doc__ or ""
+    assert member.source.strip()
+    if member.name == "off":
+        return
+    author = member.source.replace(",", " ").split()
+    year = next((word.strip("().;") for word in author if word.strip("().;").isdigit() and len(word.strip("().;")) == 4), None)
+    assert "ource" in text or "eq" in text or (year and year in text), "the module's docstring mentions no source"
+    if year:
+        whole = inspect.getsource(module_of(member))
+        assert whole.count(year) >= 2 or author[0] in text
+
+
+@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
+def test_member_is_one_file_with_one_kernel_for_each_role(name, family, member):
+    roles = {role for m in family.members for role in m.kernels}
+    assert set(member.kernels) == roles
+    for kernel in member.kernels.values():
+        assert kernel.py_func.__doc__
+        assert kernel.py_func.__module__ == module_of(member).__name__
+    assert importlib.import_module(module_of(member).__name__).MEMBER is member
+
+
+def test_names_are_unique_and_can_be_written_in_yaml():
+    for family in FAMILIES.values():
+        assert len(set(family.names)) == len(family.names)
+        assert all(name.isidentifier() and name == name.lower() for name in family.names)
+
+
+# ---- behaviour over a grid of states ------------------------------------------------------------------------------------------------
+
+
+def nav_state(onboard, lat, lon, altitude, velocity_N, attitude, rate=(0.0, 0.0, 0.0), force=(0.0, 0.0, 0.0), t=50.0, height=None):
+    """Navigation of a state given by north-east-down velocity and an attitude relative to that triad."""
+    planet = onboard[0]["planet"]
+    spin = Quaternion(axis=Z, radians=planet["rotation_rate"] * t)
+    up = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+    east = np.array([-sin(lon), cos(lon), 0.0])
+    ned = np.column_stack([np.cross(up, east), east, -up])
+    e2 = planet["flattening"] * (2.0 - planet["flattening"])
+    prime = planet["equatorial_radius"] / np.sqrt(1.0 - e2 * sin(lat) ** 2)
+    r = spin.rotate((prime + altitude) * up - np.array([0.0, 0.0, prime * e2 * sin(lat)]))
+    sensed, nav = np.zeros(1, SENSED)[0], np.zeros(1, NAV)[0]
+    sensed["t"], sensed["r_I"] = t, r
+    sensed["v_I"] = spin.rotate(ned @ np.asarray(velocity_N)) + np.cross((0, 0, planet["rotation_rate"]), r)
+    sensed["q_I2B"] = (spin * Quaternion(matrix=ned) * attitude).elements
+    sensed["w_B"], sensed["specific_force_B"] = rate, force
+    sensed["height_above_ground"] = altitude - onboard[0]["site"]["elevation"] if height is None else height
+    navigate(onboard[0], sensed, nav)
+    return nav
+
+
+def states(onboard):
+    """Fast and slow, steep and level, over the target and far from it, any attitude, spinning or not."""
+    site = onboard[0]["site"]
+    rng = np.random.default_rng(11)
+    for away, altitude, (speed, fpa), force in product(
+        (0.0, 0.05, 0.25),
+        (-3900.0, 12e3, 60e3, 124e3),
+        ((0.0, 0.0), (1e-3, -0.3), (1.0, -pi / 2), (80.0, -pi / 2), (650.0, -0.4), (4800.0, -0.2), (900.0, 0.5), (4000.0, -pi / 2)),
+        (0.0, 60.0),
+    ):
+        azimuth = rng.uniform(-pi, pi)
+        velocity = speed * np.array([cos(fpa) * cos(azimuth), cos(fpa) * sin(azimuth), -sin(fpa)])
+        yield nav_state(
+            onboard,
+            site["aim_latitude"] + away,
+            site["aim_longitude"],
+            altitude,
+            velocity,
+            Quaternion.random() if force else Quaternion(axis=Y, radians=-pi / 2),
+            rng.normal(size=3) * (1.0 if force else 0.0),
+            (-force, 0.0, 0.1 * force),
+            t=rng.uniform(0.0, 600.0),
+        )
+
+
+def guided(bank=0.9, direction=(0.0, 0.0, -1.0), translating=0):
+    guide = np.zeros(1, GUIDE)[0]
+    guide["bank"], guide["alpha"], guide["thrust_direction_N"] = bank, radians(-10.0), direction
+    guide["translating"], guide["force_N"] = translating, (200.0, -300.0)
+    return guide
+
+
+@pytest.fixture(scope="module")
+def grid(shared_onboard):
+    np.random.seed(5)  # noqa: NPY002  pyquaternion draws from the global generator
+    return list(states(shared_onboard))
+
+
+def demand_of(index, onboard, nav, guide, configuration, cycles=3):
+    fsw = np.zeros(1, FSW)[0]
+    fsw["configuration"] = configuration
+    fsw["phase_start"] = nav["t"] - 100.0
+    for _ in range(cycles):
+        fsw["demand"] = 0.0
+        attitude_control(index, onboard[0], nav, guide, 0.04, fsw)
+    return np.array(fsw["demand"]), np.array(fsw["attitude_error"])
+
+
+@pytest.mark.parametrize("index", range(len(CONTROLLERS.members)), ids=CONTROLLERS.names)
+def test_controller_demands_are_finite_bounded_and_repeatable_on_the_whole_grid(shared_onboard, grid, index):
+    """Bound: 20 rad/s2 on the believed inertia, far above what any thruster set can do, far below nonsense."""
+    for nav, configuration in product(grid, (ENTRY, LANDER)):
+        for guide in (guided(), guided(-2.5, (0.3, -0.2, -0.93), 1)):
+            demand, error = demand_of(index, shared_onboard, nav, guide, configuration)
+            inertia = shared_onboard[0]["vehicle"]["configuration"][configuration]["inertia"]
+            assert np.all(np.isfinite(demand)) and np.all(np.isfinite(error))
+            assert np.all(np.abs(demand[3:]) < 20.0 * inertia)
+            assert np.all(np.abs(demand[:3]) <= 500.0)
+            assert np.all(np.abs(error) <= pi + 1e-9)
+            again, _ = demand_of(index, shared_onboard, nav, guide, configuration)
+            assert np.array_equal(demand, again)
+
+
+@pytest.mark.parametrize("index", range(len(CONTROLLERS.members)), ids=CONTROLLERS.names)
+def test_controller_on_its_goal_and_at_rest_demands_next_to_nothing(shared_onboard, index):
+    """Entry members at the commanded attitude turning with the path; lander members upright with y south."""
+    site = shared_onboard[0]["site"]
+    guide = guided(bank=0.6)
+    path = Quaternion(axis=Z, radians=3.0) * Quaternion(axis=Y, radians=-0.2) * Quaternion(axis=X, radians=0.6)
+    velocity = 3000.0 * (Quaternion(axis=Z, radians=3.0) * Quaternion(axis=Y, radians=-0.2)).rotate(X)
+    body = path * Quaternion(axis=Y, radians=radians(-10.0))
+    name = CONTROLLERS.names[index]
+    if name in ("phase_plane", "bank_to_steer", "off"):
+        nav = nav_state(shared_onboard, site["latitude"], site["longitude"], 40e3, velocity, body)
+        # free fall: the path turns by gravity alone
+        down = body.inverse.rotate(Z) * nav["gravity"]
+        v = body.inverse.rotate(velocity)
+        nav["w_B"] = np.cross(v, down) / (v @ v)
+        demand, error = demand_of(index, shared_onboard, nav, guide, ENTRY)
+    else:
+        upright = Quaternion(matrix=np.column_stack([Z, -X, np.cross(Z, -X)]))
+        nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -4000.0, (0.0, 0.0, 1.0), upright)
+        demand, error = demand_of(index, shared_onboard, nav, guide, LANDER)
+    assert np.abs(demand) == pytest.approx(np.zeros(6), abs=0.5)
+    assert np.abs(error) == pytest.approx(np.zeros(3), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["phase_plane", "thrust_vector"])
+def test_controller_pushes_towards_its_goal_on_each_axis(shared_onboard, name):
+    """A rotation away from the goal about one body axis is answered by a torque against it."""
+    site = shared_onboard[0]["site"]
+    index = CONTROLLERS.names.index(name)
+    for axis, sign in product(range(3), (1.0, -1.0)):
+        off = Quaternion(axis=np.eye(3)[axis], degrees=sign * 8.0)
+        if name == "phase_plane":
+            velocity = 4000.0 * Quaternion(axis=Y, radians=-0.2).rotate(X)
+            goal = Quaternion(axis=Y, radians=-0.2) * Quaternion(axis=X, radians=0.6) * Quaternion(axis=Y, radians=radians(-10.0))
+            nav = nav_state(shared_onboard, site["latitude"], site["longitude"], 110e3, velocity, goal * off)
+            demand, error = demand_of(index, shared_onboard, nav, guided(0.6), ENTRY, 1)
+        else:
+            goal = Quaternion(matrix=np.column_stack([Z, -X, np.cross(Z, -X)]))
+            nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -3000.0, (0.0, 0.0, 20.0), goal * off)
+            demand, error = demand_of(index, shared_onboard, nav, guided(), LANDER, 1)
+        assert sign * demand[3 + axis] < -10.0
+        assert error[axis] == pytest.approx(-sign * radians(8.0), abs=1e-3)
+        others = [i for i in range(3) if i != axis]
+        assert np.all(np.abs(demand[3:][others]) < 0.3 * abs(demand[3 + axis]))
+
+
+@pytest.mark.parametrize("index", range(len(ENTRY_LAWS.members)), ids=ENTRY_LAWS.names)
+def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole_grid(shared_onboard, grid, index):
+    for nav in grid:
+        answers = []
+        for _ in range(2):
+            memory, guide = np.zeros(1, ENTRY_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
+            for _ in range(3):
+                entry_guidance(index, shared_onboard[0], nav, memory, guide)
+            answers.append((float(guide["bank"]), float(guide["range_to_go"]), float(guide["crossrange"])))
+        assert np.all(np.isfinite(answers[0]))
+        assert -pi <= answers[0][0] <= pi
+        assert answers[0][1] >= 0.0
+        assert abs(answers[0][2]) <= answers[0][1] + 1e-6
+        assert answers[0] == answers[1]
+
+
+@pytest.mark.parametrize("index", range(len(ENTRY_LAWS.members)), ids=ENTRY_LAWS.names)
+def test_entry_law_levels_the_wings_below_the_alignment_speed(shared_onboard, index):
+    site = shared_onboard[0]["site"]
+    speed = 0.9 * shared_onboard[0]["guidance"]["entry"]["align_speed"]
+    nav = nav_state(shared_onboard, site["latitude"] + 0.01, site["longitude"], 12e3, (-speed, 0.0, 0.0), Quaternion(), force=(-9.0, 0, 0))
+    guide = guided()
+    entry_guidance(index, shared_onboard[0], nav, np.zeros(1, ENTRY_LAWS.memory)[0], guide)
+    assert guide["bank"] == 0.0
+
+
+@pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
+def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_the_tilt_limit(shared_onboard, grid, index):
+    for nav in grid:
+        if nav["speed"] > 200.0:
+            continue
+        answers = []
+        for _ in range(2):
+            memory, guide = np.zeros(1, POWERED_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
+            for _ in range(3):
+                *acceleration, limit = powered_guidance(index, shared_onboard[0], nav, memory, guide)
+            command_thrust(shared_onboard[0], 900.0, tuple(acceleration), limit, guide)
+            answers.append((*acceleration, limit, *map(float, guide["thrust_direction_N"]), float(guide["thrust"])))
+        assert np.all(np.isfinite(answers[0]))
+        assert 0.0 < limit <= radians(60.0)
+        assert answers[0][2] > 0.0  # never asks for a push downwards
+        assert -answers[0][6] >= cos(limit) - 1e-9
+        assert answers[0] == answers[1]
+
+
+@pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
+def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_weight(shared_onboard, index):
+    site = shared_onboard[0]["site"]
+    member = POWERED_LAWS.members[index]
+    height = float(shared_onboard[0]["guidance"]["powered"][member.name]["final_height"])
+    nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -4000.0, (0.0, 0.0, 0.0), Quaternion(), height=height)
+    memory = np.zeros(1, POWERED_LAWS.memory)[0]
+    if member.name == "polynomial":  # target reached: over the target at the end of its time
+        memory["polynomial"]["started"], memory["polynomial"]["end"] = 1, nav["t"]
+        memory["polynomial"]["target_L"] = nav["site_L"][:2]
+    north, east, up, _ = powered_guidance(index, shared_onboard[0], nav, memory, np.zeros(1, GUIDE)[0])
+    assert (north, east, up) == pytest.approx((0.0, 0.0, float(nav["gravity"])), abs=0.02)
+
+
+def test_grid_reaches_the_extremes(grid):
+    assert min(nav["speed"] for nav in grid) < 1e-6
+    assert any(abs(nav["flight_path_angle"]) > 1.57 for nav in grid)
+    assert any(nav["drag"] > 30.0 for nav in grid) and any(nav["drag"] < -1.0 for nav in grid)
+    assert len(grid) == 192

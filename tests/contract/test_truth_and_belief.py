@@ -1,0 +1,100 @@
+"""Truth and belief never mix: what the flight software may import and be given, and which code knows no physics or no files."""
+
+import pytest
+from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
+
+TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sim")
+TRUTH_RECORDS = ("case", "cases", "plant", "plants", "tables", "tables_")
+ONBOARD = modules("fsw", "mission")
+SENSORS = modules("sensors")
+EVERYTHING = modules()
+KERNELS = [(name, source) for name, source in EVERYTHING if has_kernels(source)]
+#: What kernels must not see: files, the viewer, and everything of the configuration that reads or validates YAML.
+READERS = (
+    "yaml",
+    "rerun",
+    "pyarrow",
+    "typer",
+    "rich",
+    *(f"edl6dof.config.{name}" for name in ("source", "validate", "yamltree", "overrides", "locate", "errors", "dump", "schema")),
+)
+
+
+def names(items):
+    return [name for name, _ in items]
+
+
+def test_there_is_something_to_check():
+    assert len(ONBOARD) > 20
+    assert len(SENSORS) >= 2
+    assert len(KERNELS) > 30
+
+
+@pytest.mark.parametrize("name, source", ONBOARD, ids=names(ONBOARD))
+def test_flight_software_does_not_import_the_truth(name, source):
+    assert forbidden_imports(source, TRUTH, name) == []
+
+
+@pytest.mark.parametrize("name, source", ONBOARD, ids=names(ONBOARD))
+def test_flight_software_is_not_given_the_truth(name, source):
+    assert forbidden_parameters(source, TRUTH_RECORDS) == []
+
+
+@pytest.mark.parametrize("name, source", SENSORS, ids=names(SENSORS))
+def test_sensors_see_the_plant_but_not_the_flight_software(name, source):
+    assert forbidden_imports(source, ("edl6dof.fsw", "edl6dof.mission", "edl6dof.sim"), name) == []
+    assert forbidden_parameters(source, ("fsw", "onboard", "nav", "memory_fsw")) == []
+
+
+@pytest.mark.parametrize("name, source", modules("vehicle", "environment"), ids=names(modules("vehicle", "environment")))
+def test_plant_knows_neither_flight_software_nor_belief(name, source):
+    """The way back goes through the command record of the actuators alone."""
+    assert forbidden_imports(source, ("edl6dof.fsw", "edl6dof.mission", "edl6dof.sensors"), name) == []
+    assert forbidden_parameters(source, ("fsw", "onboard", "nav", "sensed")) == []
+
+
+@pytest.mark.parametrize("name, source", KERNELS, ids=names(KERNELS))
+def test_files_with_kernels_know_no_yaml_no_files_and_no_viewer(name, source):
+    assert forbidden_imports(source, READERS, name) == []
+
+
+@pytest.mark.parametrize("folder", ["post", "cli", "app"])
+def test_results_and_command_line_know_no_physics(folder):
+    found = modules(folder) or [(n, s) for n, s in EVERYTHING if n == f"edl6dof.{folder}"]
+    if not found:
+        pytest.skip(f"no edl6dof.{folder} yet")
+    for name, source in found:
+        assert forbidden_imports(source, ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.fsw", "edl6dof.spatial"), name) == []
+        assert not has_kernels(source)
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "from edl6dof.vehicle.plant import PLANT",
+        "import edl6dof.environment.atmosphere as a",
+        "from edl6dof import environment",
+        "def f():\n    from edl6dof.sim.records import CASE",
+        "from ..vehicle import mass",
+        "import importlib\nimportlib.import_module('edl6dof.vehicle.mass')",
+    ],
+)
+def test_planted_import_of_the_truth_is_found(planted):
+    assert forbidden_imports(planted, TRUTH, "edl6dof.fsw.navigation") != []
+    assert forbidden_imports("from edl6dof.spatial.vector import dot\nimport edl6dof.vehicles", TRUTH) == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    ["def f(onboard, plant): ...", "def f(*, case): ...", "g = lambda tables: 0", "def f(a, /, *plant): ...", "def o():\n  def i(case): ..."],
+)
+def test_planted_parameter_with_the_truth_is_found(planted):
+    assert forbidden_parameters(planted, TRUTH_RECORDS) != []
+    assert forbidden_parameters("def f(onboard, nav, planted): ...", TRUTH_RECORDS) == []
+
+
+def test_planted_file_access_of_a_kernel_is_found():
+    planted = "import yaml\nfrom edl6dof.jit import kernel\n@kernel\ndef f(x):\n    return x\n"
+    assert has_kernels(planted)
+    assert forbidden_imports(planted, READERS) == ["1: yaml"]
+    assert not has_kernels("def kernel(f): return f\n")

@@ -1,0 +1,335 @@
+"""Entry guidance against an independently integrated point mass, quadrature and vector geometry."""
+
+from math import atan2, cos, degrees, pi, radians, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.drag_tracking import drag_dynamics, range_scale
+from edl6dof.fsw.guidance.entry.geometry import REVERSAL, CorridorParams, bank_sign, to_target
+from edl6dof.fsw.guidance.entry.reference import REFERENCE, STEPS, fly, solve_bank
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, entry_guidance
+from edl6dof.fsw.navigation import NAV
+
+RADIUS, MU = 3.3962e6, 4.2828e13
+SCALE_HEIGHT, DENSITY = 9354.0, 0.0158
+BALLISTIC, LIFT_TO_DRAG = 90.0, 0.18  # kg/m2
+
+
+# ---- drag dynamics ------------------------------------------------------------------------------------------------------------------
+
+
+def motion(cos_bank):
+    """Wu et al. eqs. 1-3, 7, 8: radius, speed, flight-path angle."""
+
+    def rates(t, s):
+        r, v, gamma = s
+        drag = drag_at(r, v)
+        g = MU / r**2
+        return [
+            v * sin(gamma),
+            -drag - g * sin(gamma),
+            LIFT_TO_DRAG * drag * cos_bank / v + (v / r - g / v) * cos(gamma),
+        ]
+
+    return rates
+
+
+def drag_at(r, v):
+    return 0.5 * DENSITY * np.exp(-(r - RADIUS) / SCALE_HEIGHT) * v**2 / BALLISTIC
+
+
+@pytest.mark.parametrize("altitude, speed, gamma_deg", [(60e3, 4800.0, -11.0), (35e3, 3800.0, -8.0), (15e3, 1200.0, -14.0), (25e3, 2500.0, 3.0)])
+def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed, gamma_deg):
+    """D' and, from two bank angles, the free and the bank part of D''; five-point differences of the integrated drag."""
+    r, gamma = RADIUS + altitude, radians(gamma_deg)
+    h = 0.5
+    first, second = {}, {}
+    for cos_bank in (0.9, -0.3, 0.0):
+        values = []
+        for side in (-1.0, 1.0):
+            steps = side * h * np.array([1.0, 2.0])
+            out = solve_ivp(motion(cos_bank), (0.0, steps[-1]), [r, speed, gamma], t_eval=steps, rtol=1e-12, atol=1e-10)
+            values.append(drag_at(out.y[0], out.y[1]))
+        (m1, m2), (p1, p2), zero = values[0], values[1], drag_at(r, speed)
+        first[cos_bank] = (8.0 * (p1 - m1) - (p2 - m2)) / (12.0 * h)
+        second[cos_bank] = (16.0 * (p1 + m1) - (p2 + m2) - 30.0 * zero) / (12.0 * h * h)
+    drag, g = drag_at(r, speed), MU / r**2
+    rate, a, b = drag_dynamics(drag, speed, gamma, r, g, LIFT_TO_DRAG * drag, SCALE_HEIGHT)
+    assert rate == pytest.approx(first[0.9], rel=1e-5)
+    assert rate == pytest.approx(first[-0.3], rel=1e-5)  # bank acts on the second derivative only
+    assert a == pytest.approx((second[0.9] - second[-0.3]) / 1.2, rel=1e-3)
+    assert b == pytest.approx(second[0.0], rel=1e-3, abs=1e-5)
+    assert a < 0.0  # lift up lowers drag
+
+
+# ---- range update -------------------------------------------------------------------------------------------------------------------
+
+
+def table(first=450.0, last=4900.0):
+    reference = np.zeros(1, REFERENCE)[0]
+    n = len(reference["drag"])
+    reference["first"], reference["spacing"] = first, (last - first) / (n - 1)
+    u = first + reference["spacing"] * np.arange(n)
+    reference["drag"] = profile(u)
+    reference["cos_path"] = slope(u)
+    return reference
+
+
+def profile(u):
+    return 8.0 + 75.0 * np.exp(-(((u - 3300.0) / 1100.0) ** 2))
+
+
+def slope(u):
+    return 0.97 + 0.02 * np.cos(u / 900.0)
+
+
+def integrated_range(u_now, u_end, scale):
+    """Wu et al. eqs. 14-15 by adaptive quadrature over energy."""
+    now, end = 0.5 * u_now**2, 0.5 * u_end**2
+
+    def integrand(energy):
+        share = (energy - now) / (end - now)
+        f = 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
+        u = sqrt(2.0 * energy)
+        return slope(u) / (profile(u) * (1.0 + scale * f))
+
+    return quad(integrand, end, now, epsrel=1e-10, limit=200)[0]
+
+
+@pytest.mark.parametrize("scale", [-0.25, -0.05, 0.0, 0.1, 0.3])
+@pytest.mark.parametrize("u_now", [4700.0, 3111.1, 1500.0, 905.0])
+def test_drag_scale_gives_the_wanted_range_by_independent_quadrature(scale, u_now):
+    reference = table()
+    wanted = integrated_range(u_now, 450.0, scale)
+    found = 0.0
+    for _ in range(3):  # guidance calls it again every cycle
+        found = range_scale(reference, u_now, wanted, found, 0.4)
+    assert integrated_range(u_now, 450.0, found) == pytest.approx(wanted, rel=4e-3)
+    assert found == pytest.approx(scale, abs=4e-3)
+
+
+def test_drag_scale_converges_from_the_old_value_in_one_call_and_respects_its_limit():
+    reference = table()
+    wanted = integrated_range(3000.0, 450.0, 0.1)
+    assert range_scale(reference, 3000.0, wanted, 0.08, 0.4) == pytest.approx(0.1, abs=2e-3)
+    assert range_scale(reference, 3000.0, 0.2 * wanted, 0.0, 0.4) == pytest.approx(0.4)
+    assert range_scale(reference, 3000.0, 5.0 * wanted, 0.0, 0.4) == pytest.approx(-0.4)
+    assert range_scale(reference, 452.0, wanted, 0.123, 0.4) == 0.123  # too close to the end: frozen
+
+
+def test_longer_range_wants_less_drag():
+    reference = table()
+    nominal = integrated_range(3500.0, 450.0, 0.0)
+    assert range_scale(reference, 3500.0, 1.05 * nominal, 0.0, 0.4) < -0.005
+    assert range_scale(reference, 3500.0, 0.95 * nominal, 0.0, 0.4) > 0.005
+
+
+# ---- geometry -----------------------------------------------------------------------------------------------------------------------
+
+
+def point(lat, lon):
+    return np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
+
+
+def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
+    rng = np.random.default_rng(0)
+    site = onboard[0]["site"]
+    radius = onboard[0]["planet"]["equatorial_radius"]
+    target = point(site["aim_latitude"], site["aim_longitude"])
+    nav = np.zeros(1, NAV)[0]
+    for _ in range(200):
+        nav["latitude"] = site["aim_latitude"] + rng.uniform(-0.3, 0.3)
+        nav["longitude"] = site["aim_longitude"] + rng.uniform(-0.3, 0.3)
+        nav["azimuth"] = rng.uniform(-pi, pi)
+        here = point(nav["latitude"], nav["longitude"])
+        east = np.cross((0.0, 0.0, 1.0), here)
+        east /= np.linalg.norm(east)
+        along = cos(nav["azimuth"]) * np.cross(here, east) + sin(nav["azimuth"]) * east
+        left = np.cross(here, along)
+        distance, crossrange = to_target(onboard[0], nav)
+        assert distance == pytest.approx(radius * atan2(np.linalg.norm(np.cross(here, target)), here @ target), abs=1e-3)
+        # target on the left of the track: the velocity points to its right
+        assert crossrange == pytest.approx(radius * np.arcsin(target @ left), abs=1e-3)
+
+
+def corridor(**changes):
+    record = np.zeros(1, dtype_of(CorridorParams))
+    fill(record[0], CorridorParams(**changes))
+    return record[0]
+
+
+def test_first_bank_turns_towards_the_target():
+    for crossrange, sign in ((5000.0, -1.0), (-5000.0, 1.0)):
+        assert bank_sign(corridor(), np.zeros(1, REVERSAL)[0], crossrange, 4000.0) == sign
+
+
+def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to():
+    c = corridor(c0_km=1.0, c1_km=1.0, c2_km=0.5)
+    edge = 1000.0 * (1.0 + 3.0 + 0.5 * 9.0)  # at 3 km/s
+    memory = np.zeros(1, REVERSAL)[0]
+    memory["sign"] = 1.0
+    assert bank_sign(c, memory, 0.99 * edge, 3000.0) == 1.0
+    assert bank_sign(c, memory, -5.0 * edge, 3000.0) == 1.0  # far left of the target and turning right: go on
+    assert bank_sign(c, memory, 1.01 * edge, 3000.0) == -1.0
+    assert bank_sign(c, memory, 1.01 * edge, 3000.0) == -1.0  # no chatter
+    assert memory["count"] == 1
+    assert bank_sign(c, memory, -1.01 * edge, 3000.0) == 1.0
+    assert memory["count"] == 2
+
+
+def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target():
+    """Point mass turning at constant lateral acceleration, its sign from the law: the miss ends inside the final corridor."""
+    c = corridor(c0_km=1.0, c1_km=1.0, c2_km=0.4)
+    for start in (-12e3, -2e3, 0.0, 9e3):
+        memory = np.zeros(1, REVERSAL)[0]
+        x, y, heading, speed, dt = 0.0, start, 0.0, 4500.0, 0.5
+        goal = 600e3
+        while goal - x > 5e3:
+            crossrange = (goal - x) * sin(heading) + y * cos(heading)  # of the track at the target, right positive
+            sign = bank_sign(c, memory, crossrange, speed)
+            heading += sign * 5.0 / speed * dt
+            x, y = x + speed * cos(heading) * dt, y + speed * sin(heading) * dt
+            speed = max(speed - 15.0 * dt, 500.0)
+        assert abs(y) < 4000.0  # half width at 500 m/s is 1.6 km, plus the turn itself
+        assert 1 <= memory["count"] <= 12
+
+
+# ---- reference trajectory -----------------------------------------------------------------------------------------------------------
+
+
+def independent_flight(onboard, start, bank, align, final):
+    """Planar Cartesian flight about the same planet with the same density table, by scipy.  Returns arc length and time."""
+    planet, vehicle, air = onboard[0]["planet"], onboard[0]["vehicle"], onboard[0]["atmosphere"]
+    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    radius, mu = planet["equatorial_radius"], planet["mu"]
+
+    def rates(t, s):
+        r, v = s[:2], s[2:]
+        size, speed = np.hypot(*r), np.hypot(*v)
+        density = np.exp(np.interp(size - radius, nodes, air["ln_density"]))
+        drag = 0.5 * density * speed**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        across = np.array([-v[1], v[0]]) / speed  # left of the velocity: up, for flight clockwise
+        lift = vehicle["lift_to_drag"] * drag * cos(bank if speed > align else 0.0)
+        return np.concatenate([v, -drag * v / speed + lift * across - mu * r / size**3])
+
+    h, speed, gamma = start
+    begin = [0.0, radius + h, speed * cos(gamma), speed * sin(gamma)]
+
+    def slow(t, s):
+        return np.hypot(s[2], s[3]) - final
+
+    def aligned(t, s):
+        return np.hypot(s[2], s[3]) - align
+
+    slow.terminal = aligned.terminal = True
+    one = solve_ivp(rates, (0.0, 600.0), begin, events=aligned, rtol=1e-9, atol=1e-4, max_step=1.0)
+    two = solve_ivp(rates, (one.t[-1] + 1e-9, 900.0), one.y[:, -1] + 1e-9 * np.array(rates(0, one.y[:, -1])), events=slow, rtol=1e-9, atol=1e-4, max_step=1.0)
+    end = two.y[:, -1]
+    return radius * atan2(end[0], end[1]), two.t[-1], np.hypot(end[0], end[1]) - radius
+
+
+ENTRY_STATE = (125e3, 4800.0, radians(-11.6))
+
+
+@pytest.mark.parametrize("bank_deg", [10.0, 57.0, 90.0])
+def test_reference_flight_is_the_independently_integrated_one(onboard, bank_deg):
+    history = np.zeros((STEPS, 5))
+    n = fly(onboard[0], ENTRY_STATE, radians(bank_deg), 640.0, 420.0, 0.1, history)
+    distance, duration, _ = independent_flight(onboard, ENTRY_STATE, radians(bank_deg), 640.0, 420.0)
+    assert history[n - 1, 4] == pytest.approx(duration, abs=0.3)
+    assert history[n - 1, 1] == pytest.approx(distance, abs=150.0)  # of 700 km; one step is 42 m
+    assert np.all(np.diff(history[:n, 1]) > 0.0)
+
+
+@pytest.mark.parametrize("target_km", [680.0, 700.0, 720.0])
+def test_solved_bank_hits_the_range(onboard, target_km):
+    history = np.zeros((STEPS, 5))
+    bank = solve_bank(onboard[0], ENTRY_STATE, 1e3 * target_km, 640.0, 420.0, 0.1, history)
+    low, high = (independent_flight(onboard, ENTRY_STATE, b, 640.0, 420.0)[0] for b in (radians(119.0), radians(1.0)))
+    if low < 1e3 * target_km < high:
+        distance = independent_flight(onboard, ENTRY_STATE, bank, 640.0, 420.0)[0]
+        assert distance == pytest.approx(1e3 * target_km, abs=150.0)
+    else:
+        assert degrees(bank) == pytest.approx(0.0 if 1e3 * target_km > high else 120.0, abs=0.1)
+
+
+def test_reference_of_the_scenario_reaches_the_aim_point(onboard, scenario):
+    initial, entry = scenario.initial, scenario.flight_software.guidance.entry
+    start = (initial.altitude_m, initial.speed_m_s, radians(initial.flight_path_angle_deg))
+    site, reference = onboard[0]["site"], onboard[0]["reference"]
+    p, q = point(radians(initial.latitude_deg), radians(initial.longitude_deg)), point(site["aim_latitude"], site["aim_longitude"])
+    wanted = onboard[0]["planet"]["equatorial_radius"] * atan2(np.linalg.norm(np.cross(p, q)), p @ q)
+    distance = independent_flight(onboard, start, reference["bank"], entry.align_speed_m_s, entry.final_speed_m_s)[0]
+    assert distance == pytest.approx(wanted, abs=200.0)
+    assert radians(5.0) < reference["bank"] < radians(100.0)  # with authority left to both sides
+
+
+def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):
+    """dD/du (-D V / u) = dD/dt, since dE = u du = -V D dt."""
+    t = onboard[0]["reference"]
+    u = t["first"] + t["spacing"] * np.arange(len(t["drag"]))
+    middle = slice(40, -40)
+    mu, radius = onboard[0]["planet"]["mu"], onboard[0]["planet"]["equatorial_radius"]
+    speed = 0.985 * u  # close enough: potential energy is a small share of E at these speeds
+    assert mu / radius**2 * 60e3 < 0.05 * 0.5 * 3000.0**2
+    predicted = np.gradient(t["drag"], u) * (-t["drag"] * speed / u)
+    fast = (u > 2000.0)[middle]
+    assert predicted[middle][fast] == pytest.approx(t["drag_rate"][middle][fast], abs=0.05 * np.max(np.abs(t["drag_rate"])))
+
+
+# ---- the law in a closed loop -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("density_factor, range_error_km", [(1.0, 0.0), (1.1, 0.0), (0.92, 0.0), (1.0, 8.0), (1.0, -8.0)])
+def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_factor, range_error_km):
+    """Three degrees of freedom in the plane with the believed tables times a factor; bank as commanded once a second."""
+    record = onboard[0]
+    planet, vehicle, air, site = record["planet"], record["vehicle"], record["atmosphere"], record["site"]
+    site["aim_latitude"], site["aim_longitude"] = 0.0, 0.0
+    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    radius, mu = planet["equatorial_radius"], planet["mu"]
+    align, final = record["guidance"]["entry"]["align_speed"], record["guidance"]["entry"]["final_speed"]
+    total = float(record["reference"]["range"][-1]) + 1e3 * range_error_km
+    nav, guide, memory = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, ENTRY_LAWS.memory)[0]
+    law = ENTRY_LAWS.names.index("drag_tracking")
+    entry = independent_start(record)
+    r, v, gamma = radius + entry[0], entry[1], entry[2]
+    s, dt = 0.0, 0.2
+    k = 0
+    while v > final and k < 3000:
+        g = mu / r**2
+        density = density_factor * np.exp(np.interp(r - radius, nodes, air["ln_density"]))
+        drag = 0.5 * density * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        if k % 5 == 0:
+            nav["t"], nav["latitude"], nav["longitude"], nav["azimuth"] = k * dt, 0.0, -(total - s) / radius, pi / 2
+            nav["speed"], nav["flight_path_angle"], nav["radius"], nav["altitude"] = v, gamma, r, r - radius
+            nav["drag"], nav["gravity"], nav["energy"] = drag, g, 0.5 * v * v + mu * (1.0 / radius - 1.0 / r)
+            entry_guidance(law, record, nav, memory, guide)
+        lift = vehicle["lift_to_drag"] * drag * cos(guide["bank"])
+        for part in range(2):  # midpoint
+            h = 0.5 * dt if part == 0 else dt
+            if part == 0:
+                base = (r, v, gamma, s)
+                rates = (v * sin(gamma), -drag - g * sin(gamma), lift / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r)
+            else:
+                density = density_factor * np.exp(np.interp(r - radius, nodes, air["ln_density"]))
+                drag = 0.5 * density * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+                lift, g = vehicle["lift_to_drag"] * drag * cos(guide["bank"]), mu / r**2
+                rates = (v * sin(gamma), -drag - g * sin(gamma), lift / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r)
+            r, v, gamma, s = (x + h * y for x, y in zip(base, rates, strict=True))
+        k += 1
+    assert abs(s - total) < 5e3
+    assert r - radius > 5e3
+    assert align > final
+
+
+def independent_start(record):
+    """Entry interface of the reference: highest energy node, at 125 km."""
+    top = record["reference"]["first"] + record["reference"]["spacing"] * (len(record["reference"]["drag"]) - 1)
+    planet = record["planet"]
+    potential = planet["mu"] * (1.0 / planet["equatorial_radius"] - 1.0 / (planet["equatorial_radius"] + 125e3))
+    return 125e3, sqrt(top**2 - 2.0 * potential), radians(-11.581)

@@ -1,0 +1,191 @@
+"""Powered guidance and terminal laws flown on point masses."""
+
+from math import acos, atan, hypot, radians, tan
+
+import numpy as np
+import pytest
+
+from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_THROTTLE, GUIDE
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.terminal import TERMINAL, avoid, command_thrust, descend, hover, start_or_throttle, throttle
+from edl6dof.fsw.navigation import NAV
+
+G = 3.72
+
+
+class PointMass:
+    """Position east, north, height; velocity north, east, down; the guidance sees it as navigation."""
+
+    def __init__(self, height, velocity_N, east=0.0, north=0.0):
+        self.nav, self.out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
+        self.nav["gravity"] = G
+        self.t, self.r, self.v = 0.0, np.array([north, east, height], float), np.array(velocity_N, float)
+        self.see()
+
+    def see(self):
+        self.nav["t"], self.nav["height"], self.nav["v_N"] = self.t, self.r[2], self.v
+        self.nav["site_L"] = self.r[1], self.r[0], self.r[2]
+        self.nav["speed"] = np.linalg.norm(self.v)
+
+    def move(self, north, east, up, dt):
+        """``up`` includes what gravity takes away."""
+        a = np.array([north, east, G - up])
+        self.r = self.r + (self.v * dt + 0.5 * a * dt * dt) * (1.0, 1.0, -1.0)
+        self.v = self.v + a * dt
+        self.t += dt
+        self.see()
+
+
+def law_memory():
+    return np.zeros(1, POWERED_LAWS.memory)[0]
+
+
+@pytest.mark.parametrize("height, descent, north, east", [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)])
+def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(onboard, height, descent, north, east):
+    """Acceleration linear in time with r(T) = r_f, v(T) = 0 has the closed form used here."""
+    record = onboard[0]
+    record["guidance"]["powered"]["polynomial"]["time_floor"] = 0.3
+    body, memory = PointMass(height, (north, east, descent)), law_memory()
+    law = POWERED_LAWS.names.index("polynomial")
+    dt, seen = 0.02, []
+    powered_guidance(law, record, body.nav, memory, body.out)
+    duration = float(body.out["time_to_go"])
+    lead = memory["polynomial"]["target_L"]
+    goal = np.array([lead[1], lead[0], record["guidance"]["powered"]["polynomial"]["final_height"]])
+    r0, v0 = body.r.copy(), body.v * (1.0, 1.0, -1.0)
+    while body.out["time_to_go"] > 0.35:
+        n, e, u, limit = powered_guidance(law, record, body.nav, memory, body.out)
+        assert limit == pytest.approx(record["guidance"]["powered"]["polynomial"]["tilt_limit"])
+        seen.append((body.t, *body.r))
+        body.move(n, e, u, dt)
+    a0 = 6.0 * (goal - r0) / duration**2 - 4.0 * v0 / duration
+    jerk = -(v0 + a0 * duration) * 2.0 / duration**2
+    t, path = np.array(seen)[:, :1], np.array(seen)[:, 1:]
+    assert np.max(np.abs(path - (r0 + v0 * t + a0 * t**2 / 2.0 + jerk * t**3 / 6.0))) < 2.0
+    assert np.linalg.norm(body.v) < 2.5
+    assert body.r == pytest.approx(goal, abs=1.0)
+    assert body.t == pytest.approx(duration, abs=0.4)
+
+
+def test_polynomial_law_diverts_against_the_drift_away_from_the_backshell(onboard):
+    record = onboard[0]
+    p = record["guidance"]["powered"]["polynomial"]
+    body, memory = PointMass(1300.0, (-10.0, 0.0, 80.0)), law_memory()
+    powered_guidance(POWERED_LAWS.names.index("polynomial"), record, body.nav, memory, body.out)
+    ahead = p["drift_share"] * body.out["time_to_go"] * -10.0
+    assert memory["polynomial"]["target_L"] == pytest.approx((0.0, ahead + p["divert"]))
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0, 80.0), (20.0, -10.0, 75.0)])
+def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_velocity(onboard, velocity):
+    body, memory = PointMass(1400.0, velocity), law_memory()
+    final = onboard[0]["guidance"]["powered"]["gravity_turn"]["final_height"]
+    law = POWERED_LAWS.names.index("gravity_turn")
+    braking = []
+    while body.r[2] > final + 2.0 and body.t < 120.0:
+        n, e, u, _ = powered_guidance(law, onboard[0], body.nav, memory, body.out)
+        thrust = np.array([n, e, -(u - G)])
+        assert np.cross(thrust, body.v) == pytest.approx(np.zeros(3), abs=1e-9)
+        assert thrust @ body.v < 0.0
+        braking.append(np.linalg.norm(thrust))
+        body.move(n, e, u, 0.02)
+    assert body.r[2] == pytest.approx(final, abs=2.1)
+    assert np.linalg.norm(body.v) < 6.0
+    if velocity[0] == 0.0:  # straight down: constant deceleration v^2 / 2 h, as eq. of uniform motion
+        assert np.array(braking) == pytest.approx(80.0**2 / 2.0 / 1300.0, rel=0.03)
+        assert np.linalg.norm(body.v) == pytest.approx((2.0 * 80.0**2 / 2.0 / 1300.0 * 2.0) ** 0.5, rel=0.1)
+
+
+@pytest.mark.parametrize("tilt_limit_deg", [0.0, 0.6, 4.0, 25.0])
+def test_commanded_thrust_keeps_its_vertical_part_and_the_tilt_limit(onboard, tilt_limit_deg):
+    rng = np.random.default_rng(1)
+    out, mass = np.zeros(1, GUIDE)[0], 900.0
+    for _ in range(100):
+        n, e, u = *rng.uniform(-6.0, 6.0, 2), rng.uniform(0.5, 15.0)
+        command_thrust(onboard[0], mass, (n, e, u), radians(tilt_limit_deg), out)
+        d = out["thrust_direction_N"]
+        force = out["thrust"] * d
+        assert np.linalg.norm(d) == pytest.approx(1.0)
+        assert force[2] == pytest.approx(-mass * u)
+        side = min(hypot(n, e), u * tan(radians(tilt_limit_deg)))
+        assert np.hypot(force[0], force[1]) == pytest.approx(mass * side, abs=1e-6)
+        assert acos(min(-d[2], 1.0)) <= radians(tilt_limit_deg) + 1e-6
+        assert force[0] * e == pytest.approx(force[1] * n, abs=1e-6)  # azimuth unchanged
+        assert force[0] * n + force[1] * e >= -1e-9
+        assert atan(side / u) == pytest.approx(acos(min(-d[2], 1.0)), abs=1e-6)
+
+
+@pytest.mark.parametrize("up", [-0.01, -0.3, -3.0])
+def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(onboard, up):
+    """In hover 16 m too high at rest the law wants 3.71 - 4.0 m/s2 upwards; the thrust axis must stay within the tilt limit."""
+    out = np.zeros(1, GUIDE)[0]
+    command_thrust(onboard[0], 900.0, (0.3, 0.0, up), radians(4.0), out)
+    assert acos(np.clip(-out["thrust_direction_N"][2], -1.0, 1.0)) <= radians(4.0) + 1e-9
+
+
+@pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
+def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
+    body = PointMass(height, (0.5, 0.0, descent))
+    hover(onboard[0], body.nav, 900.0, body.out)
+    assert acos(np.clip(-body.out["thrust_direction_N"][2], -1.0, 1.0)) < radians(6.0)
+
+
+def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
+    engine = onboard[0]["vehicle"]["engine"]
+    out = np.zeros(1, GUIDE)[0]
+    for wish in (-100.0, 0.0, 1499.0, 3000.0, 5001.0, 9000.0):
+        out["thrust"] = wish
+        throttle(onboard[0], out)
+        assert out["thrust"] == min(max(wish, 1500.0), 5000.0)
+        assert (engine["throttle_min"], engine["throttle_max"], engine["full_thrust"]) == (1500.0, 5000.0, 7500.0)  # S1
+        assert out["engine_mode"] == ENGINE_THROTTLE
+    full_time = onboard[0]["guidance"]["powered"]["full_time"]
+    out["engine_mode"] = ENGINE_FULL
+    sequence = []
+    for elapsed, wish in ((0.0, 3000.0), (0.9 * full_time, 3000.0), (1.1 * full_time, 6000.0), (2.0 * full_time, 4900.0), (9.0, 8000.0)):
+        out["thrust"] = wish
+        start_or_throttle(onboard[0], out, elapsed)
+        sequence.append((int(out["engine_mode"]), float(out["thrust"])))
+    assert sequence == [(ENGINE_FULL, 7500.0)] * 3 + [(ENGINE_THROTTLE, 4900.0), (ENGINE_THROTTLE, 5000.0)]
+
+
+def fly_terminal(step, body, mass, duration, dt=0.1, lateral=True):
+    for _ in range(int(duration / dt)):
+        step(body)
+        force = body.out["thrust"] * body.out["thrust_direction_N"]
+        side = body.out["force_N"] if lateral and body.out["translating"] else np.zeros(2)
+        assert 1500.0 <= body.out["thrust"] <= 5000.0
+        body.move((force[0] + side[0]) / mass, (force[1] + side[1]) / mass, -force[2] / mass, dt)
+
+
+def test_hover_settles_at_its_height_and_stops_lateral_motion(onboard):
+    body, mass = PointMass(108.0, (1.5, -1.0, 3.0)), 850.0
+    fly_terminal(lambda b: hover(onboard[0], b.nav, mass, b.out), body, mass, 40.0)
+    assert body.r[2] == pytest.approx(onboard[0]["guidance"]["powered"]["terminal"]["hover_height"], abs=0.5)
+    assert np.linalg.norm(body.v) < 0.1
+
+
+def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboard):
+    p = onboard[0]["guidance"]["powered"]["terminal"]
+    p["avoidance_rate"], p["touchdown_rate"] = 2.0, 0.5  # long enough to see it settle
+    body, mass, memory = PointMass(100.0, (0.0, 0.0, 0.5), east=7.0, north=-4.0), 850.0, np.zeros(1, TERMINAL)[0]
+    fastest = 0.0
+
+    def step(b):
+        nonlocal fastest
+        avoid(onboard[0], b.nav, mass, memory, b.out)
+        assert b.out["thrust_direction_N"] == pytest.approx((0.0, 0.0, -1.0))
+        fastest = max(fastest, np.hypot(b.v[0], b.v[1]))
+
+    fly_terminal(step, body, mass, 45.0)
+    assert body.r[:2] == pytest.approx((-4.0 + p["safe_spot_north"], 7.0 + p["safe_spot_east"]), abs=0.3)
+    assert fastest <= p["lateral_speed"] + 0.05
+    assert np.hypot(body.v[0], body.v[1]) < 0.05
+
+
+def test_descent_comes_down_at_the_touchdown_rate_without_lateral_speed(onboard):
+    p = onboard[0]["guidance"]["powered"]["terminal"]
+    body, mass = PointMass(60.0, (0.2, 0.1, 2.5)), 850.0
+    fly_terminal(lambda b: descend(onboard[0], b.nav, mass, b.out), body, mass, 20.0)
+    assert body.v[2] == pytest.approx(p["touchdown_rate"], abs=0.02)
+    assert np.hypot(body.v[0], body.v[1]) < 0.15

@@ -1,0 +1,385 @@
+"""Speed and memory of edl6dof, and its speed beside JSBSim and Basilisk.
+
+    python tools/bench.py                          # everything; two to three minutes, up to one of them compiling
+    python tools/bench.py --only loop --profile --in-place     # quick, with the repository's own cache
+    python tools/bench.py --json bench.json        # all samples, and the machine
+
+The sections (``--only`` chooses):
+
+processes   whole processes as a user starts them, not pinned: ``edl6dof fly tianwen1`` with all files written, ``--help``,
+            ``import edl6dof``; wall seconds and peak resident memory.  The package is first copied into an empty folder, so the
+            first flight compiles everything (the copy's cache is empty) and later edits of the sources disturb nothing.
+loop        the nominal flight in this process, pinned to one core: the compiled loop alone, ``edl6dof.fly`` (records + loop), and
+            ``edl6dof.load`` (reading and validating the files).
+peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are formed pair by pair.
+            The peers come with ``pip install "edl6dof[bench]"``; a missing one is reported and left out.
+
+How to read it.  A step is one integration step of 10 ms; steps that events split or repeat are not counted.  Seconds are CPU
+seconds where it says so: on a machine with other work they are what repeats, wall seconds are not.  No peer flies the whole
+chain, so every case of theirs contains less than our flight (``tools/peers_*.py`` list what they lack).  Beside the flight
+therefore stands ours with an empty mission, the like of a ballistic entry ("free entry": 6-DOF, Runge-Kutta, the same vehicle,
+atmosphere, wind, navigation and 50 Hz log, but no guidance, control or events).  JSBSim evaluates the forces once a step,
+Basilisk four times, edl6dof four times and once more in every cycle of the flight software; the last column compares
+evaluations a second.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import math
+import os
+import platform
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+ROOT = Path(__file__).resolve().parent.parent
+SECTIONS = ("processes", "loop", "peers")
+PEERS = ("peers_jsbsim", "peers_basilisk")
+SCENARIO = "tianwen1"
+FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
+#: Budgets of the design: seconds, MiB.
+BUDGETS = {"first flight ever": 60.0, "fly, all files": 4.0, "--help": 0.3, "peak memory": 300.0, "compiled loop": 0.25}
+PROFILE_CHUNK_S = 0.2
+
+
+@dataclass
+class Lap:
+    """Cost of one repetition."""
+
+    wall_s: float
+    cpu_s: float
+    steps: int = 0
+    peak_mib: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """Integration steps per CPU second."""
+        return self.steps / self.cpu_s
+
+
+@dataclass
+class Calls:
+    """What the calls of the compiled loop inside :func:`timed_loop` cost."""
+
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    cycles: int = 0
+    by_phase: dict[int, list[float]] = field(default_factory=lambda: defaultdict(lambda: [0.0, 0.0]))
+
+
+def stopwatch(work: Callable[[], Any]) -> tuple[Lap, Any]:
+    """Wall and CPU seconds of ``work()``, and its result."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return Lap(time.perf_counter() - wall, time.process_time() - cpu), result
+
+
+def spread(values: list[float], digits: int = 3, scale: float = 1.0) -> str:
+    """``median (min .. max)``."""
+    low, middle, high = (f"{x * scale:,.{digits}f}" for x in (min(values), statistics.median(values), max(values)))
+    return f"{middle} ({low} .. {high})"
+
+
+# ---------------------------------------------------------------- whole processes
+
+
+def snapshot(folder: Path) -> Path:
+    """Copy of package, scenarios and vehicles without any compiled code; ``pyproject.toml`` marks it as a repository."""
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in ("edl6dof", "scenarios", "vehicles"):
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def process(tree: Path, code: str, *arguments: str) -> Lap:
+    """Run ``python -c code arguments`` with the package in ``tree``.
+
+    The peak memory of a child is never below that of its parent at the time of the fork: measure before importing anything large.
+
+    Raises:
+        RuntimeError: the process failed; a flight outside its limits (status 1) is not a failure.
+    """
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment["PYTHONPATH"] = str(tree)
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
+        start = time.perf_counter()
+        child = subprocess.Popen(
+            [sys.executable, "-c", code, *arguments], cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=errors
+        )
+        _, status, usage = os.wait4(child.pid, 0)
+        wall = time.perf_counter() - start
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode not in (0, 1):
+            errors.seek(0)
+            raise RuntimeError(f"{' '.join(arguments) or code}: status {child.returncode}\n{errors.read().decode()[-2000:]}")
+    return Lap(wall, usage.ru_utime + usage.ru_stime, peak_mib=usage.ru_maxrss / 1024)
+
+
+def measure_processes(tree: Path, repeats: int, cold: bool) -> dict[str, list[Lap]]:
+    """Laps by name."""
+    command = "from edl6dof.cli import main; main()"
+    flight = (command, "fly", SCENARIO)
+    laps: dict[str, list[Lap]] = {}
+    if cold:
+        laps["first flight ever"] = [process(tree, *flight)]
+    else:
+        process(tree, *flight)
+    laps["fly, all files"] = [process(tree, *flight) for _ in range(repeats)]
+    laps["fly, no replay"] = [process(tree, *flight, "--no-replay") for _ in range(repeats)]
+    laps["--help"] = [process(tree, command, "--help") for _ in range(repeats)]
+    laps["import edl6dof"] = [process(tree, "import edl6dof") for _ in range(repeats)]
+    laps["python alone"] = [process(tree, "pass") for _ in range(repeats)]
+    return laps
+
+
+# ---------------------------------------------------------------- the loop in this process
+
+
+@contextmanager
+def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
+    """Time every call of the compiled loop that ``edl6dof.fly`` makes; ``chunk_s`` changes how much one call flies."""
+    import edl6dof.sim.flight as module
+
+    calls, compiled, chunk = Calls(), module.fly_cycles, module.CHUNK_S
+
+    def timed(*arguments: Any) -> Any:
+        phase = _phase_in(arguments)
+        lap, result = stopwatch(lambda: compiled(*arguments))
+        calls.wall_s += lap.wall_s
+        calls.cpu_s += lap.cpu_s
+        calls.cycles += result[1]
+        calls.by_phase[phase][0] += lap.cpu_s
+        calls.by_phase[phase][1] += result[1]
+        return result
+
+    module.fly_cycles, module.CHUNK_S = timed, chunk_s or chunk
+    try:
+        yield calls
+    finally:
+        module.fly_cycles, module.CHUNK_S = compiled, chunk
+
+
+def _phase_in(arguments: tuple[Any, ...]) -> int:
+    """Mission phase in the memory of the flight software, which is one of the record arrays."""
+    records = (a for a in arguments if getattr(getattr(a, "dtype", None), "names", None))
+    return next(int(record["phase"][0]) for record in records if "phase" in record.dtype.names)
+
+
+def fly_once(loaded: Any) -> tuple[Lap, Lap]:
+    """One flight: cost of the compiled loop, cost of the whole ``edl6dof.fly``."""
+    import edl6dof
+
+    with timed_loop() as calls:
+        whole, _ = stopwatch(lambda: edl6dof.fly(loaded))
+    whole.steps = calls.cycles * loaded.scenario.steps_per_cycle
+    return Lap(calls.wall_s, calls.cpu_s, whole.steps), whole
+
+
+def measure_loop(repeats: int) -> dict[str, list[Lap]]:
+    """Laps by name, after one flight to load the compiled code."""
+    import edl6dof
+
+    loaded = edl6dof.load(SCENARIO)
+    fly_once(loaded)
+    pairs = [fly_once(loaded) for _ in range(repeats)]
+    return {
+        "compiled loop": [loop for loop, _ in pairs],
+        "edl6dof.fly(loaded)": [whole for _, whole in pairs],
+        "edl6dof.load": [stopwatch(lambda: edl6dof.load(SCENARIO))[0] for _ in range(repeats)],
+    }
+
+
+def measure_phases(repeats: int) -> list[dict[str, Any]]:
+    """Cost of a step in each mission phase: chunks of 0.2 s, each counted to the phase it begins in."""
+    import edl6dof
+
+    loaded = edl6dof.load(SCENARIO)
+    steps = loaded.scenario.steps_per_cycle
+    samples: dict[int, list[float]] = defaultdict(list)
+    cycles: dict[int, float] = {}
+    for lap in range(repeats + 1):
+        with timed_loop(PROFILE_CHUNK_S) as calls:
+            edl6dof.fly(loaded)
+        for phase, (seconds, flown) in calls.by_phase.items():
+            cycles[phase] = flown
+            if lap:  # the first loads the compiled code
+                samples[phase].append(1e9 * seconds / (flown * steps))
+    total = sum(statistics.median(samples[phase]) * cycles[phase] for phase in samples)
+    return [
+        {
+            "phase": loaded.scenario.mission.phases[phase].name,
+            "flown_s": cycles[phase] / loaded.scenario.flight_software.rates.base_hz,
+            "ns_per_step": samples[phase],
+            "share": statistics.median(samples[phase]) * cycles[phase] / total,
+        }
+        for phase in sorted(samples)
+    ]
+
+
+# ---------------------------------------------------------------- beside the peers
+
+
+def compare(peer: Any, repeats: int) -> dict[str, Any]:
+    """Peer, our flight and our free entry in turn, after a round that warms up; short runs, which are noisier, more often."""
+    import edl6dof
+
+    ours = {"edl6dof, whole flight": edl6dof.load(SCENARIO), "edl6dof, free entry": edl6dof.load(SCENARIO, FREE_ENTRY)}
+    for loaded in ours.values():
+        fly_once(loaded)
+    wall, _, end = peer.run()
+    laps: dict[str, list[Lap]] = {peer.NAME: [], **{name: [] for name in ours}}
+    for _ in range(repeats * max(1, min(5, math.ceil(0.3 / wall)))):
+        wall, cpu, end = peer.run()
+        laps[peer.NAME].append(Lap(wall, cpu, peer.STEPS))
+        for name, loaded in ours.items():
+            laps[name].append(fly_once(loaded)[0])
+    evaluations = 4.0 + 1.0 / next(iter(ours.values())).scenario.steps_per_cycle
+    return {
+        "version": peer.version(),
+        "case": peer.CASE,
+        "has": peer.HAS,
+        "lacks": peer.LACKS,
+        "ended": end,
+        "evaluations_ratio": evaluations / peer.FORCE_EVALUATIONS_A_STEP,
+        "laps": laps,
+    }
+
+
+# ---------------------------------------------------------------- what comes out
+
+
+def show_laps(console: Console, title: str, laps: dict[str, list[Lap]]) -> None:
+    """Table of laps; seconds are wall seconds for processes, and CPU seconds stand beside them."""
+    table = Table(title=title, title_justify="left")
+    for name in ("", "n", "wall s: median (min .. max)", "CPU s", "steps/CPU s", "peak MiB", "budget"):
+        table.add_column(name, justify="left" if not name else "right")
+    for name, runs in laps.items():
+        rates = f"{statistics.median(r.rate for r in runs):,.0f}" if runs[0].steps else ""
+        peak = f"{max(r.peak_mib for r in runs):.0f}" if runs[0].peak_mib else ""
+        limits = [f"{BUDGETS[name]:g} s"] if name in BUDGETS else []
+        limits += [f"{BUDGETS['peak memory']:g} MiB"] if name == "fly, all files" else []
+        cpu = f"{statistics.median(r.cpu_s for r in runs):.3f}"
+        table.add_row(name, str(len(runs)), spread([r.wall_s for r in runs]), cpu, rates, peak, ", ".join(limits))
+    console.print(table)
+
+
+def show_comparison(console: Console, peer: str, result: dict[str, Any]) -> None:
+    """Rates of the peer and of ours, and the ratio ours / theirs of each round."""
+    laps = result["laps"]
+    table = Table(title=f"{peer} {result['version']}: {result['case']}", title_justify="left")
+    for name in ("", "n", "steps", "thousand steps/CPU s", "ours/theirs, CPU", "ours/theirs, wall", "force evaluations, CPU"):
+        table.add_column(name, justify="left" if not name else "right")
+    for name, runs in laps.items():
+        row = [name, str(len(runs)), f"{runs[0].steps:,}", spread([r.rate for r in runs], 0, 1e-3)]
+        if name != peer:
+            pairs = list(zip(runs, laps[peer], strict=True))
+            ratios = [ours.rate / theirs.rate for ours, theirs in pairs]
+            walls = [(ours.steps / ours.wall_s) / (theirs.steps / theirs.wall_s) for ours, theirs in pairs]
+            row += [spread(ratios, 2), spread(walls, 2), f"{statistics.median(ratios) * result['evaluations_ratio']:.2f}"]
+        table.add_row(*row)
+    console.print(table)
+    console.print(f"  {peer} has {result['has']}\n  and lacks {result['lacks']}; ended finite at {_numbers(result['ended'])}")
+
+
+def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
+    """Nanoseconds a step by mission phase."""
+    table = Table(title="Compiled loop by mission phase", title_justify="left")
+    for name in ("phase", "flown s", "ns/step, CPU: median (min .. max)", "share"):
+        table.add_column(name, justify="left" if name == "phase" else "right")
+    for row in phases:
+        table.add_row(row["phase"], f"{row['flown_s']:.1f}", spread(row["ns_per_step"], 0), f"{row['share']:.0%}")
+    console.print(table)
+
+
+def machine() -> dict[str, Any]:
+    """Where this was measured."""
+    from importlib.metadata import version
+
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
+    models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
+    git = subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty"], capture_output=True, text=True, check=False)
+    return {
+        "cpu": models[0] if models else platform.processor(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "numba": version("numba"),
+        "numpy": version("numpy"),
+        "commit": git.stdout.strip(),
+        "load_average": os.getloadavg()[0],
+        "date": time.strftime("%Y-%m-%d %H:%M"),
+    }
+
+
+def _numbers(values: dict[str, float]) -> str:
+    return ", ".join(f"{name} {value:.1f}" for name, value in values.items())
+
+
+def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str, Any]:
+    """Run the chosen sections; returns everything measured."""
+    results: dict[str, Any] = {"machine": machine()}
+    console.print(", ".join(f"{name} {value}" for name, value in results["machine"].items()))
+    if "processes" in options.only:
+        results["processes"] = measure_processes(tree, options.repeats, cold=not options.in_place)
+        show_laps(console, "Whole processes", results["processes"])
+    sys.path.insert(0, str(tree))
+    os.environ.pop("NUMBA_CACHE_DIR", None)
+    os.sched_setaffinity(0, {options.core})
+    if "loop" in options.only:
+        results["loop"] = measure_loop(options.repeats)
+        show_laps(console, f"The nominal flight, in process, core {options.core}", results["loop"])
+    if options.profile:
+        results["phases"] = measure_phases(options.repeats)
+        show_phases(console, results["phases"])
+    if "peers" in options.only:
+        results["peers"] = {}
+        for name in PEERS:
+            peer = importlib.import_module(name)
+            try:
+                peer.version()
+                results["peers"][peer.NAME] = compare(peer, options.repeats)
+            except ImportError as error:
+                console.print(f'{peer.NAME}: left out ({error}); the peers come with  pip install "edl6dof\\[bench]"')
+            except FloatingPointError as error:
+                console.print(f"{peer.NAME}: no comparison; {error}")
+            else:
+                show_comparison(console, peer.NAME, results["peers"][peer.NAME])
+    results["machine"]["load_average_after"] = os.getloadavg()[0]
+    console.print(f"load average afterwards {os.getloadavg()[0]:.2f}; above 1 or so, trust CPU seconds and ratios only")
+    return results
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS), help="sections to run")
+    parser.add_argument("--repeats", type=int, default=7, metavar="N", help="repetitions of each measurement (7)")
+    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)), metavar="K", help="core to pin to (the last)")
+    parser.add_argument("--profile", action="store_true", help="cost of a step in each mission phase")
+    parser.add_argument("--in-place", action="store_true", help="use the repository and its cache; no first-flight measurement")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all samples")
+    options = parser.parse_args()
+    console = Console(highlight=False, width=None if sys.stdout.isatty() else 150)
+    with tempfile.TemporaryDirectory(prefix="edl6dof-bench-") as folder:
+        results = bench(console, options, ROOT if options.in_place else snapshot(Path(folder)))
+    if options.json:
+        options.json.write_text(json.dumps(results, indent=1, default=asdict), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
