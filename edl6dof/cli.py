@@ -56,7 +56,7 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or nam
 
 @app.command()
 def params(
-    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute, or part of a name; all if not given.")] = "",
+    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute, or part of a name.")] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List parameters: default, unit, bounds, meaning, status."""

@@ -70,11 +70,15 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
     for name, row in zip(names, members, strict=True):
         is_short = len(row.default) <= SHORT
         default = row.default if is_short else ""
-        yield f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {row.bounds.replace(' and ', ', ')}".rstrip(), ""
+        limits = row.bounds.replace(" and ", ", ")
+        is_range = limits.startswith(("<", ">"))
+        yield f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}".rstrip(), ""
         if not is_short:
             yield from _paragraph(f"default: {row.default}", width)
         claim = ": ".join(part for part in (row.status, row.source) if part)
         kind = "" if row.type == "number" else f"; {row.type}"
+        if limits and not is_range:
+            kind += f", {limits}"
         yield from _paragraph(f"{row.meaning}{kind}" + (f" ({claim})" if claim else ""), width)
 
 

@@ -34,11 +34,13 @@ class EntryGuidanceParams(_EntryLaws):
     """Entry guidance: the law, and what all laws share."""
 
     preset_bank_deg: float = param(55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0)
-    trim_alpha_deg: float = param(-10.0, "angle of attack commanded before and during lift control", status="published", source="S1")
+    trim_alpha_deg: float = param(
+        -10.0, "angle of attack commanded before and during lift control", status="published", source="S1", ge=-90.0, le=90.0
+    )
     align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)
-    final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0)
-    aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived")
-    aim_east_m: float = param(0.0, "aim point of entry guidance east of the landing site", status="derived")
+    final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0, le=4000.0)
+    aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5)
+    aim_east_m: float = param(0.0, "aim point of entry guidance east of the landing site", status="derived", ge=-1e5, le=1e5)
 
 
 class PoweredGuidanceParams(_PoweredLaws):

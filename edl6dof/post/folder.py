@@ -23,8 +23,8 @@ class FolderExists(Exception):
 def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
     """Yield a hidden folder beside ``target`` that takes its place when the block ends without an exception.
 
-    A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception leaves nothing, not even the
-    parent folders made here.
+    A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception leaves nothing, not
+    even the parent folders made here.
 
     Raises:
         FolderExists: ``target`` exists and ``force`` is not set.

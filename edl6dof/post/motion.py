@@ -92,7 +92,7 @@ class Motion:
         self.canopy = vector(tm, "truth.canopy", "east north up", "_m")[good]
         self.heat_shield = vector(tm, "truth.heat_shield", "east north up", "_m")[good]
         self.backshell = vector(tm, "truth.backshell", "east north up", "_m")[good]
-        self._far = np.linalg.norm(self.centre[:, :2] - self.centre[-1, :2], axis=-1)
+        self._far = np.linalg.norm(self.centre[:, :2] - self.centre[-1:, :2], axis=-1)
 
     @property
     def last(self) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Whether the tables that a scenario names can be built: mistakes in data files, found before a flight begins.
 
-The builders of the models say in plain words what is wrong with a file; here each is called once, on scratch records, and what it says
-is put at the key that names the file.
+The builders of the models say in plain words what is wrong with a file; here each is called once, on scratch records, and what it
+says is put at the key that names the file.
 """
 
 from __future__ import annotations

@@ -91,7 +91,7 @@ def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
         fill(record[name], getattr(software, name))
     fill(record["mission"], scenario.mission)
     _set_site(record["site"], scenario)
-    if scenario.mission.phases:
+    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
         _plan_entry(onboard, scenario)
     return onboard
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,10 +67,14 @@ class LimitParams(Params):
     parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
     backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
-    backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
+    backshell_height_m: float = param(
+        2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0
+    )
     crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
     body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", gt=0.0)
-    total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)
+    total_alpha_deg: float = param(
+        60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
+    )
 
 
 class Scenario(Params):
@@ -104,13 +108,13 @@ class Scenario(Params):
     def _names_a_folder(cls, value: str) -> str:
         if not _FOLDER_NAME.fullmatch(value):
             raise ValueError(
-                f"must do as the name of a folder: letters, digits, blanks and . _ + - and no dot or blank at the ends (got {value!r})"
+                f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})"
             )
         return value
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
-        problems = {**self._cycle_problems(), **self._phase_problems(), **file_problems(self)}
+        problems = {**self._cycle_problems(), **self._phase_problems(), **self._entry_problems(), **file_problems(self)}
         if problems:
             raise Inconsistent(problems)
         return self
@@ -135,6 +139,15 @@ class Scenario(Params):
                     message = f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
                     problems[f"{here}.{below}.latest_s"] = message
         return problems
+
+    def _entry_problems(self) -> dict[str, str]:
+        """Entry guidance plans from the initial state down to its final speed: there must be something to plan."""
+        final = self.flight_software.guidance.entry.final_speed_m_s
+        if self.initial.speed_m_s > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
+            return {}
+        name = "flight_software.guidance.entry.final_speed_m_s"
+        message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed_m_s:g})"
+        return {"initial.speed_m_s": message}
 
     @property
     def steps_per_cycle(self) -> int:

@@ -1,4 +1,4 @@
-"""Every broken file of the corpus is refused by ``check`` and ``fly`` with exactly the messages it announces, and nothing is written.
+"""Every broken file of the corpus is refused by ``check`` and ``fly`` with exactly the messages it announces; nothing is written.
 
 A case is a YAML file in ``cases/``.  Its first lines say what is expected of it::
 

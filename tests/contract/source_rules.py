@@ -12,7 +12,7 @@ PACKAGE = Path(edl6dof.__file__).parent
 
 #: Layers from the bottom up (design.md, section 3); a module imports its own layer or lower ones.
 LAYERS = (
-    ("jit", "records"),
+    ("jit", "records", "__version__"),
     ("config", "registry"),
     ("spatial",),
     ("environment",),
@@ -48,9 +48,15 @@ def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str
                 base = ".".join([*parents, base] if base else parents)
             yield node.lineno, base
             yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
-        elif isinstance(node, ast.Call) and _called(node) in ("import_module", "__import__") and node.args:
-            if isinstance(node.args[0], ast.Constant):
-                yield node.lineno, str(node.args[0].value)
+        elif isinstance(node, ast.Call) and _called(node) in ("import_module", "__import__"):
+            yield from ((node.lineno, str(name.value)) for name in node.args[:1] if isinstance(name, ast.Constant))
+
+
+def imports_at_load(source: str, module: str) -> Iterator[tuple[int, str]]:
+    """As :func:`imports`, without what stands inside functions or under ``if TYPE_CHECKING``."""
+    for node in ast.parse(source).body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield from imports(ast.unparse(node), module)
 
 
 def _called(node: ast.Call) -> str:

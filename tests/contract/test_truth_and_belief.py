@@ -63,8 +63,10 @@ def test_results_and_command_line_know_no_physics(folder):
     found = modules(folder) or [(n, s) for n, s in EVERYTHING if n == f"edl6dof.{folder}"]
     if not found:
         pytest.skip(f"no edl6dof.{folder} yet")
+    physics = tuple(n for n, _ in KERNELS if n.split(".")[1] in ("vehicle", "environment", "fsw", "mission", "sensors"))
+    assert len(physics) > 20
     for name, source in found:
-        assert forbidden_imports(source, ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.fsw", "edl6dof.spatial"), name) == []
+        assert forbidden_imports(source, physics, name) == []  # parameter models without kernels may be read
         assert not has_kernels(source)
 
 
@@ -86,7 +88,13 @@ def test_planted_import_of_the_truth_is_found(planted):
 
 @pytest.mark.parametrize(
     "planted",
-    ["def f(onboard, plant): ...", "def f(*, case): ...", "g = lambda tables: 0", "def f(a, /, *plant): ...", "def o():\n  def i(case): ..."],
+    [
+        "def f(onboard, plant): ...",
+        "def f(*, case): ...",
+        "g = lambda tables: 0",
+        "def f(a, /, *plant): ...",
+        "def o():\n  def i(case): ...",
+    ],
 )
 def test_planted_parameter_with_the_truth_is_found(planted):
     assert forbidden_parameters(planted, TRUTH_RECORDS) != []

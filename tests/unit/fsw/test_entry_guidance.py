@@ -19,7 +19,7 @@ SCALE_HEIGHT, DENSITY = 9354.0, 0.0158
 BALLISTIC, LIFT_TO_DRAG = 90.0, 0.18  # kg/m2
 
 
-# ---- drag dynamics ------------------------------------------------------------------------------------------------------------------
+# ---- drag dynamics -------------------------------------------------------------------------------------------------------------
 
 
 def motion(cos_bank):
@@ -42,7 +42,9 @@ def drag_at(r, v):
     return 0.5 * DENSITY * np.exp(-(r - RADIUS) / SCALE_HEIGHT) * v**2 / BALLISTIC
 
 
-@pytest.mark.parametrize("altitude, speed, gamma_deg", [(60e3, 4800.0, -11.0), (35e3, 3800.0, -8.0), (15e3, 1200.0, -14.0), (25e3, 2500.0, 3.0)])
+@pytest.mark.parametrize(
+    "altitude, speed, gamma_deg", [(60e3, 4800.0, -11.0), (35e3, 3800.0, -8.0), (15e3, 1200.0, -14.0), (25e3, 2500.0, 3.0)]
+)
 def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed, gamma_deg):
     """D' and, from two bank angles, the free and the bank part of D''; five-point differences of the integrated drag."""
     r, gamma = RADIUS + altitude, radians(gamma_deg)
@@ -66,7 +68,7 @@ def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed,
     assert a < 0.0  # lift up lowers drag
 
 
-# ---- range update -------------------------------------------------------------------------------------------------------------------
+# ---- range update --------------------------------------------------------------------------------------------------------------
 
 
 def table(first=450.0, last=4900.0):
@@ -128,7 +130,7 @@ def test_longer_range_wants_less_drag():
     assert range_scale(reference, 3500.0, 0.95 * nominal, 0.0, 0.4) > 0.005
 
 
-# ---- geometry -----------------------------------------------------------------------------------------------------------------------
+# ---- geometry ------------------------------------------------------------------------------------------------------------------
 
 
 def point(lat, lon):
@@ -198,7 +200,7 @@ def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target(
         assert 1 <= memory["count"] <= 12
 
 
-# ---- reference trajectory -----------------------------------------------------------------------------------------------------------
+# ---- reference trajectory ------------------------------------------------------------------------------------------------------
 
 
 def independent_flight(onboard, start, bank, align, final):
@@ -227,7 +229,15 @@ def independent_flight(onboard, start, bank, align, final):
 
     slow.terminal = aligned.terminal = True
     one = solve_ivp(rates, (0.0, 600.0), begin, events=aligned, rtol=1e-9, atol=1e-4, max_step=1.0)
-    two = solve_ivp(rates, (one.t[-1] + 1e-9, 900.0), one.y[:, -1] + 1e-9 * np.array(rates(0, one.y[:, -1])), events=slow, rtol=1e-9, atol=1e-4, max_step=1.0)
+    two = solve_ivp(
+        rates,
+        (one.t[-1] + 1e-9, 900.0),
+        one.y[:, -1] + 1e-9 * np.array(rates(0, one.y[:, -1])),
+        events=slow,
+        rtol=1e-9,
+        atol=1e-4,
+        max_step=1.0,
+    )
     end = two.y[:, -1]
     return radius * atan2(end[0], end[1]), two.t[-1], np.hypot(end[0], end[1]) - radius
 
@@ -261,7 +271,10 @@ def test_reference_of_the_scenario_reaches_the_aim_point(onboard, scenario):
     initial, entry = scenario.initial, scenario.flight_software.guidance.entry
     start = (initial.altitude_m, initial.speed_m_s, radians(initial.flight_path_angle_deg))
     site, reference = onboard[0]["site"], onboard[0]["reference"]
-    p, q = point(radians(initial.latitude_deg), radians(initial.longitude_deg)), point(site["aim_latitude"], site["aim_longitude"])
+    p, q = (
+        point(radians(initial.latitude_deg), radians(initial.longitude_deg)),
+        point(site["aim_latitude"], site["aim_longitude"]),
+    )
     wanted = onboard[0]["planet"]["equatorial_radius"] * atan2(np.linalg.norm(np.cross(p, q)), p @ q)
     distance = independent_flight(onboard, start, reference["bank"], entry.align_speed_m_s, entry.final_speed_m_s)[0]
     assert distance == pytest.approx(wanted, abs=200.0)
@@ -281,7 +294,7 @@ def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):
     assert predicted[middle][fast] == pytest.approx(t["drag_rate"][middle][fast], abs=0.05 * np.max(np.abs(t["drag_rate"])))
 
 
-# ---- the law in a closed loop -------------------------------------------------------------------------------------------------------
+# ---- the law in a closed loop --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("density_factor, range_error_km", [(1.0, 0.0), (1.1, 0.0), (0.92, 0.0), (1.0, 8.0), (1.0, -8.0)])
@@ -314,12 +327,22 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
             h = 0.5 * dt if part == 0 else dt
             if part == 0:
                 base = (r, v, gamma, s)
-                rates = (v * sin(gamma), -drag - g * sin(gamma), lift / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r)
+                rates = (
+                    v * sin(gamma),
+                    -drag - g * sin(gamma),
+                    lift / v + (v / r - g / v) * cos(gamma),
+                    v * cos(gamma) * radius / r,
+                )
             else:
                 density = density_factor * np.exp(np.interp(r - radius, nodes, air["ln_density"]))
                 drag = 0.5 * density * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
                 lift, g = vehicle["lift_to_drag"] * drag * cos(guide["bank"]), mu / r**2
-                rates = (v * sin(gamma), -drag - g * sin(gamma), lift / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r)
+                rates = (
+                    v * sin(gamma),
+                    -drag - g * sin(gamma),
+                    lift / v + (v / r - g / v) * cos(gamma),
+                    v * cos(gamma) * radius / r,
+                )
             r, v, gamma, s = (x + h * y for x, y in zip(base, rates, strict=True))
         k += 1
     assert abs(s - total) < 5e3

@@ -108,7 +108,7 @@ def test_command_lifts_up_at_zero_bank_with_negative_alpha_and_to_the_right_at_p
 
 
 def test_path_rate_is_the_turning_of_an_integrated_velocity():
-    """Point mass over a non-rotating sphere with a force fixed in inertial space; finite difference of the direction of flight."""
+    """Point mass over a non-rotating sphere with a force fixed in inertial space; finite difference of the direction."""
     rng = np.random.default_rng(5)
     mu = 4.2828e13
     for _ in range(10):

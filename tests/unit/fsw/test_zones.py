@@ -46,7 +46,7 @@ BANK = {"rate_deg_s": 20.0, "far_deg": 40.0, "near_deg": 5.0, "deceleration_deg_
 def predicted_slew(zone, angle):
     """Time until the error enters the PID zone.
 
-    Constant rate, then constant deceleration down the parabola, whose inner end is the rate at which the PID law meets the boundary.
+    Constant rate, then constant deceleration down the parabola to the rate at which the PID law meets the boundary.
     The rate loop lags by 1/rate_gain on both slopes: lost at spin-up, won back at slowing down.
     """
     inner = zone["proportional"] / zone["derivative"] * zone["near"]

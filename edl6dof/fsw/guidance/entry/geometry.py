@@ -15,9 +15,9 @@ from edl6dof.spatial.vector import clamp
 class CorridorParams(Params):
     """Bank-reversal corridor: crossrange allowed as a quadratic in velocity, c0 + c1 V + c2 V^2 with V in km/s."""
 
-    c0_km: float = param(1.0, "half width at zero velocity", ge=0.0)
-    c1_km: float = param(1.0, "growth per km/s", ge=0.0)
-    c2_km: float = param(0.4, "growth per (km/s)^2", ge=0.0)
+    c0_km: float = param(1.0, "half width at zero velocity", ge=0.0, le=1000.0)
+    c1_km: float = param(1.0, "growth per km/s", ge=0.0, le=1000.0)
+    c2_km: float = param(0.4, "growth per (km/s)^2", ge=0.0, le=1000.0)
 
 
 REVERSAL = np.dtype([("sign", "f8"), ("count", "i8")], align=True)

@@ -1,0 +1,75 @@
+"""Help, version and what they import."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+from cli_run import environment, run
+
+HEAVY = ("numpy", "scipy", "numba", "yaml", "pyarrow", "rerun", "rich.progress", "edl6dof.config.base", "edl6dof.sim")
+
+IMPORTS = f"""
+import sys
+sys.argv = ["edl6dof", *sys.argv[1:]]
+from edl6dof.cli import main
+try:
+    main()
+finally:
+    print([name for name in {HEAVY!r} if name in sys.modules], file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("words", [["--help"], ["fly", "--help"], ["version"], ["no-such-command"], ["fly", "--no-such-option"]])
+def test_light_commands_import_nothing_heavy(words, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", IMPORTS, *words], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=30
+    )
+    assert done.stderr.splitlines()[-1] == "[]", done.stderr
+
+
+def test_help_does_not_import_pydantic(tmp_path):
+    """Typer loads pydantic when it parses a command's arguments; for the help alone nobody needs it."""
+    code = IMPORTS.replace("name in sys.modules]", "name in sys.modules] + ['pydantic'] * ('pydantic' in sys.modules)")
+    done = subprocess.run(
+        [sys.executable, "-c", code, "--help"], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=30
+    )
+    assert done.stderr.splitlines()[-1] == "[]"
+
+
+def test_help_names_every_command(capsys, monkeypatch):
+    code, out, _ = run(capsys, monkeypatch, "--help")
+    assert code == 0
+    for command in ("fly", "check", "params", "schema", "replay", "version"):
+        (line,) = (line for line in out.splitlines() if line.startswith(f"  {command} "))
+        assert not line.endswith("..."), "the summary of a command fits on its line"
+
+
+def test_no_command_shows_the_help(capsys, monkeypatch):
+    code, out, err = run(capsys, monkeypatch)
+    assert code in (0, 2)
+    assert "Commands:" in out + err
+
+
+@pytest.mark.parametrize("words", [["flly"], ["fly", "--colour"], ["fly", "a", "b"], ["check"], ["fly", "--save-state", "soon"]])
+def test_wrong_usage_is_status_2(words, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, monkeypatch, *words)
+    assert (code, out) == (2, "")
+    assert "Error" in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_version(capsys, monkeypatch):
+    import edl6dof
+
+    monkeypatch.setattr(sys, "argv", ["edl6dof", "version"])
+    assert run(capsys, monkeypatch, "version")[:2] == (0, edl6dof.__version__ + "\n")
+
+
+def test_schema_is_json(capsys, monkeypatch):
+    code, out, err = run(capsys, monkeypatch, "schema")
+    assert (code, err) == (0, "")
+    assert json.loads(out)["title"] == "Scenario"
