@@ -35,6 +35,7 @@ UNITS: dict[str, Unit] = {
     "m3_s2": Unit("m3/s2", 1.0),
     "g0": Unit("g", 9.80665),
     "s": Unit("s", 1.0),
+    "s2_m": Unit("s2/m", 1.0),
     "hz": Unit("Hz", 1.0),
     "deg": Unit("deg", DEG),
     "deg_s": Unit("deg/s", DEG),

@@ -62,7 +62,8 @@ def keep_mass(onboard, dt, fsw):
     for i in range(onboard.vehicle.n_thrusters):
         on = fsw.command.closes[i] - fsw.command.opens[i]
         if on > 0.0:
-            used += onboard.vehicle.thrusters[i].thrust * on / (dt * onboard.rates.control_every) / 280.0
+            jet = onboard.vehicle.thrusters[i]
+            used += jet.thrust * on / (dt * onboard.rates.control_every) / jet.specific_impulse
     fsw.mass -= used * dt / G0
 
 
@@ -107,6 +108,7 @@ def steer(onboard, phase, dt, fsw):
         fsw.demand[i] = 0.0
     attitude_control(phase.control, onboard, nav, guide, dt, fsw)
     duty = fsw.allocator.duty
+    boosting = guide.engine_mode == ENGINE_FULL and fsw.ignited != 0
     wanted = 0.0
     for i in range(6):
         wanted += abs(fsw.demand[i])
@@ -115,6 +117,12 @@ def steer(onboard, phase, dt, fsw):
         for i in range(phase.n_thrusters):
             allowed |= 1 << phase.thrusters[i]
         effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
+        if boosting:
+            # the axial thrusters fire anyway: the others take out the torque of their offset from the centre of mass
+            for i in range(count):
+                if vehicle.thrusters[i].group == AXIAL:
+                    for j in range(3, 6):
+                        fsw.demand[j] -= fsw.allocator.effect[i, j]
         allocate(onboard.allocation, vehicle.thrusters, count, allowed, guide.translating != 0, fsw.demand, fsw.allocator)
     else:
         for i in range(count):
@@ -125,7 +133,7 @@ def steer(onboard, phase, dt, fsw):
     for i in range(3, 6):
         if abs(fsw.allocator.undelivered[i]) > 0.2 * onboard.allocation.torque_scale:
             fsw.saturated = 1
-    if guide.engine_mode == ENGINE_FULL and fsw.ignited != 0:
+    if boosting:
         for i in range(count):
             if vehicle.thrusters[i].group == AXIAL:
                 duty[i] = 1.0

@@ -85,6 +85,7 @@ class BelievedThruster(Params):
     position_m: tuple[float, float, float] = param(..., "position in B")
     direction: tuple[float, float, float] = param(..., "unit force direction in B")
     thrust_n: float = param(..., "thrust")
+    specific_impulse_s: float = param(..., "specific impulse")
     minimum_pulse_s: float = param(..., "shortest pulse")
     group: int = param(..., "group index")
 

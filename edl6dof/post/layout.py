@@ -68,6 +68,16 @@ PLOTS: dict[str, tuple[Plot, ...]] = {
         ),
         Plot("tilt_deg", "Tilt of the thrust axis (deg)", {"truth.tilt_deg": "from the vertical"}, since="mortar"),
     ),
+    "Parachute": (
+        Plot("riser_tension_kn", "Riser tension (kN)", {"truth.riser_tension_n": "tension"}, 1e-3, "backshell", "mortar"),
+        Plot(
+            "total_alpha_deg",
+            "Total angle of attack (deg)",
+            {"truth.total_alpha_deg": "total"},
+            until="backshell",
+            since="mortar",
+        ),
+    ),
     "Powered descent": (
         Plot("height_m", "Height above ground (m)", {"truth.height_m": "height"}, since="backshell"),
         Plot(
@@ -84,7 +94,8 @@ PLOTS: dict[str, tuple[Plot, ...]] = {
             since="backshell",
         ),
         Plot("propellant_kg", "Propellant (kg)", {"truth.propellant_kg": "left"}),
-        Plot("riser_tension_kn", "Riser tension (kN)", {"truth.riser_tension_n": "tension"}, 1e-3, "backshell", "mortar"),
+        Plot("time_to_go_s", "Time to go (s)", {"guide.time_to_go_s": "powered guidance"}, since="backshell"),
+        Plot("mass_kg", "Mass (kg)", {"truth.mass_kg": "true", "nav.mass_kg": "believed"}, since="backshell"),
     ),
 }
 
@@ -152,7 +163,11 @@ def blueprint(
         views.insert(0, _descent_view(overview, deploy, touchdown))
         views.append(overview("Landing", touchdown + [700.0, 500.0, 420.0], touchdown + [0.0, 0.0, 330.0], "**"))
     tabs = [
-        rrb.Grid(*[plot(p.entity, p.title, name, len(p.series) > 1) for p in plots], grid_columns=2, name=name)
+        rrb.Grid(
+            *[plot(p.entity, p.title, name, len(p.series) > 1) for p in plots],
+            grid_columns=1 if len(plots) < 3 else 2,
+            name=name,
+        )
         for name, plots in PLOTS.items()
     ]
     if groups:

@@ -45,9 +45,10 @@ def write_replay(flight: Flight, path: Path) -> None:
 
 def _blueprint(flight: Flight, motion: Motion) -> rrb.Blueprint:
     t = flight.telemetry["t_s"]
-    when = {event["key"]: float(event["t_s"]) for event in reversed(flight.events)}
+    when = {event["key"]: float(event["t_s"]) for event in reversed(flight.events) if "key" in event}
     whole = (float(t[0]), float(t[-1]))
     span = {"": whole, "Guidance": (whole[0], when.get("mortar", whole[1]))}
+    span["Parachute"] = (when.get("mortar", whole[0]), when.get("backshell", whole[1]))
     span["Powered descent"] = (when.get("backshell", when.get("mortar", whole[0])) - 5.0, whole[1])
     groups = {jet.group for jet in flight.scenario.vehicle.rcs.thrusters}
     places = motion.centre if len(motion.t) else np.zeros((1, 3))

@@ -133,6 +133,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction
         slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
+        slot["specific_impulse"] = jet.specific_impulse_s
         slot["group"] = GROUPS.index(jet.group)
 
 

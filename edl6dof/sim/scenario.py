@@ -62,7 +62,7 @@ class LimitParams(Params):
     touchdown_tilt_deg: float = param(4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0)
     touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
     slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
-    landing_distance_m: float = param(28000.0, "distance from the landing site", status="published", gt=0.0)
+    landing_distance_m: float = param(28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0)
     parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
     parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
@@ -71,7 +71,7 @@ class LimitParams(Params):
         2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0
     )
     crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
-    body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", gt=0.0)
+    body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0)
     total_alpha_deg: float = param(
         60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
     )

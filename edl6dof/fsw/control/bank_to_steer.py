@@ -65,7 +65,7 @@ def control(onboard, nav, guide, dt, fsw):
         -gain * beyond(swing[2], p.rate_deadband),
     )
     goal_alpha = 0.0 if fsw.wing_out != 0 else guide.alpha
-    alpha_error = nav.alpha - goal_alpha
+    alpha_error = wrap(nav.alpha - goal_alpha)
     pitch = -p.angle_gain * beyond(alpha_error, p.angle_limit)
     yaw = p.angle_gain * beyond(nav.beta, p.angle_limit)
 

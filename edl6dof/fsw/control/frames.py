@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2
+from math import atan2, pi
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import attitude_from_wind_angles
@@ -70,7 +70,7 @@ def thrust_direction_error(q, direction_I, roll_error):
     if sine < 1e-9:
         angle_over_sine = 0.0 if cosine > 0.0 else 1.0
         # exactly opposite: any axis across the thrust will do
-        axis = (0.0, 0.0, 0.0) if cosine > 0.0 else (0.0, 3.0, 0.0)
+        axis = (0.0, 0.0, 0.0) if cosine > 0.0 else (0.0, pi, 0.0)
     else:
         angle_over_sine = atan2(sine, cosine) / sine
     error = scale(angle_over_sine, axis)

@@ -1,4 +1,7 @@
-"""Bank of constant magnitude with crossrange reversals: the simplest lifting entry."""
+"""Bank of constant magnitude with crossrange reversals: the simplest lifting entry.
+
+Source: the bank-angle steering of low-lift capsules in its plainest form; Wu, Cui & Cui 2013, section 4, for the reversals.
+"""
 
 from __future__ import annotations
 
@@ -29,4 +32,4 @@ def guide(onboard, nav, mem, out):
     out.bank = sign * p.bank if nav.speed > onboard.guidance.entry.align_speed else 0.0
 
 
-MEMBER = Member("constant_bank", ConstantBankParams, {"guide": guide}, "open loop; Allen and Eggers, NACA TR 1381 for context", MEMORY)
+MEMBER = Member("constant_bank", ConstantBankParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 4 (reversals); constant magnitude", MEMORY)

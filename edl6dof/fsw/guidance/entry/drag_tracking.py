@@ -67,7 +67,8 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
             slope -= piece * f / (1.0 + scale * f)
         # the piece between the last node and the present energy
         edge = energy_speed - (reference.first + last * reference.spacing)
-        total = total * reference.spacing + edge * reference.cos_path[last] * energy_speed / reference.drag[last]
+        here = reference.drag[last] * (1.0 + scale * shape(1.0))
+        total = total * reference.spacing + edge * reference.cos_path[last] * energy_speed / here
         scale = clamp(scale - (total - wanted) / (slope * reference.spacing), -limit, limit)
     return scale
 

@@ -13,11 +13,11 @@ from edl6dof.spatial.vector import clamp
 
 
 class CorridorParams(Params):
-    """Bank-reversal corridor: crossrange allowed as a quadratic in velocity, c0 + c1 V + c2 V^2 with V in km/s."""
+    """Bank-reversal corridor: crossrange allowed as a quadratic in velocity, c0 + c1 V + c2 V^2."""
 
-    c0_km: float = param(1.0, "half width at zero velocity", ge=0.0, le=1000.0)
-    c1_km: float = param(1.0, "growth per km/s", ge=0.0, le=1000.0)
-    c2_km: float = param(0.4, "growth per (km/s)^2", ge=0.0, le=1000.0)
+    c0_m: float = param(400.0, "half width at zero velocity", ge=0.0, le=1e6)
+    c1_s: float = param(0.6, "growth with velocity", ge=0.0, le=1000.0)
+    c2_s2_m: float = param(1.2e-4, "growth with the square of velocity", ge=0.0, le=1.0)
 
 
 REVERSAL = np.dtype([("sign", "f8"), ("count", "i8")], align=True)
@@ -45,8 +45,7 @@ def to_target(onboard, nav):
 @kernel
 def bank_sign(corridor, memory, crossrange, speed):
     """Sign of the bank angle (+1 turns right): reversed when the crossrange leaves the corridor on the side being turned to."""
-    v = 1e-3 * speed
-    limit = corridor.c0 + corridor.c1 * v + corridor.c2 * v * v
+    limit = corridor.c0 + corridor.c1 * speed + corridor.c2 * speed * speed
     if memory.sign == 0.0:
         memory.sign = -1.0 if crossrange > 0.0 else 1.0
     elif memory.sign * crossrange > limit:

@@ -33,7 +33,7 @@ MEMORY = np.dtype([("started", "i8"), ("end", "f8"), ("target_L", "f8", (2,))], 
 
 @kernel
 def guide(onboard, nav, mem, out):
-    """Commanded thrust acceleration; returns it as north, east, down (m/s2) without gravity compensation limits."""
+    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
     p = onboard.guidance.powered.polynomial
     memory = mem.polynomial
     if memory.started == 0:

@@ -36,6 +36,9 @@ class TerminalParams(Params):
     touchdown_settle_gain: float = param(0.2, "lateral acceleration per velocity in slow descent, by tilt, 1/s", ge=0.0)
 
 
+#: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error asks for.
+LEAST_UPWARD = 1.0
+
 TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True)
 
 
@@ -43,6 +46,7 @@ TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True
 def command_thrust(onboard, mass, acceleration, tilt_limit, out):
     """Turn a wanted acceleration (north, east, up, gravity included) into thrust direction and magnitude."""
     north, east, up = acceleration
+    up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
     limit = up * np.tan(tilt_limit)
     shrink = limit / side if side > limit and side > 0.0 else 1.0

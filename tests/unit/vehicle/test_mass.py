@@ -1,0 +1,148 @@
+"""Mass properties against conservation and a brute-force cloud of point masses.
+
+A rigid body is replaced by point masses with the same mass, centre and inertia (six on its principal axes); the cloud of all
+attached parts is then summed by the definitions of centre and inertia.  No parallel-axis theorem is used on this side.
+"""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.vehicle.mass import (
+    BACKSHELL,
+    BODY,
+    HEAT_SHIELD,
+    PARACHUTE,
+    MassParams,
+    Part,
+    compose_dry,
+    fill_lander,
+    join,
+    with_propellant,
+)
+
+PARTS = {
+    "heat_shield": Part(mass_kg=90.0, centre_m=(-0.35, 0.01, -0.02), inertia_kg_m2=(95.0, 52.0, 55.0)),
+    "backshell": Part(mass_kg=170.0, centre_m=(-1.75, -0.02, 0.015), inertia_kg_m2=(160.0, 110.0, 105.0)),
+    "parachute": Part(mass_kg=38.0, centre_m=(-2.35, 0.0, 0.01), inertia_kg_m2=(2.0, 1.5, 1.6)),
+    "propellant": Part(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
+}
+VEHICLE = MassParams(entry_kg=1285.0, entry_centre_m=(-0.85, 0.004, -0.034), entry_inertia_kg_m2=(1150.0, 1020.0, 990.0), **PARTS)
+
+
+@pytest.fixture(scope="module")
+def records():
+    mass = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
+    fill(mass, VEHICLE)
+    lander = np.zeros(1, BODY).view(np.recarray)[0]
+    fill_lander(lander, VEHICLE)
+    return mass, lander
+
+
+def composed(records, attached, propellant):
+    mass, lander = records
+    dry = np.zeros(1, BODY).view(np.recarray)[0]
+    compose_dry(mass, lander, np.array(attached), dry)
+    total, centre, inertia = with_propellant(dry, mass.propellant, propellant)
+    return total, np.array(centre), tensor(inertia)
+
+
+def tensor(elements):
+    xx, yy, zz, xy, xz, yz = elements
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def cloud(mass, centre, inertia):
+    """Six point masses (rows m, x, y, z) with the same mass, centre and inertia tensor."""
+    moments, axes = np.linalg.eigh(inertia)
+    reach = np.sqrt(np.maximum(moments.sum() / 2.0 - moments, 0.0) * 3.0 / mass)
+    rows = [(mass / 6.0, *(np.asarray(centre) + s * reach[k] * axes[:, k])) for k in range(3) for s in (1.0, -1.0)]
+    return np.array(rows)
+
+
+def summed(points):
+    """Mass, centre and inertia about the centre, by definition."""
+    m, p = points[:, 0], points[:, 1:]
+    centre = m @ p / m.sum()
+    arms = p - centre
+    return m.sum(), centre, sum(mi * (a @ a * np.eye(3) - np.outer(a, a)) for mi, a in zip(m, arms, strict=True))
+
+
+def part_cloud(part, share=1.0):
+    return cloud(part.mass_kg * share, part.centre_m, np.diag(part.inertia_kg_m2) * share)
+
+
+def test_parts_and_lander_add_up_to_the_entry_vehicle(records):
+    total, centre, inertia = composed(records, (1, 1, 1), PARTS["propellant"].mass_kg)
+    assert total == pytest.approx(1285.0, rel=1e-15)
+    assert centre == pytest.approx(VEHICLE.entry_centre_m, abs=1e-15)
+    assert inertia == pytest.approx(np.diag(VEHICLE.entry_inertia_kg_m2), abs=1e-11)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.37, 0.0])
+@pytest.mark.parametrize("attached", [(1, 1, 1), (1, 1, 0), (0, 1, 0), (0, 0, 0), (1, 0, 1)])
+def test_what_is_left_after_a_jettison_is_the_cloud_of_what_was_not_thrown_off(records, attached, share):
+    _, lander = records
+    points = [cloud(lander.mass, lander.centre, tensor(lander.inertia))]
+    for index, name in ((HEAT_SHIELD, "heat_shield"), (BACKSHELL, "backshell"), (PARACHUTE, "parachute")):
+        if attached[index]:
+            points.append(part_cloud(PARTS[name]))
+    if share > 0.0:
+        points.append(part_cloud(PARTS["propellant"], share))
+    mass, centre, inertia = summed(np.vstack(points))
+    got = composed(records, attached, share * PARTS["propellant"].mass_kg)
+    assert got[0] == pytest.approx(mass, rel=1e-14)
+    assert got[1] == pytest.approx(centre, abs=1e-14)
+    assert got[2] == pytest.approx(inertia, abs=1e-10)
+
+
+def test_two_bodies_joined_have_the_inertia_of_their_point_masses_in_either_order():
+    rng = np.random.default_rng(4)
+    clouds = [np.column_stack([rng.uniform(1, 9, 5), rng.normal(size=(5, 3)) + offset]) for offset in (0.0, (2.0, -1.0, 0.5))]
+    bodies = []
+    for points in clouds:
+        mass, centre, inertia = summed(points)
+        bodies.append((mass, tuple(centre), tuple(inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])))
+    mass, centre, inertia = summed(np.vstack(clouds))
+    for a, b in (bodies, bodies[::-1]):
+        got = join(a, b)
+        assert got[0] == pytest.approx(mass, rel=1e-15) and got[1] == pytest.approx(centre, abs=1e-14)
+        assert tensor(got[2]) == pytest.approx(inertia, abs=1e-11)
+
+
+def test_the_last_drop_of_propellant_leaves_without_a_jump(records):
+    dry = composed(records, (0, 0, 0), 0.0)
+    drop = composed(records, (0, 0, 0), 1e-9)
+    overdrawn = composed(records, (0, 0, 0), -1e-3)
+    for part, last, none in zip(dry, drop, overdrawn, strict=True):
+        assert np.asarray(last) == pytest.approx(np.asarray(part), abs=1e-8)
+        assert np.array_equal(none, part)
+    levels = [composed(records, (1, 1, 1), p)[0] for p in np.linspace(0.0, 220.0, 23)]
+    assert np.diff(levels) == pytest.approx(10.0, rel=1e-12)
+
+
+def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
+    bare = MassParams(entry_kg=500.0, entry_centre_m=(-0.8, 0.0, 0.0), entry_inertia_kg_m2=(300.0, 200.0, 210.0))
+    mass = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
+    lander = np.zeros(1, BODY).view(np.recarray)[0]
+    fill(mass, bare)
+    fill_lander(lander, bare)
+    total, centre, inertia = composed((mass, lander), (1, 1, 1), 0.0)
+    assert total == 500.0 and tuple(centre) == (-0.8, 0.0, 0.0) and np.array_equal(inertia, np.diag([300.0, 200.0, 210.0]))
+
+
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        ({"entry_kg": 400.0}, "more than entry_kg"),
+        ({"entry_kg": 518.0}, "more than entry_kg"),
+        ({"entry_inertia_kg_m2": (1150.0, 1020.0, 150.0)}, "impossible principal inertias"),
+        ({"entry_inertia_kg_m2": (3500.0, 1020.0, 990.0)}, "impossible principal inertias"),
+        ({"backshell": PARTS["backshell"].model_copy(update={"centre_m": (-4.5, 0.0, 0.0)})}, "impossible principal inertias"),
+    ],
+    ids=["parts too heavy", "nothing left", "negative inertia", "flatter than a disk", "backshell too far aft"],
+)
+def test_a_lander_that_cannot_exist_is_refused(change, words):
+    with pytest.raises(ValidationError, match=words):
+        MassParams(**{**dict(VEHICLE), **change})
