@@ -50,9 +50,9 @@ class GravityParams(Params):
         return self
 
 
-#: The parameters; ``term[k]``: weights of (V, W) in ax, ay, az and the two factors of the step to the next degree, for each
-#: harmonic (order, then degree); ``sector[m]``: factor of the step from (m, m) to (m+1, m+1).
-GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 8)), sector=("f8", (MAX_DEGREE + 2,)))
+#: The parameters; ``term[k]``: weights of (V, W) in ax, ay, az and the factor of the step to the next degree, for each harmonic
+#: (order, then degree).
+GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 
 
 @kernel
@@ -77,7 +77,11 @@ def gravity_F(g, x, y, z):
 
 @kernel
 def _harmonics_F(g, x, y, z):
-    """Sum of the weighted solid harmonics V, W, order by order, each order from its sector upwards in degree."""
+    """Central term plus the weighted solid harmonics V, W, order by order, each order from its sector upwards in degree.
+
+    A harmonic is scaled to one as the coefficient of its leading power, which saves two factors in each step.  Without coefficients
+    of degree 1 (the origin is the centre of mass) the sum begins with harmonics of degree 3.
+    """
     term = g.term
     radius = g.reference_radius
     r2 = x * x + y * y + z * z
@@ -86,11 +90,10 @@ def _harmonics_F(g, x, y, z):
     y_r = y * ratio
     z_r = z * ratio
     r_r = radius * ratio
-    v_sector = radius / sqrt(r2)
+    root = sqrt(r2)
+    v_sector = radius / root
     w_sector = 0.0
-    ax = 0.0
-    ay = 0.0
-    az = 0.0
+    ax = ay = az = 0.0
     k = 0
     top = g.degree + 2
     for m in range(top):
@@ -98,19 +101,23 @@ def _harmonics_F(g, x, y, z):
         w = w_sector
         v_before = 0.0
         w_before = 0.0
-        for _ in range(m, top):
+        for _ in range(m, 3):
+            down = term[k, 6] * r_r
+            v, v_before = z_r * v - down * v_before, v
+            w, w_before = z_r * w - down * w_before, w
+            k += 1
+        for _ in range(max(m, 3), top):
             ax += term[k, 0] * v + term[k, 1] * w
             ay += term[k, 2] * v + term[k, 3] * w
             az += term[k, 4] * v + term[k, 5] * w
-            up = term[k, 6] * z_r
-            down = term[k, 7] * r_r
-            v, v_before = up * v - down * v_before, v
-            w, w_before = up * w - down * w_before, w
+            down = term[k, 6] * r_r
+            v, v_before = z_r * v - down * v_before, v
+            w, w_before = z_r * w - down * w_before, w
             k += 1
-        c = g.sector[m]
-        v_sector, w_sector = c * (x_r * v_sector - y_r * w_sector), c * (x_r * w_sector + y_r * v_sector)
+        v_sector, w_sector = x_r * v_sector - y_r * w_sector, x_r * w_sector + y_r * v_sector
+    central = -g.mu / (r2 * root)
     scale = g.mu / (radius * radius)
-    return scale * ax, scale * ay, scale * az
+    return central * x + scale * ax, central * y + scale * ay, central * z + scale * az
 
 
 def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
@@ -132,7 +139,6 @@ def fill_gravity(record: np.void, params: GravityParams) -> None:
     """Copy the parameters and, for harmonics, work out the weights that :func:`gravity_F` sums."""
     fill(record, params)
     record["term"] = 0.0
-    record["sector"] = 0.0
     if params.model != "harmonics":
         return
     radius, mu, C, S = read_coefficients(params.coefficients)
@@ -145,18 +151,26 @@ def fill_gravity(record: np.void, params: GravityParams) -> None:
 
 
 def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:
-    """Weights and recursion factors for normalised coefficients ``C[n, m]``, ``S[n, m]`` up to ``record["degree"]``."""
+    """Weights and recursion factors for normalised coefficients ``C[n, m]``, ``S[n, m]`` up to ``record["degree"]``.
+
+    ``C[0, 0]`` counts as one and is left to the closed form.
+    """
     degree = int(record["degree"])
+    if np.any(C[1]) or np.any(S[1]):
+        raise ValueError("gravity coefficients of degree 1 must vanish: the origin is the centre of mass")
     weight = _gradient_weights(C, S, degree)
+    weight[:3] = 0.0
     k = 0
+    sector = 1.0
     for m in range(degree + 2):
-        record["sector"][m] = sqrt((2 * m + 3) / (2 * m + 2)) if m else sqrt(3.0)
+        # leading coefficient of the normalised harmonic
+        leading = sector
         for n in range(m, degree + 2):
-            record["term"][k, :6] = weight[n, m]
-            up, along = n + 1 - m, n + 1 + m
-            record["term"][k, 6] = sqrt((2 * n + 1) * (2 * n + 3) / (up * along))
-            record["term"][k, 7] = sqrt((2 * n + 3) * (n + m) * (n - m) / ((2 * n - 1) * along * up)) if n > m else 0.0
+            record["term"][k, :6] = leading * weight[n, m]
+            record["term"][k, 6] = (n * n - m * m) / (4 * n * n - 1)
+            leading *= sqrt((2 * n + 1) * (2 * n + 3) / ((n + 1 - m) * (n + 1 + m)))
             k += 1
+        sector *= sqrt((2 * m + 3) / (2 * m + 2)) if m else sqrt(3.0)
 
 
 def _gradient_weights(C: np.ndarray, S: np.ndarray, degree: int) -> np.ndarray:

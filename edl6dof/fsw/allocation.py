@@ -34,6 +34,9 @@ ALLOCATOR = np.dtype(
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
+        # of one allocation: duty per slope of the squared error (0: may not fire), and slope that pays for the use
+        ("gain", "f8", (MAX_THRUSTERS,)),
+        ("price", "f8", (MAX_THRUSTERS,)),
     ],
     align=True,
 )
@@ -91,8 +94,14 @@ def allocate(params, thrusters, count, allowed, translating, demand, memory):
     torque_weight = 1.0 / params.torque_scale**2
     for row in range(ROWS):
         residual[row] = demand[row]
+    gain, price = memory.gain, memory.price
     for i in range(count):
-        if (mask >> thrusters[i].group) & 1 == 0:
+        stray = effect[i, 1] * effect[i, 1] + effect[i, 2] * effect[i, 2]
+        turn = effect[i, 3] * effect[i, 3] + effect[i, 4] * effect[i, 4] + effect[i, 5] * effect[i, 5]
+        curve = force_weight * stray + torque_weight * turn
+        gain[i] = 1.0 / curve if (mask >> thrusters[i].group) & 1 == 1 and curve > 0.0 else 0.0
+        price[i] = 0.5 * params.use_cost * thrusters[i].thrust / 250.0
+        if gain[i] == 0.0:
             duty[i] = 0.0
         elif duty[i] > 0.0:
             for row in range(ROWS):
@@ -100,22 +109,17 @@ def allocate(params, thrusters, count, allowed, translating, demand, memory):
     for _ in range(params.sweeps):
         change = 0.0
         for i in range(count):
-            if (mask >> thrusters[i].group) & 1 == 0:
+            if gain[i] == 0.0:
                 continue
-            e = effect[i]
-            slope = force_weight * (e[1] * residual[1] + e[2] * residual[2]) + torque_weight * (
-                e[3] * residual[3] + e[4] * residual[4] + e[5] * residual[5]
+            slope = force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2]) + torque_weight * (
+                effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5]
             )
-            curve = force_weight * (e[1] * e[1] + e[2] * e[2]) + torque_weight * (e[3] * e[3] + e[4] * e[4] + e[5] * e[5])
-            if curve <= 0.0:
-                continue
-            cost = 0.5 * params.use_cost * thrusters[i].thrust / 250.0
-            new = min(max(duty[i] + (slope - cost) / curve, 0.0), 1.0)
+            new = min(max(duty[i] + (slope - price[i]) * gain[i], 0.0), 1.0)
             move = new - duty[i]
             if move != 0.0:
                 duty[i] = new
                 change = max(change, abs(move))
                 for row in range(ROWS):
-                    residual[row] -= e[row] * move
+                    residual[row] -= effect[i, row] * move
         if change < params.tolerance:
             break

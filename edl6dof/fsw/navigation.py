@@ -13,12 +13,11 @@ import numpy as np
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import (
     bank_angle,
-    fixed_to_enu,
     fixed_to_ned,
-    from_geodetic,
     geodetic,
     ned_to_fixed,
     rotate_z,
+    to_local,
     total_angle_of_attack,
     wind_angles,
 )
@@ -109,10 +108,7 @@ def navigate(onboard, sensed, nav):
     nav.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     nav.azimuth = atan2(v_N[1], v_N[0])
 
-    site = onboard.site
-    site_F = from_geodetic(planet.equatorial_radius, planet.flattening, site.latitude, site.longitude, site.elevation)
-    sl, cl, so, co = sin(site.latitude), cos(site.latitude), sin(site.longitude), cos(site.longitude)
-    put3(nav.site_L, 0, fixed_to_enu(site_F, sl, cl, so, co, r_F))
+    put3(nav.site_L, 0, to_local(onboard.site.frame, r_F))
 
     v_B = to_frame(q, v_I)
     _, nav.alpha, nav.beta = wind_angles(v_B)

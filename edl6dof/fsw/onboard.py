@@ -22,6 +22,7 @@ from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
 from edl6dof.fsw.navigation import NAV
 from edl6dof.mission.phases import MISSION, PHASE_MEMORY
+from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
 MAX_THRUSTERS = 32
@@ -122,6 +123,7 @@ ONBOARD = np.dtype(
                     ("elevation", "f8"),
                     ("aim_latitude", "f8"),
                     ("aim_longitude", "f8"),
+                    ("frame", LOCAL_FRAME),
                 ],
                 align=True,
             ),

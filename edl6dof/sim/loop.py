@@ -8,9 +8,8 @@ from edl6dof.sensors.perfect import sense
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
 from edl6dof.sim.record import record
 from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.debris import step_debris
-from edl6dof.vehicle.integrate import advance, look_down
+from edl6dof.vehicle.integrate import advance, refresh
 from edl6dof.vehicle.mass import compose_dry
 
 
@@ -19,8 +18,7 @@ def prepare(cases, tables_, plants):
     """Make a plant at t = 0 consistent: mass properties, forces, ground."""
     case, tables, plant = cases[0], tables_[0], plants[0]
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
-    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
-    look_down(case, tables, plant)
+    refresh(case, tables, plant)
 
 
 @kernel
@@ -36,8 +34,7 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
     rows = 0
     for k in range(first, last):
         t = k * cycle
-        derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
-        look_down(case, tables, plant)
+        refresh(case, tables, plant)
         sense(plant, sensed)
         run(onboard, sensed, k, fsw)
         actuate(case, fsw.command, plant)

@@ -7,11 +7,10 @@ from math import acos, atan2, cos, nan, sin, sqrt
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import (
     bank_angle,
-    fixed_to_enu,
     fixed_to_ned,
-    from_geodetic,
     ned_to_fixed,
     rotate_z,
+    to_local,
     total_angle_of_attack,
     wind_angles,
 )
@@ -32,15 +31,6 @@ from edl6dof.vehicle.trim_wing import wing_opening
 
 
 @kernel
-def site_enu(case, c, s, r_I):
-    """East, north, up of an inertial position relative to the landing site; (c, s) of the planet's turn angle."""
-    terrain, planet = case.terrain, case.planet
-    lat, lon = terrain.site_latitude, terrain.site_longitude
-    site = from_geodetic(planet.equatorial_radius, planet.flattening, lat, lon, terrain.site_elevation)
-    return fixed_to_enu(site, sin(lat), cos(lat), sin(lon), cos(lon), rotate_z(c, s, r_I))
-
-
-@kernel
 def record(case, plant, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``plant.out`` must be fresh."""
     y, out, truth = plant.y, plant.out, tick.truth
@@ -57,8 +47,8 @@ def record(case, plant, fsw, tick):
     x, y_axis, z = axes(q)
 
     truth.altitude, truth.height = out.altitude, plant.agl
-    truth.latitude, truth.longitude = atan2(sl, cl), atan2(so, co)
-    truth.site_east, truth.site_north, truth.site_up = site_enu(case, c, s, r_I)
+    truth.latitude, truth.longitude = plant.latitude, plant.longitude
+    truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.r_I_x, truth.r_I_y, truth.r_I_z = r_I
     truth.v_I_x, truth.v_I_y, truth.v_I_z = v_I
     truth.v_north, truth.v_east, truth.v_down = v_N
@@ -85,16 +75,16 @@ def record(case, plant, fsw, tick):
     truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.rcs_force, 0)
     truth.engine_thrust, truth.riser_tension = out.engine_thrust, out.riser_tension
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        truth.canopy_east, truth.canopy_north, truth.canopy_up = site_enu(case, c, s, take3(y, CANOPY_POSITION))
+        truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(case.site, rotate_z(c, s, take3(y, CANOPY_POSITION)))
     else:
         truth.canopy_east = truth.canopy_north = truth.canopy_up = nan
     truth.heat_shield_east = truth.heat_shield_north = truth.heat_shield_up = nan
     truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
     if plant.debris[0].active != 0:
-        place = site_enu(case, c, s, take3(plant.debris[0].r_I, 0))
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[0].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
     if plant.debris[1].active != 0:
-        place = site_enu(case, c, s, take3(plant.debris[1].r_I, 0))
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     truth.trim_wing = wing_opening(case.vehicle.trim_wing, t - plant.wing_start)
     truth.footpads = out.pads

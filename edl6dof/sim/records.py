@@ -20,7 +20,14 @@ from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim.scenario import InitialState, LimitParams, Scenario, SimulationParams
-from edl6dof.spatial.frames import attitude_from_wind_angles, from_geodetic, great_circle, ned_to_fixed
+from edl6dof.spatial.frames import (
+    LOCAL_FRAME,
+    attitude_from_wind_angles,
+    fill_local_frame,
+    from_geodetic,
+    great_circle,
+    ned_to_fixed,
+)
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
 from edl6dof.vehicle.mass import BODY, fill_lander, lander_dry
@@ -34,6 +41,7 @@ CASE = np.dtype(
         ("atmosphere", ATMOSPHERE),
         ("wind", WIND),
         ("terrain", TERRAIN),
+        ("site", LOCAL_FRAME),
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
         ("initial", dtype_of(InitialState)),
@@ -67,6 +75,7 @@ def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> n
     fill_atmosphere(record["atmosphere"], scenario.atmosphere, tables[0]["atmosphere"], scenario.seed, case_index)
     fill_wind(record["wind"], scenario.wind, tables[0]["atmosphere"], scenario.seed, case_index)
     fill_terrain(record["terrain"], scenario.terrain, tables[0]["terrain"])
+    _place_site(record["site"], scenario)
     fill(record["vehicle"], scenario.vehicle)
     fill_lander(record["lander"], scenario.vehicle.mass)
     fill(record["initial"], scenario.initial)
@@ -152,7 +161,14 @@ def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str,
     record["mass"], record["centre"], record["inertia"] = whole, middle, np.diag(inertia)
 
 
+def _place_site(frame: np.void, scenario: Scenario) -> None:
+    terrain, planet = scenario.terrain, scenario.planet
+    latitude, longitude = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    fill_local_frame(frame, planet.equatorial_radius_m, planet.flattening, latitude, longitude, terrain.site_elevation_m)
+
+
 def _set_site(record: np.void, scenario: Scenario) -> None:
+    _place_site(record["frame"], scenario)
     terrain, entry = scenario.terrain, scenario.flight_software.guidance.entry
     latitude, longitude = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
     record["latitude"], record["longitude"], record["elevation"] = latitude, longitude, terrain.site_elevation_m

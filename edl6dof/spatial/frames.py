@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from math import acos, asin, atan2, cos, sin, sqrt
 
+import numpy as np
+
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_axes, multiply
-from edl6dof.spatial.vector import clamp, cross, dot, scale, sub, unit
+from edl6dof.spatial.vector import clamp, cross, dot, scale, sub, take3, unit
 
 
 @kernel
@@ -32,23 +34,21 @@ def geodetic(radius, flattening, r_F):
     axis = sqrt(x * x + y * y)
     inverse = 1.0 / axis if axis > 0.0 else 0.0
     cos_lon, sin_lon = (x * inverse, y * inverse) if axis > 0.0 else (1.0, 0.0)
-    polar = radius * (1.0 - flattening)
+    shape = 1.0 - flattening
     e2 = flattening * (2.0 - flattening)
-    second = e2 / ((1.0 - flattening) * (1.0 - flattening))
-    # parametric latitude, started with its value on the surface
-    tb_n, tb_d = z * radius, axis * polar
-    sin_lat, cos_lat = 0.0, 1.0
+    second = e2 / shape
+    # in radii; sines and cosines stay multiplied by a common length to the end: a division in each pass made this half as fast again
+    height, width = z / radius, axis / radius
+    s, c = height, shape * shape * width
     for _ in range(2):
-        h = 1.0 / sqrt(tb_n * tb_n + tb_d * tb_d)
-        sb, cb = tb_n * h, tb_d * h
-        top = z + second * polar * sb * sb * sb
-        bottom = axis - e2 * radius * cb * cb * cb
-        h = 1.0 / sqrt(top * top + bottom * bottom)
-        sin_lat, cos_lat = top * h, bottom * h
-        tb_n, tb_d = (1.0 - flattening) * sin_lat, cos_lat
-    normal = radius * sqrt(1.0 - e2 * sin_lat * sin_lat)
-    altitude = axis * cos_lat + z * sin_lat - normal
-    return sin_lat, cos_lat, sin_lon, cos_lon, altitude
+        sb, cb = shape * s, c
+        b2 = sb * sb + cb * cb
+        b3 = b2 * sqrt(b2)
+        s, c = height * b3 + second * sb * sb * sb, width * b3 - e2 * cb * cb * cb
+    length2 = s * s + c * c
+    inverse = 1.0 / sqrt(length2)
+    altitude = radius * (width * c + height * s - sqrt(length2 - e2 * s * s)) * inverse
+    return s * inverse, c * inverse, sin_lon, cos_lon, altitude
 
 
 @kernel
@@ -82,11 +82,29 @@ def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
     )
 
 
+#: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and longitude.
+LOCAL_FRAME = np.dtype(
+    [("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")], align=True
+)
+
+
+def fill_local_frame(record: np.void, radius: float, flattening: float, lat: float, lon: float, altitude: float) -> None:
+    """Place a ``LOCAL_FRAME`` record at a geodetic latitude and longitude (rad) and height (m)."""
+    record["origin_F"] = from_geodetic(radius, flattening, lat, lon, altitude)
+    record["sin_lat"], record["cos_lat"], record["sin_lon"], record["cos_lon"] = sin(lat), cos(lat), sin(lon), cos(lon)
+
+
 @kernel
 def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
     """East, north, up of a position relative to a site, in the site's geodetic frame L."""
     north, east, down = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, sub(r_F, site_F))
     return east, north, -down
+
+
+@kernel
+def to_local(frame, r_F):
+    """East, north, up in a ``LOCAL_FRAME`` of a position in F."""
+    return fixed_to_enu(take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F)
 
 
 @kernel

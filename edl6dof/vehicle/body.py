@@ -47,9 +47,16 @@ SUTTON_GRAVES = 1.9027e-4
 
 @kernel
 def derivatives(case, tables, plant, t, y, dy):
-    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); also refreshes ``plant.out`` with the quantities met on the way.
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); refreshes ``plant.out`` with the quantities met on the way."""
+    loads(case, tables, plant, t, y)
+    motion(case, plant, y, dy)
 
-    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
+
+@kernel
+def loads(case, tables, plant, t, y):
+    """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t`` (s), in ``plant.out``.
+
+    They do not depend on the commands to engine and thrusters: flight software may change those between this and :func:`motion`.
     """
     out = plant.out
     vehicle = case.vehicle
@@ -89,12 +96,7 @@ def derivatives(case, tables, plant, t, y, dy):
         aero_force = add(aero_force, wing_f)
         aero_moment = add(aero_moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
 
-    engine_force, engine_moment = thrust_wrench(vehicle.engine, y[THRUST])
-    rcs_force, rcs_moment = take3(plant.rcs_force, 0), take3(plant.rcs_moment, 0)
-    thrust = add(engine_force, rcs_force)
-    force = add(aero_force, thrust)
-    moment = add(aero_moment, sub(add(engine_moment, rcs_moment), cross(centre, thrust)))
-
+    force, moment = aero_force, aero_moment
     tension = 0.0
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         chute = vehicle.parachute
@@ -119,10 +121,9 @@ def derivatives(case, tables, plant, t, y, dy):
         force = add(force, pull)
         moment = add(moment, cross(hook, pull))
         inverse = 1.0 / total
-        put3(dy, CANOPY_POSITION, v_canopy)
         put3(
-            dy,
-            CANOPY_VELOCITY,
+            out.canopy_acceleration_I,
+            0,
             (
                 (drag[0] - tension * line[0] + packed * g_I[0]) * inverse,
                 (drag[1] - tension * line[1] + packed * g_I[1]) * inverse,
@@ -144,40 +145,62 @@ def derivatives(case, tables, plant, t, y, dy):
         force = add(force, gear_force)
         moment = add(moment, sub(gear_moment, cross(centre, gear_force)))
 
-    specific = scale(1.0 / mass, force)
-    push_I = from_frame(q, specific)
-    put3(dy, POSITION, v_I)
-    put3(dy, VELOCITY, add(push_I, g_I))
-    q_dot = rate(q, w)
-    for i in range(4):
-        dy[ATTITUDE + i] = q_dot[i]
-    put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
-    dy[PROPELLANT] = 0.0
-    if y[PROPELLANT] > 0.0:
-        dy[PROPELLANT] = -propellant_flow(vehicle.engine, y[THRUST]) - plant.rcs_flow
-    command = plant.thrust_command if plant.running != 0 and y[PROPELLANT] > 0.0 else 0.0
-    dy[THRUST] = 0.0
-    if command != 0.0 or y[THRUST] != 0.0:
-        dy[THRUST] = thrust_rate(vehicle.engine, y[THRUST], command, plant.starting != 0 or plant.running == 0)
-    heat_flux = SUTTON_GRAVES * sqrt(density / vehicle.nose_radius) * speed * speed * speed
-    dy[HEAT] = heat_flux
-
     out.altitude = altitude
     out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon = sin_lat, cos_lat, sin_lon, cos_lon
     out.density, out.pressure, out.temperature, out.speed_of_sound = density, pressure, temperature, sound
-    out.mach, out.dynamic_pressure, out.heat_flux = mach, qbar, heat_flux
+    out.mach, out.dynamic_pressure = mach, qbar
+    out.heat_flux = SUTTON_GRAVES * sqrt(density / vehicle.nose_radius) * speed * speed * speed
+    put3(out.gravity_I, 0, g_I)
     put3(out.v_air_B, 0, v_air)
     put3(out.v_air_I, 0, v_air_I)
     put3(out.wind_N, 0, (north, east, -up))
     put3(out.aero_force_B, 0, aero_force)
     put3(out.aero_moment_B, 0, aero_moment)
-    put3(out.specific_force_B, 0, specific)
-    # everything that turns the vehicle except the thrusters
-    put3(out.disturbance_moment_B, 0, sub(moment, sub(rcs_moment, cross(centre, rcs_force))))
-    out.riser_tension, out.engine_thrust, out.mass, out.pads = tension, y[THRUST] * vehicle.engine.thrust_factor, mass, pads
+    put3(out.load_force_B, 0, force)
+    put3(out.load_moment_B, 0, moment)
+    out.riser_tension, out.mass, out.pads = tension, mass, pads
     put3(out.centre, 0, centre)
     for i in range(6):
         out.inertia[i] = inertia[i]
+
+
+@kernel
+def motion(case, plant, y, dy):
+    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``, the engine and the thrusters.
+
+    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
+    """
+    out, engine = plant.out, case.vehicle.engine
+    q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
+    centre = take3(out.centre, 0)
+    i = out.inertia
+    inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
+    engine_force, engine_moment = thrust_wrench(engine, y[THRUST])
+    rcs_force = take3(plant.rcs_force, 0)
+    # everything that turns the vehicle except the thrusters
+    disturbance = add(take3(out.load_moment_B, 0), sub(engine_moment, cross(centre, engine_force)))
+    moment = add(disturbance, sub(take3(plant.rcs_moment, 0), cross(centre, rcs_force)))
+    specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
+    put3(out.specific_force_B, 0, specific)
+    put3(out.disturbance_moment_B, 0, disturbance)
+    out.engine_thrust = y[THRUST] * engine.thrust_factor
+
+    put3(dy, POSITION, take3(y, VELOCITY))
+    put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
+    q_dot = rate(q, w)
+    for k in range(4):
+        dy[ATTITUDE + k] = q_dot[k]
+    put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
+    dy[PROPELLANT] = 0.0
+    if y[PROPELLANT] > 0.0:
+        dy[PROPELLANT] = -propellant_flow(engine, y[THRUST]) - plant.rcs_flow
+    command = plant.thrust_command if plant.running != 0 and y[PROPELLANT] > 0.0 else 0.0
+    dy[THRUST] = 0.0
+    if command != 0.0 or y[THRUST] != 0.0:
+        dy[THRUST] = thrust_rate(engine, y[THRUST], command, plant.starting != 0 or plant.running == 0)
+    dy[HEAT] = out.heat_flux
+    put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
+    put3(dy, CANOPY_VELOCITY, take3(out.canopy_acceleration_I, 0))
 
 
 @kernel

@@ -44,6 +44,8 @@ def thrust_rate(engine, thrust, command, starting):
 @kernel
 def thrust_wrench(engine, thrust):
     """Force and moment about the origin of B (two tuples, N and N m) of the engine at ``thrust`` N."""
+    if thrust == 0.0:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     delivered = thrust * engine.thrust_factor
     ty, tz = engine.misalignment_y, engine.misalignment_z
     # -x turned about y by ty, then about z by tz

@@ -53,11 +53,15 @@ OUTPUT = np.dtype(
         ("mach", "f8"),
         ("dynamic_pressure", "f8"),
         ("heat_flux", "f8"),
+        ("gravity_I", "f8", (3,)),
         ("v_air_B", "f8", (3,)),
         ("v_air_I", "f8", (3,)),
         ("wind_N", "f8", (3,)),
         ("aero_force_B", "f8", (3,)),
         ("aero_moment_B", "f8", (3,)),
+        ("load_force_B", "f8", (3,)),  # all but engine and thrusters
+        ("load_moment_B", "f8", (3,)),
+        ("canopy_acceleration_I", "f8", (3,)),
         ("specific_force_B", "f8", (3,)),
         ("disturbance_moment_B", "f8", (3,)),
         ("riser_tension", "f8"),
@@ -97,6 +101,8 @@ PLANT = np.dtype(
         ("rcs_force", "f8", (3,)),
         ("rcs_moment", "f8", (3,)),
         ("rcs_flow", "f8"),
+        ("latitude", "f8"),
+        ("longitude", "f8"),
         ("ground_elevation", "f8"),
         ("ground_slope", "f8", (2,)),
         ("agl", "f8"),
@@ -107,6 +113,8 @@ PLANT = np.dtype(
         ("peak_tension", "f8"),
         ("debris", DEBRIS, (2,)),
         ("out", OUTPUT),
+        # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate them
+        ("fresh", "i8"),
         # scratch of the integrator
         ("k", "f8", (4, STATES)),
         ("trial", "f8", (STATES,)),

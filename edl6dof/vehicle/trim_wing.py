@@ -42,7 +42,11 @@ def wing_opening(wing, elapsed):
 
     Source: cosine ramp, engineering choice.
     """
-    return 0.5 - 0.5 * cos(pi * min(max(elapsed / wing.deploy_time, 0.0), 1.0))
+    if elapsed <= 0.0:
+        return 0.0
+    if elapsed >= wing.deploy_time:
+        return 1.0
+    return 0.5 - 0.5 * cos(pi * elapsed / wing.deploy_time)
 
 
 @kernel

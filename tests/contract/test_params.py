@@ -63,7 +63,6 @@ def test_numbers_whose_meaning_speaks_of_a_unit_carry_it_in_the_name():
     assert wrong == []
 
 
-@pytest.mark.xfail(strict=True, reason="geometry.py CorridorParams: c1_km is km per km/s, c2_km is km per (km/s)^2")
 def test_unit_in_the_name_does_not_contradict_the_meaning():
     """``growth per km/s`` cannot be in km."""
     per = [text for unit in SPOKEN for text in (f"per {unit}", f"per ({unit})")]

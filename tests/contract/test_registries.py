@@ -56,13 +56,11 @@ def test_every_parameter_is_documented_bounded_and_has_a_status(name, family, me
 
 
 @pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
-def test_source_is_cited_by_the_member_and_by_its_module(request, name, family, member):
+def test_source_is_cited_by_the_member_and_by_its_module(name, family, member):
     text = module_of(member).__doc__ or ""
     assert member.source.strip()
     if member.name == "off":
         return
-    if member.name == "constant_bank":
-        request.applymarker(pytest.mark.xfail(strict=True, reason="constant_bank.py: the module docstring cites no source"))
     author = member.source.replace(",", " ").split()
     year = next((word.strip("().;") for word in author if word.strip("().;").isdigit() and len(word.strip("().;")) == 4), None)
     assert "ource" in text or "eq" in text or (year and year in text), "the module's docstring mentions no source"

@@ -300,7 +300,6 @@ def test_torque_in_every_direction_with_any_single_thruster_of_22_failed(shared_
             assert authority_along(columns, d) > 50.0, (failed, d)
 
 
-@pytest.mark.xfail(strict=True, reason="tianwen1.yaml: slow_descent has the six fine thrusters alone")
 def test_each_phase_keeps_three_axis_torque_with_its_own_thruster_groups_after_one_failure(shared_onboard, scenario):
     """S1 section 6.3: a fault in any single RCS does not influence the success of landing."""
     lost = []

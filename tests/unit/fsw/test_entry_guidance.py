@@ -170,7 +170,7 @@ def test_first_bank_turns_towards_the_target():
 
 
 def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to():
-    c = corridor(c0_km=1.0, c1_km=1.0, c2_km=0.5)
+    c = corridor(c0_m=1000.0, c1_s=1.0, c2_s2_m=5e-4)
     edge = 1000.0 * (1.0 + 3.0 + 0.5 * 9.0)  # at 3 km/s
     memory = np.zeros(1, REVERSAL)[0]
     memory["sign"] = 1.0
@@ -185,7 +185,7 @@ def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to():
 
 def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target():
     """Point mass turning at constant lateral acceleration, its sign from the law: the miss ends inside the final corridor."""
-    c = corridor(c0_km=1.0, c1_km=1.0, c2_km=0.4)
+    c = corridor(c0_m=1000.0, c1_s=1.0, c2_s2_m=4e-4)
     for start in (-12e3, -2e3, 0.0, 9e3):
         memory = np.zeros(1, REVERSAL)[0]
         x, y, heading, speed, dt = 0.0, start, 0.0, 4500.0, 0.5

@@ -37,7 +37,7 @@ class TerminalParams(Params):
 
 
 #: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error asks for.
-LEAST_UPWARD = 1.0
+LEAST_UPWARD = 0.5
 
 TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True)
 
