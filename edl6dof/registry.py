@@ -80,7 +80,6 @@ def switch(functions: tuple[Callable[..., Any], ...], arity: int) -> Callable[..
     lines.append(f"    return f0({names})")
     scope: dict[str, Any] = {f"f{i}": function for i, function in enumerate(functions)}
     exec("\n".join(lines), scope)
-    chain = scope["chain"]
     exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
     dispatch = scope["dispatch"]
     exec(f"def choose(index, {names}): return chain", scope)

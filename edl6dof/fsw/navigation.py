@@ -120,7 +120,8 @@ def navigate(onboard, sensed, nav):
     nav.dynamic_pressure = 0.5 * density * speed * speed
     force_I = from_frame(q, take3(sensed.specific_force_B, 0))
     nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_I))
-    nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / planet.equatorial_radius - 1.0 / nav.radius)
+    radius = planet.equatorial_radius
+    nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
     nav.gravity = planet.mu / (nav.radius * nav.radius)
     nav.tilt = acos(clamp(-dot(x, up), -1.0, 1.0))
     # roll of y_B about the upward x_C away from south, seen with the thrust axis brought to the vertical

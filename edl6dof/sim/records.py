@@ -19,7 +19,8 @@ from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
 from edl6dof.sensors.sensed import SENSED
-from edl6dof.sim.scenario import InitialState, LimitParams, Scenario, SimulationParams
+from edl6dof.sim.initial import InitialState
+from edl6dof.sim.scenario import LimitParams, Scenario, SimulationParams
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
     attitude_from_wind_angles,
@@ -185,7 +186,7 @@ def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
     arc, _ = great_circle(
         sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"])
     )
-    start = (initial.altitude_m, initial.speed_m_s, radians(initial.flight_path_angle_deg))
+    start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
     fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.align_speed_m_s, entry.final_speed_m_s)
 
 
@@ -197,20 +198,13 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
     r = np.array(from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, initial.altitude_m))
     vertical = lat if initial.vertical == "geodetic" else atan2(r[2], np.hypot(r[0], r[1]))
-    gamma, azimuth = radians(initial.flight_path_angle_deg), radians(initial.azimuth_deg)
     axes = (sin(vertical), cos(vertical), sin(lon), cos(lon))
-    v_N = initial.speed_m_s * np.array([cos(gamma) * cos(azimuth), cos(gamma) * sin(azimuth), -sin(gamma)])
-    v_relative = np.array(ned_to_fixed(*axes, tuple(v_N)))
-    up = ned_to_fixed(*axes, (0.0, 0.0, -1.0))
+    v_relative = np.array(ned_to_fixed(*axes, initial.velocity_ned))
     spin = planet.rotation_rate_rad_s
     y = record["y"]
     y[POSITION : POSITION + 3] = r
     y[VELOCITY : VELOCITY + 3] = v_relative + np.array([-spin * r[1], spin * r[0], 0.0])
-    # the attitude of a vehicle at rest is given relative to a velocity along the azimuth
-    along = tuple(v_relative) if initial.speed_m_s > 0.0 else ned_to_fixed(*axes, (cos(azimuth), sin(azimuth), 0.0))
-    y[ATTITUDE : ATTITUDE + 4] = attitude_from_wind_angles(
-        along, up, radians(initial.bank_deg), radians(initial.alpha_deg), radians(initial.beta_deg)
-    )
+    y[ATTITUDE : ATTITUDE + 4] = _initial_attitude(initial, lat, lon, axes, tuple(v_relative))
     y[RATE : RATE + 3] = np.radians(initial.rate_deg_s)
     y[PROPELLANT] = scenario.vehicle.mass.propellant.mass_kg
     record["attached"][:] = 1
@@ -221,6 +215,18 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record["touchdown_time"] = np.nan
     record["agl"] = 1e99
     return plant
+
+
+def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple, v_relative: tuple) -> tuple:
+    """``q_I2B`` at t = 0, when I and F coincide."""
+    if initial.yaw_pitch_roll_deg is not None:
+        q_F2N = ned_attitude(sin(lat), cos(lat), sin(lon), cos(lon))
+        return multiply(q_F2N, from_euler(*np.radians(initial.yaw_pitch_roll_deg)))
+    # the attitude of a vehicle at rest is given relative to a velocity along the azimuth
+    level = (cos(initial.azimuth), sin(initial.azimuth), 0.0)
+    along = v_relative if initial.speed > 0.0 else ned_to_fixed(*axes, level)
+    up = ned_to_fixed(*axes, (0.0, 0.0, -1.0))
+    return attitude_from_wind_angles(along, up, *initial.wind_angles)
 
 
 def initial_fsw(onboard: np.ndarray) -> np.ndarray:

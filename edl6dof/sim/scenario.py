@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from pydantic import field_validator, model_validator
 
@@ -22,27 +22,12 @@ from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.mission.phases import MissionParams
+from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.sim.data_files import file_problems
+from edl6dof.sim.initial import InitialState
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
-
-
-class InitialState(Params):
-    """State of the centre of mass and attitude at t = 0."""
-
-    epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
-    altitude_m: float = param(REQUIRED, "height above the ellipsoid", ge=-10e3, le=1e7)
-    latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
-    longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
-    speed_m_s: float = param(REQUIRED, "speed relative to the rotating planet", ge=0.0, le=20000.0)
-    flight_path_angle_deg: float = param(REQUIRED, "flight-path angle, negative downwards", ge=-90.0, le=90.0)
-    azimuth_deg: float = param(REQUIRED, "azimuth of the velocity, from north through east", ge=-360.0, le=360.0)
-    vertical: Literal["geodetic", "geocentric"] = param("geodetic", "which vertical the angles refer to")
-    alpha_deg: float = param(0.0, "angle of attack", ge=-180.0, le=180.0)
-    beta_deg: float = param(0.0, "sideslip angle", ge=-90.0, le=90.0)
-    bank_deg: float = param(0.0, "bank angle", ge=-180.0, le=180.0)
-    rate_deg_s: tuple[float, float, float] = param((0.0, 0.0, 0.0), "inertial body rate p, q, r")
 
 
 class SimulationParams(Params):
@@ -143,11 +128,12 @@ class Scenario(Params):
     def _entry_problems(self) -> dict[str, str]:
         """Entry guidance plans from the initial state down to its final speed: there must be something to plan."""
         final = self.flight_software.guidance.entry.final_speed_m_s
-        if self.initial.speed_m_s > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
+        if self.initial.speed > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
             return {}
         name = "flight_software.guidance.entry.final_speed_m_s"
-        message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed_m_s:g})"
-        return {"initial.speed_m_s": message}
+        message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
+        given = "speed_m_s" if self.initial.velocity_ned_m_s is None else "velocity_ned_m_s"
+        return {f"initial.{given}": message}
 
     @property
     def steps_per_cycle(self) -> int:
@@ -189,5 +175,5 @@ def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Lo
     Raises:
         ConfigError: with every problem found.
     """
-    document = read_document(resolve_scenario(str(name_or_path)))
-    return check_document(apply_overrides(document, overrides, Scenario))
+    document = expand_daveml(read_document(resolve_scenario(str(name_or_path))))
+    return check_document(expand_daveml(apply_overrides(document, overrides, Scenario)))

@@ -7,7 +7,7 @@ carries the axes of A onto the axes of B, so ``Quaternion(q_A2B).inverse.rotate(
 
 from __future__ import annotations
 
-from math import acos, asin, atan2, cos, sin, sqrt
+from math import asin, atan2, cos, sin, sqrt
 
 from edl6dof.jit import kernel
 
@@ -133,5 +133,5 @@ def euler_321(q):
 @kernel
 def angle_between(p, q):
     """Angle (rad) of the rotation between two attitudes."""
-    d = abs(p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3])
-    return 2.0 * acos(min(d, 1.0))
+    s, x, y, z = multiply(conjugate(p), q)
+    return 2.0 * atan2(sqrt(x * x + y * y + z * z), abs(s))

@@ -103,7 +103,12 @@ def release_backshell(case, plant):
     separate(case, plant, case.vehicle.mass.backshell, BACKSHELL, -staging.backshell_speed, shell, area)
     if plant.canopy == INFLATING:
         shell.drag_area = area + nominal_area(chute) * chute.drag_coefficient * chute.drag_factor
-        shell.mass += case.vehicle.mass.parachute.mass
+        # shell and canopy go on together: their common momentum
+        canopy = case.vehicle.mass.parachute.mass
+        share = canopy / (shell.mass + canopy)
+        v_canopy, v_shell = take3(plant.y, CANOPY_VELOCITY), take3(shell.v_I, 0)
+        put3(shell.v_I, 0, add(scale(share, v_canopy), scale(1.0 - share, v_shell)))
+        shell.mass += canopy
     plant.canopy = RELEASED
 
 
@@ -113,7 +118,7 @@ def carry_out(case, tables, plant, event):
     if event == TRIM_WING:
         plant.wing_start = plant.t
     elif event == MORTAR:
-        if plant.attached[PARACHUTE] != 0:
+        if plant.attached[PARACHUTE] != 0 and case.vehicle.parachute.diameter > 0.0:
             fire_mortar(case, plant)
     elif event == HEAT_SHIELD_OFF:
         if plant.attached[HEAT_SHIELD] != 0:

@@ -33,7 +33,6 @@ def test_every_parameter_has_a_known_status():
     assert [(row.path, row.status) for row in ROWS if row.status not in get_args(Status)] == []
 
 
-@pytest.mark.xfail(strict=True, reason="six published defaults without source: vehicle/parachute.py, sim/scenario.py LimitParams")
 def test_published_default_names_its_source():
     """A number that claims to be printed somewhere says where; required values carry their source in the YAML."""
     unsourced = [r.path for r in ROWS if r.status == "published" and not r.source and r.default not in ("required", "null", "{}")]

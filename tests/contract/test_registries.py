@@ -300,13 +300,7 @@ def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_wei
     assert (north, east, up) == pytest.approx((0.0, 0.0, float(nav["gravity"])), abs=0.02)
 
 
-NO_DIRECTION = pytest.mark.xfail(strict=True, reason="spatial/frames.py path_axes: zero velocity gives 0 * inf, bank nan")
-BLIND = [
-    pytest.param(i, marks=NO_DIRECTION if n in ("phase_plane", "bank_to_steer") else ()) for i, n in enumerate(CONTROLLERS.names)
-]
-
-
-@pytest.mark.parametrize("index", BLIND, ids=CONTROLLERS.names)
+@pytest.mark.parametrize("index", range(len(CONTROLLERS.names)), ids=CONTROLLERS.names)
 def test_controller_of_a_vehicle_exactly_at_rest_is_finite(shared_onboard, whole_grid, index):
     resting = [nav for nav in whole_grid if nav["speed"] == 0.0]
     assert resting

@@ -1,7 +1,7 @@
 """Dispatch among interchangeable models: the integer of a record must reach the member it names.
 
-Members return numbers that tell them apart (a square, a cube, ...), so a wrong branch shows as a wrong number.  That a kernel with
-a dispatch inside can be cached on disk is shown with a second process and numba's own count of cache hits.
+Members return numbers that tell them apart (a square, a cube, ...), so a wrong branch shows as a wrong number.  That a kernel
+with a dispatch inside can be cached on disk is shown with a second process and numba's own count of cache hits.
 """
 
 import os

@@ -18,7 +18,7 @@ class PhasePlaneParams(Params):
     """Phase-plane controller with hysteresis switching curves."""
 
     deadband_deg: float = param(2.0, "angle error that is left alone", gt=0.0, le=5.0)
-    hysteresis: float = param(0.85, "share of the deadband down to which a firing goes on", gt=0.0, lt=1.0)
+    hysteresis: float = param(0.96, "share of the deadband down to which a firing goes on", gt=0.0, lt=1.0)
     rate_deadband_deg_s: float = param(0.15, "rate that is left alone inside the deadband", ge=0.0)
     rate_limit_deg_s: float = param(4.0, "rate beyond which the axis coasts", gt=0.0)
     acceleration_deg_s2: float = param(1.2, "angular acceleration of a firing", gt=0.0)

@@ -214,7 +214,6 @@ def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboar
     assert used < 1.5 * least
 
 
-@pytest.mark.xfail(strict=True, reason="allocation.py: 'curve <= 0: continue' keeps the old duty")
 def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard):
     """A diagnosis that sets the believed thrust to zero must close the valve that was open the cycle before."""
     vehicle = shared_onboard.copy()[0]["vehicle"]

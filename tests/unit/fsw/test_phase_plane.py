@@ -47,7 +47,6 @@ def test_limit_cycle_under_a_disturbance_stays_within_the_deadband_and_balances_
     assert np.mean(firing[late]) * params["acceleration"] == pytest.approx(-push, abs=2.0 * radians(1.0) / 400.0)
 
 
-@pytest.mark.xfail(strict=True, reason="hysteresis drives the rate to 0.9 deg/s at each edge")
 def test_free_limit_cycle_is_slow():
     """Without disturbance a deadband controller should drift between the edges with about the rate of its rate deadband."""
     p = np.zeros(1, dtype_of(PhasePlaneParams))

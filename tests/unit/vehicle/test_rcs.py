@@ -1,7 +1,7 @@
 """Thruster pulses against closed-form impulses and a fine numerical integration of the valve's differential equation.
 
 Thrust ramps up in ``rise`` and down in ``decay``.  A pulse of length T >= rise therefore delivers F (T - rise/2 + decay/2), a
-trapezium; a shorter one reaches T/rise and delivers F T/rise (T + T decay/rise) / 2, a triangle.  The sum of these is the truth for
+trapezium; a shorter one reaches T/rise and delivers F T/rise (T + T decay/rise) / 2, a triangle.  Their sum is the truth for
 any pulse train, however the time axis is cut into steps.
 """
 
@@ -122,7 +122,7 @@ def test_propellant_used_is_impulse_over_exhaust_speed(step):
     impulse = 25.0 * closed_form(0.064) + 250.0 * closed_form(0.007)
     assert total[2] == pytest.approx(impulse, rel=1e-12)
     assert total[6] == pytest.approx(impulse / (ISP * G0), rel=1e-12)
-    assert valves.mean[:2].tolist() == [0.0, 0.0]
+    assert valves["mean"][:2].tolist() == [0.0, 0.0]
 
 
 def test_a_couple_turns_without_pushing():

@@ -1,0 +1,120 @@
+"""The initial state: where the vehicle is, how it moves and how it points at t = 0.
+
+Velocity is given either by speed, flight-path angle and azimuth or by its north, east and down components; attitude either by angle of
+attack, sideslip and bank or by yaw, pitch and roll.  Two ways at once are refused.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, radians, sin, sqrt
+from typing import Literal, Self
+
+from pydantic import model_validator
+
+from edl6dof.config.base import REQUIRED, Params, Vec3, param
+from edl6dof.config.errors import Inconsistent
+
+_PATH = ("speed_m_s", "flight_path_angle_deg", "azimuth_deg")
+_WIND = ("alpha_deg", "beta_deg", "bank_deg")
+_MISSING = {
+    "speed_m_s": "required key is missing: speed relative to the rotating planet, in m/s",
+    "flight_path_angle_deg": "required key is missing: flight-path angle, negative downwards, in deg",
+    "azimuth_deg": "required key is missing: azimuth of the velocity, from north through east, in deg",
+}
+_OR_COMPONENTS = " (or give the velocity as velocity_ned_m_s)"
+
+
+class InitialState(Params):
+    """State of the centre of mass and attitude at t = 0."""
+
+    epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
+    altitude_m: float = param(REQUIRED, "height above the ellipsoid", ge=-10e3, le=1e7)
+    latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
+    longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
+    speed_m_s: float | None = param(
+        None, "speed relative to the rotating planet; needed without velocity_ned_m_s", record=False, ge=0.0, le=20000.0
+    )
+    flight_path_angle_deg: float | None = param(
+        None, "flight-path angle, negative downwards; needed without velocity_ned_m_s", record=False, ge=-90.0, le=90.0
+    )
+    azimuth_deg: float | None = param(
+        None, "azimuth of the velocity, from north through east; needed without velocity_ned_m_s", record=False, ge=-360.0, le=360.0
+    )
+    velocity_ned_m_s: Vec3 | None = param(
+        None, "velocity relative to the rotating planet: north, east, down; instead of speed, flight-path angle and azimuth", record=False
+    )
+    vertical: Literal["geodetic", "geocentric"] = param("geodetic", "which vertical the velocity refers to", record=False)
+    alpha_deg: float | None = param(
+        None, "angle of attack; 0 when neither it nor yaw_pitch_roll_deg is given", record=False, ge=-180.0, le=180.0
+    )
+    beta_deg: float | None = param(None, "sideslip angle; 0 when not given, as alpha_deg", record=False, ge=-90.0, le=90.0)
+    bank_deg: float | None = param(None, "bank angle; 0 when not given, as alpha_deg", record=False, ge=-180.0, le=180.0)
+    yaw_pitch_roll_deg: Vec3 | None = param(
+        None, "3-2-1 Euler angles of the body from geodetic north-east-down; instead of alpha, beta and bank", record=False
+    )
+    rate_deg_s: Vec3 = param((0.0, 0.0, 0.0), "inertial body rate p, q, r", record=False)
+
+    @model_validator(mode="after")
+    def _velocity_and_attitude_given_once(self) -> Self:
+        problems = {**self._velocity_problems(), **self._attitude_problems()}
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def _velocity_problems(self) -> dict[str, str]:
+        given = [name for name in _PATH if getattr(self, name) is not None]
+        if self.velocity_ned_m_s is None:
+            hint = "" if given else _OR_COMPONENTS
+            return {name: _MISSING[name] + hint for name in _PATH if name not in given}
+        problems = {name: "must not stand beside velocity_ned_m_s: the velocity is given twice" for name in given}
+        if self.speed > 20000.0:
+            problems["velocity_ned_m_s"] = f"must have a length of at most 20000 (got {self.speed:g})"
+        return problems
+
+    def _attitude_problems(self) -> dict[str, str]:
+        if self.yaw_pitch_roll_deg is None:
+            return {}
+        message = "must not stand beside yaw_pitch_roll_deg: the attitude is given twice"
+        problems = {name: message for name in _WIND if getattr(self, name) is not None}
+        yaw, pitch, roll = self.yaw_pitch_roll_deg
+        if abs(pitch) > 90.0 or abs(yaw) > 360.0 or abs(roll) > 360.0:
+            words = "must be yaw and roll within -360 and 360, pitch within -90 and 90"
+            problems["yaw_pitch_roll_deg"] = f"{words} (got [{yaw:g}, {pitch:g}, {roll:g}])"
+        return problems
+
+    @property
+    def velocity_ned(self) -> Vec3:
+        """Planet-relative velocity north, east, down, m/s."""
+        if self.velocity_ned_m_s is not None:
+            return self.velocity_ned_m_s
+        gamma, azimuth = radians(self.flight_path_angle_deg), radians(self.azimuth_deg)
+        level = self.speed_m_s * cos(gamma)
+        return level * cos(azimuth), level * sin(azimuth), -self.speed_m_s * sin(gamma)
+
+    @property
+    def speed(self) -> float:
+        """Speed relative to the rotating planet, m/s."""
+        if self.velocity_ned_m_s is None:
+            return self.speed_m_s
+        north, east, down = self.velocity_ned_m_s
+        return sqrt(north * north + east * east + down * down)
+
+    @property
+    def flight_path_angle(self) -> float:
+        """Flight-path angle, rad, negative downwards; 0 at rest."""
+        if self.velocity_ned_m_s is None:
+            return radians(self.flight_path_angle_deg)
+        north, east, down = self.velocity_ned_m_s
+        return atan2(-down, hypot(north, east))
+
+    @property
+    def azimuth(self) -> float:
+        """Azimuth of the velocity, rad; 0 at rest when only components are given."""
+        if self.velocity_ned_m_s is None:
+            return radians(self.azimuth_deg)
+        return atan2(self.velocity_ned_m_s[1], self.velocity_ned_m_s[0])
+
+    @property
+    def wind_angles(self) -> Vec3:
+        """Bank, angle of attack and sideslip, rad."""
+        return tuple(radians(value or 0.0) for value in (self.bank_deg, self.alpha_deg, self.beta_deg))
