@@ -1,8 +1,8 @@
 """Thruster allocation: which duties give the demanded torque and lateral force best, and what stays undelivered.
 
 Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1, by cyclic coordinate descent, which needs no matrix
-factorisation, keeps the bounds exactly and starts from the last solution.  Small demands go to the fine thrusters alone
-(Hu et al. 2022, section 4.3).
+factorisation and keeps the bounds exactly.  It starts from nothing: an earlier solution would keep opposing thrusters running.
+Small demands go to the fine thrusters alone (Hu et al. 2022, section 4.3).
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ FINE = 3
 class AllocationParams(Params):
     """Thruster allocation."""
 
-    sweeps: int = param(12, "largest number of passes over the thrusters", ge=1, le=100)
+    sweeps: int = param(16, "largest number of passes over the thrusters", ge=1, le=100000)
     tolerance: float = param(1e-3, "change of duty at which the iteration stops", gt=0.0, lt=1.0)
     torque_scale_nm: float = param(250.0, "torque error that weighs one", gt=0.0)
-    force_scale_n: float = param(250.0, "lateral force error that weighs one while translation is controlled", gt=0.0)
+    force_scale_n: float = param(600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0)
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
     fine_share: float = param(0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0)
@@ -101,15 +101,14 @@ def allocate(params, thrusters, count, allowed, translating, demand, memory):
         curve = force_weight * stray + torque_weight * turn
         gain[i] = 1.0 / curve if (mask >> thrusters[i].group) & 1 == 1 and curve > 0.0 else 0.0
         price[i] = 0.5 * params.use_cost * thrusters[i].thrust / 250.0
-        if gain[i] == 0.0:
-            duty[i] = 0.0
-        elif duty[i] > 0.0:
-            for row in range(ROWS):
-                residual[row] -= effect[i, row] * duty[i]
-    for _ in range(params.sweeps):
-        change = 0.0
+        duty[i] = 0.0
+    for sweep in range(2 * params.sweeps):
+        # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
+        fine_turn = sweep % 2 == 0
+        if fine_turn:
+            change = 0.0
         for i in range(count):
-            if gain[i] == 0.0:
+            if gain[i] == 0.0 or (thrusters[i].group == FINE) != fine_turn:
                 continue
             slope = force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2]) + torque_weight * (
                 effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5]
@@ -121,5 +120,5 @@ def allocate(params, thrusters, count, allowed, translating, demand, memory):
                 change = max(change, abs(move))
                 for row in range(ROWS):
                     residual[row] -= effect[i, row] * move
-        if change < params.tolerance:
+        if change < params.tolerance and not fine_turn:
             break

@@ -23,7 +23,7 @@ def params(**changes):
 
 def exact():
     """Settings with which the iteration runs until it stands still."""
-    return params(sweeps=100, tolerance=1e-12)
+    return params(sweeps=40000, tolerance=1e-13)
 
 
 def wrenches(thrusters, count, centre):
@@ -88,7 +88,7 @@ def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_lay
         count = 14
         thrusters = random_layout(rng, shared_onboard[0]["vehicle"]["thrusters"], count)
         demand = random_demand(rng)
-        memory = solve(p, thrusters, count, (0.1, 0.0, -0.1), demand, translating=translating, rounds=400)
+        memory = solve(p, thrusters, count, (0.1, 0.0, -0.1), demand, translating=translating, rounds=1)
         effect = wrenches(thrusters, count, (0.1, 0.0, -0.1))
         thrust = thrusters["thrust"][:count]
         best = best_cost(p, effect, thrust, demand, translating)
@@ -197,7 +197,6 @@ def test_allocation_without_one_thruster_still_meets_the_optimum_of_what_is_left
     assert cost(p, effect, thrust, demand, memory["duty"][:count]) <= best * (1.0 + 1e-3) + 1e-6
 
 
-@pytest.mark.xfail(strict=True, reason="allocation.py: warm start keeps opposing duties alive for many cycles")
 def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboard):
     """Propellant over a sequence of unrelated demands, against the optimum of each by scipy."""
     rng = np.random.default_rng(8)

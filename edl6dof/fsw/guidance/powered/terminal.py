@@ -30,6 +30,7 @@ class TerminalParams(Params):
     position_gain: float = param(0.18, "lateral velocity per position error, 1/s", ge=0.0)
     velocity_gain: float = param(0.8, "lateral acceleration per velocity error, 1/s", ge=0.0)
     lateral_speed_m_s: float = param(2.0, "largest lateral speed", gt=0.0)
+    lateral_force_n: float = param(450.0, "largest lateral force demanded of a pair of horizontal thrusters", status="estimate", gt=0.0)
     hover_tilt_limit_deg: float = param(4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0)
     settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
     touchdown_tilt_limit_deg: float = param(0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0)
@@ -100,8 +101,9 @@ def lateral_force(p, nav, mass, error_n, error_e, out):
     if speed > p.lateral_speed:
         v_n, v_e = v_n * p.lateral_speed / speed, v_e * p.lateral_speed / speed
     out.translating = 1
-    out.force_N[0] = mass * p.velocity_gain * (v_n - nav.v_N[0])
-    out.force_N[1] = mass * p.velocity_gain * (v_e - nav.v_N[1])
+    limit = p.lateral_force
+    out.force_N[0] = clamp(mass * p.velocity_gain * (v_n - nav.v_N[0]), -limit, limit)
+    out.force_N[1] = clamp(mass * p.velocity_gain * (v_e - nav.v_N[1]), -limit, limit)
 
 
 @kernel
