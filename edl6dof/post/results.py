@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
 
+#: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
+ROW_GROUP = 5000
+
+
 def write_run(flight: Flight, folder: Path, *, replay: bool = True) -> None:
     """Write every file of a run into ``folder``, which exists."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
@@ -52,19 +56,23 @@ def write_telemetry(flight: Flight, path: Path) -> None:
 
     from edl6dof.sim.telemetry import describe
 
-    fields, arrays = [], []
-    for name, values in flight.telemetry.items():
+    fields = []
+    for name in flight.telemetry:
         unit, meaning = describe(name)
         fields.append(pa.field(name, pa.float64(), metadata={"unit": unit, "meaning": meaning}))
-        arrays.append(pa.array(values))
     metadata = {
         "edl6dof_version": __version__,
         "scenario": flight.resolved_scenario,
         "outcome": flight.outcome,
         "phases": json.dumps(flight.phase_names),
     }
-    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=metadata))
-    pq.write_table(table, path, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
+    schema = pa.schema(fields, metadata=metadata)
+    rows = len(flight.log)
+    options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
+    with pq.ParquetWriter(path, schema, **options) as writer:
+        for start in range(0, rows, ROW_GROUP):
+            part = [pa.array(values[start : start + ROW_GROUP]) for values in flight.telemetry.values()]
+            writer.write_table(pa.Table.from_arrays(part, schema=schema))
 
 
 def _json(value: Any) -> str:
