@@ -46,6 +46,14 @@ def timeline_table(flight: Flight) -> Table:
 def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     table = _table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
+    for row in comparison(flight):
+        table.add_row(*row)
+    return table
+
+
+def comparison(flight: Flight) -> list[tuple[str, str, str, str, str]]:
+    """Rows (figure, unit, this flight, published, difference) in words and rounded numbers."""
+    rows = []
     for name, published in flight.scenario.published.items():
         base, unit = split_unit(name)
         own = flight.metrics.get(name)
@@ -53,11 +61,11 @@ def published_table(flight: Flight) -> Table:
         places = _published_places(published)
         shown = f"{relation}{published:,.{places}f}"
         if own is None or not math.isfinite(own):
-            table.add_row(_words(base), unit.label, "-", shown, "not reached")
+            rows.append((_words(base), unit.label, "-", shown, "not reached"))
         else:
             more = places if own == round(own) else places + (places < 2)
-            table.add_row(_words(base), unit.label, f"{own:,.{more}f}", shown, _compared(relation, own - published, more))
-    return table
+            rows.append((_words(base), unit.label, f"{own:,.{more}f}", shown, _compared(relation, own - published, more)))
+    return rows
 
 
 def limits_table(flight: Flight) -> Table:
