@@ -17,7 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.interchange.vehicle import static_table
 from edl6dof.vehicle.aerodynamics import CapsuleParams
+from edl6dof.vehicle.pchip import curve
 
 PACKAGED = Path(__file__).parent.parent / "data" / "aerodynamics"
 MACH_CAPACITY = 64
@@ -81,21 +83,31 @@ def build_aero_table(capsule: CapsuleParams) -> np.ndarray:
 
 
 def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv of CD, CL, Cm; CA and CN derived here."""
+    """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD, CL, Cm."""
     path = Path(name)
     if not path.is_file():
         path = PACKAGED / name
     if not path.is_file():
         raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
+    if path.suffix == ".dml":
+        mach, alpha, table = static_table(path)
+        cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
+        return _checked(path, mach, alpha, cd, cl, cm)
     with path.open(encoding="utf-8") as stream:
         rows = [list(map(float, row[:5])) for row in csv.reader(line for line in stream if line[0] in "0123456789.")]
     data = np.array(sorted(rows))
     mach, alpha = np.unique(data[:, 0]), np.unique(data[:, 1])
     if len(mach) < 2 or data.shape != (len(mach) * len(alpha), 5) or np.any(data[:, 1].reshape(len(mach), -1) != alpha):
         raise ValueError(f"{path}: not a complete Mach x alpha table")
+    cd, cl, cm = (data[:, k].reshape(len(mach), len(alpha)) for k in (2, 3, 4))
+    return _checked(path, mach, alpha, cd, cl, cm)
+
+
+def _checked(path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mach, alpha and (CA, CN, Cm) from CD, CL, Cm."""
+    cd, cl, cm = coefficients
     if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
         raise ValueError(f"{path}: alpha must be whole degrees from 0 to less than {FADE_END}")
-    cd, cl, cm = (data[:, k].reshape(len(mach), len(alpha)) for k in (2, 3, 4))
     c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
     return mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
 
@@ -193,15 +205,15 @@ def _line(x0: float, r0: float, x1: float, r1: float, points: int) -> Rings:
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Values and slopes per degree on whole degrees, [Mach, degree, (CA, CN, Cm)]."""
-    from scipy.interpolate import PchipInterpolator  # slow import, needed once per load
-
     end = int(alpha[-1])
     parity = np.array([1.0, -1.0, -1.0])
     mirrored = np.concatenate((static[:, :0:-1] * parity, static), axis=1)
-    curve = PchipInterpolator(np.concatenate((-alpha[:0:-1], alpha)), mirrored, axis=1)
-    inside = np.arange(end + 1.0)
+    inside, inside_slopes = (
+        np.moveaxis(part, -1, 1)
+        for part in curve(np.concatenate((-alpha[:0:-1], alpha)), np.moveaxis(mirrored, 1, -1), np.arange(end + 1.0))
+    )
     values, slopes = newton.copy(), _slopes(newton)
-    gap, gap_slope = curve(end) - values[:, end], curve.derivative()(end) - slopes[:, end]
+    gap, gap_slope = inside[:, end] - values[:, end], inside_slopes[:, end] - slopes[:, end]
     for degree in range(end, FADE_END + 1):
         d, length = degree - end, FADE_END - end
         s = d / length
@@ -209,7 +221,7 @@ def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np
         correction = gap + gap_slope * d
         values[:, degree] += correction * fade
         slopes[:, degree] += gap_slope * fade + correction * fade_slope
-    values[:, : end + 1], slopes[:, : end + 1] = curve(inside), curve.derivative()(inside)
+    values[:, : end + 1], slopes[:, : end + 1] = inside, inside_slopes
     return values, slopes
 
 

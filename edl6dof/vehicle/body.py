@@ -9,13 +9,10 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
-from edl6dof.environment.atmosphere import air
-from edl6dof.environment.gravity import gravity_F
-from edl6dof.environment.wind import wind
 from edl6dof.jit import kernel
-from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z
+from edl6dof.spatial.frames import fixed_to_ned, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
-from edl6dof.spatial.vector import add, clamp, cross, inertia_solve, inertia_times, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, cross, dot, inertia_solve, inertia_times, norm, put3, scale, sub, take3
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
@@ -39,6 +36,7 @@ from edl6dof.vehicle.plant import (
     THRUST,
     VELOCITY,
 )
+from edl6dof.vehicle.surroundings import surroundings
 from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
 #: Sutton-Graves constant for Mars, kg^0.5/m (reference data section 5.3, published).
@@ -53,107 +51,101 @@ def derivatives(case, tables, plant, t, y, dy):
 
 
 @kernel
+def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
+    """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach number and dynamic pressure."""
+    vehicle = case.vehicle
+    density, sound = gas[0], gas[3]
+    speed = norm(v_air)
+    mach = speed / sound if sound > 0.0 else 0.0
+    qbar = 0.5 * density * speed * speed
+    # capsule, open backshell, lander: 0, 1, 2 as parts leave
+    shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
+    wrench = aerodynamic_wrench(vehicle.aero, tables.aero, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2])
+    force = (wrench[0], wrench[1], wrench[2])
+    arm = (wrench[6] - centre[0], -centre[1], -centre[2])
+    moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
+    extension = wing_opening(vehicle.trim_wing, t - plant.wing_start)
+    if extension > 0.0 and plant.attached[BACKSHELL] != 0:
+        wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
+        wing_f = (wing[0], wing[1], wing[2])
+        force = add(force, wing_f)
+        moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
+    return force, moment, mach, qbar
+
+
+@kernel
+def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
+    """Pull of the riser: force and moment about the centre of mass (B), and tension (N); writes the canopy's acceleration to ``out``."""
+    chute = case.vehicle.parachute
+    hook = sub(take3(chute.confluence, 0), centre)
+    hook_r = add(take3(y, POSITION), from_frame(q, hook))
+    hook_v = add(take3(y, VELOCITY), from_frame(q, cross(w, hook)))
+    line = sub(take3(y, CANOPY_POSITION), hook_r)
+    distance = max(norm(line), 1e-6)
+    line = scale(1.0 / distance, line)
+    v_canopy = take3(y, CANOPY_VELOCITY)
+    packed = case.vehicle.mass.parachute.mass
+    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, hook_v), line))
+    fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
+    v_air = sub(v_canopy, air_I)
+    density, sound = gas[0], gas[3]
+    drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
+    force = add(sub(drag, scale(tension, line)), scale(packed, g_I))
+    put3(plant.out.canopy_acceleration_I, 0, scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force))
+    pull = to_frame(q, scale(tension, line))
+    return pull, cross(hook, pull), tension
+
+
+@kernel
+def ground_loads(case, plant, y, q, w, centre, turn, place):
+    """Force and moment about the centre of mass (B) of the footpads on the ground, and how many touch it."""
+    spin = case.planet.rotation_rate
+    r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
+    c, s = turn
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
+    slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
+    inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
+    normal_F = ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
+    normal_B = to_frame(q, rotate_z(c, -s, normal_F))
+    v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
+    w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
+    clearance = (altitude - plant.ground_elevation) * inverse
+    force, moment, pads = contact(case.vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
+    return force, sub(moment, cross(centre, force)), pads
+
+
+@kernel
 def loads(case, tables, plant, t, y):
     """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t`` (s), in ``plant.out``.
 
     They do not depend on the commands to engine and thrusters: flight software may change those between this and :func:`motion`.
     """
     out = plant.out
-    vehicle = case.vehicle
-    r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
-
-    spin = case.planet.rotation_rate
-    c, s = cos(spin * t), sin(spin * t)
-    r_F = rotate_z(c, s, r_I)
-    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(case.planet.equatorial_radius, case.planet.flattening, r_F)
-    g_I = rotate_z(c, -s, gravity_F(case.planet.gravity, r_F[0], r_F[1], r_F[2]))
-    density, pressure, temperature, sound = air(case.atmosphere, tables.atmosphere, altitude)
-    east, north, up = wind(case.wind, tables.atmosphere, altitude)
-    carried = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, -up)))
-    # velocity of the air at the vehicle: rotation plus wind
-    air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])
-    v_air_I = sub(v_I, air_I)
+    turn, place, gas, wind_N, air_I, g_I = surroundings(case, tables, t, take3(y, POSITION))
+    v_air_I = sub(take3(y, VELOCITY), air_I)
     v_air = to_frame(q, v_air_I)
-    speed = norm(v_air)
-    mach = speed / sound if sound > 0.0 else 0.0
-    qbar = 0.5 * density * speed * speed
+    mass, centre, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, y[PROPELLANT])
 
-    mass, centre, inertia = with_propellant(plant.dry, vehicle.mass.propellant, y[PROPELLANT])
-
-    # capsule, open backshell, lander: 0, 1, 2 as parts leave
-    shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
-    wrench = aerodynamic_wrench(
-        vehicle.aero, tables.aero, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2]
-    )
-    aero_force = (wrench[0], wrench[1], wrench[2])
-    arm = (wrench[6] - centre[0], -centre[1], -centre[2])
-    aero_moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, aero_force))
-    extension = wing_opening(vehicle.trim_wing, t - plant.wing_start)
-    if extension > 0.0 and plant.attached[BACKSHELL] != 0:
-        wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
-        wing_f = (wing[0], wing[1], wing[2])
-        aero_force = add(aero_force, wing_f)
-        aero_moment = add(aero_moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
-
+    aero_force, aero_moment, mach, qbar = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
     force, moment = aero_force, aero_moment
     tension = 0.0
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        chute = vehicle.parachute
-        hook = sub(take3(chute.confluence, 0), centre)
-        hook_r = add(r_I, from_frame(q, hook))
-        hook_v = add(v_I, from_frame(q, cross(w, hook)))
-        line = sub(take3(y, CANOPY_POSITION), hook_r)
-        distance = max(norm(line), 1e-6)
-        line = scale(1.0 / distance, line)
-        v_canopy = take3(y, CANOPY_VELOCITY)
-        stretch_rate = (
-            (v_canopy[0] - hook_v[0]) * line[0] + (v_canopy[1] - hook_v[1]) * line[1] + (v_canopy[2] - hook_v[2]) * line[2]
-        )
-        packed = vehicle.mass.parachute.mass
-        tension = riser_tension(chute, packed, distance, stretch_rate)
-        fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
-        v_canopy_air = sub(v_canopy, air_I)
-        canopy_mach = norm(v_canopy_air) / sound
-        drag = canopy_force(chute, fraction, density, canopy_mach, t, v_canopy_air, scale(-1.0, line))
-        total = packed + apparent_mass(chute, density, fraction)
-        pull = to_frame(q, scale(tension, line))
-        force = add(force, pull)
-        moment = add(moment, cross(hook, pull))
-        inverse = 1.0 / total
-        put3(
-            out.canopy_acceleration_I,
-            0,
-            (
-                (drag[0] - tension * line[0] + packed * g_I[0]) * inverse,
-                (drag[1] - tension * line[1] + packed * g_I[1]) * inverse,
-                (drag[2] - tension * line[2] + packed * g_I[2]) * inverse,
-            ),
-        )
-
+        pull, turning, tension = riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I)
+        force, moment = add(force, pull), add(moment, turning)
     pads = 0
     if plant.legs != 0 and plant.touched != 0:
-        slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
-        inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
-        normal_F = ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
-        normal_B = to_frame(q, rotate_z(c, -s, normal_F))
-        ground_I = (-spin * r_I[1], spin * r_I[0], 0.0)
-        v_ground = to_frame(q, sub(v_I, ground_I))
-        w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
-        clearance = (altitude - plant.ground_elevation) * inverse
-        gear_force, gear_moment, pads = contact(vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
-        force = add(force, gear_force)
-        moment = add(moment, sub(gear_moment, cross(centre, gear_force)))
+        push, turning, pads = ground_loads(case, plant, y, q, w, centre, turn, place)
+        force, moment = add(force, push), add(moment, turning)
 
-    out.altitude = altitude
-    out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon = sin_lat, cos_lat, sin_lon, cos_lon
-    out.density, out.pressure, out.temperature, out.speed_of_sound = density, pressure, temperature, sound
+    out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude = place
+    out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
-    out.heat_flux = SUTTON_GRAVES * sqrt(density / vehicle.nose_radius) * speed * speed * speed
+    out.heat_flux = SUTTON_GRAVES * sqrt(out.density / case.vehicle.nose_radius) * norm(v_air) ** 3
     put3(out.gravity_I, 0, g_I)
     put3(out.v_air_B, 0, v_air)
     put3(out.v_air_I, 0, v_air_I)
-    put3(out.wind_N, 0, (north, east, -up))
+    put3(out.wind_N, 0, wind_N)
     put3(out.aero_force_B, 0, aero_force)
     put3(out.aero_moment_B, 0, aero_moment)
     put3(out.load_force_B, 0, force)

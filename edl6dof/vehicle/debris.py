@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from edl6dof.environment.atmosphere import air
-from edl6dof.environment.gravity import gravity_F
-from edl6dof.environment.wind import wind
 from edl6dof.jit import kernel
-from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
+from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+from edl6dof.vehicle.surroundings import surroundings
 
 RESTING = 2
 
@@ -17,17 +15,9 @@ RESTING = 2
 @kernel
 def fall(case, tables, t, r_I, v_I, drag_over_mass):
     """Acceleration (I) of a falling part, and its altitude."""
-    spin = case.planet.rotation_rate
-    c, s = cos(spin * t), sin(spin * t)
-    r_F = rotate_z(c, s, r_I)
-    sl, cl, so, co, altitude = geodetic(case.planet.equatorial_radius, case.planet.flattening, r_F)
-    g_I = rotate_z(c, -s, gravity_F(case.planet.gravity, r_F[0], r_F[1], r_F[2]))
-    density, _, _, _ = air(case.atmosphere, tables.atmosphere, altitude)
-    east, north, up = wind(case.wind, tables.atmosphere, altitude)
-    carried = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (north, east, -up)))
-    air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])
+    _, place, gas, _, air_I, g_I = surroundings(case, tables, t, r_I)
     v = sub(v_I, air_I)
-    return add(g_I, scale(-0.5 * density * norm(v) * drag_over_mass, v)), altitude
+    return add(g_I, scale(-0.5 * gas[0] * norm(v) * drag_over_mass, v)), place[4]
 
 
 @kernel

@@ -23,7 +23,9 @@ class ParachuteParams(Params):
     """Geometry, inflation, aerodynamics and suspension of the parachute; a zero diameter means none."""
 
     diameter_m: float = param(0.0, "nominal diameter; the reference area is pi/4 of its square", ge=0.0)
-    drag_coefficient: float = param(0.62, "axial force coefficient at low Mach number, on the nominal area", status="published", source="MSL, Cruz et al. 2013", gt=0.0)
+    drag_coefficient: float = param(
+        0.62, "axial force coefficient at low Mach number, on the nominal area", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+    )
     mortar_speed_m_s: float = param(30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0)
     mortar_delay_s: float = param(0.015, "time from command to mortar fire", status="estimate", ge=0.0)
     pack_drag_area_m2: float = param(0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0)
@@ -33,7 +35,9 @@ class ParachuteParams(Params):
     damping_ratio: float = param(0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0)
     inflation_speed_m_s: float = param(27.2, "diameter over inflation time", status="published", source="MSL, Cruz et al. 2013", gt=0.0)
     inflation_exponent: float = param(4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0)
-    opening_load_factor: float = param(1.344, "drag-area overshoot at full inflation", status="published", source="MSL, Cruz et al. 2013", ge=1.0)
+    opening_load_factor: float = param(
+        1.344, "drag-area overshoot at full inflation", status="published", source="MSL, Cruz et al. 2013", ge=1.0
+    )
     overshoot_decay_s: float = param(0.25, "time in which the overshoot is gone", status="estimate", gt=0.0)
     apparent_mass_factor: float = param(0.75, "K in K rho (4/3) pi (0.35 D)^3", status="estimate", ge=0.0)
     area_oscillation: float = param(0.0, "relative drag-area oscillation above Mach 1.4", status="estimate", ge=0.0, lt=1.0)

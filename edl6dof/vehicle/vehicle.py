@@ -17,6 +17,9 @@ class VehicleParams(Params):
     """An entry vehicle and everything that leaves it."""
 
     name: str = param(REQUIRED, "name of the vehicle", record=False, min_length=1)
+    daveml: list[str] = param(
+        None, "DAVE-ML files that give mass and aero; what the YAML states itself goes before them", record=False, factory=list
+    )
     nose_radius_m: float = param(0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0)
     mass: MassParams = section("mass properties")
     aero: AeroParams = section("aerodynamics")
