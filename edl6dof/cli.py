@@ -38,7 +38,7 @@ def fly(
 ) -> None:
     """Fly one scenario and write its run folder.
 
-    Exit status: 0 landed within limits, 1 not, 2 bad input, 130 interrupted.
+    Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input, 130 interrupted.
     """
     from edl6dof.app.fly import FlyOptions, run_fly
 
@@ -79,6 +79,36 @@ def replay(run: Annotated[Path, typer.Argument(help="Run folder.")]) -> None:
     from edl6dof.app.inspect import run_replay
 
     raise typer.Exit(run_replay(run))
+
+
+@app.command()
+def export(
+    run: Annotated[Path, typer.Argument(help="Run folder.")],
+    file: Annotated[Path | None, typer.Argument(help="File to write; RUN/nesc.csv if not given, - for standard output.")] = None,
+    nesc: Annotated[bool, typer.Option("--nesc", help="In the columns and English units of NASA's NESC check cases.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Write the telemetry of a run in the form of another program: edl6dof export RUN --nesc [FILE]."""
+    from edl6dof.app.export import run_export
+
+    if not nesc:
+        raise typer.BadParameter("name a form: --nesc")
+    raise typer.Exit(run_export(run, file, force))
+
+
+@app.command()
+def verify(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Check cases; all if none is named.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a PNG for each case that has a history.")] = None,
+) -> None:
+    """Check the simulator on this machine against closed forms, conservation laws and published tables.
+
+    Exit status: 0 all within tolerance, 1 not, 2 bad input.
+    """
+    from edl6dof.app.verify import run_verify
+
+    raise typer.Exit(run_verify(names or [], as_json, plots))
 
 
 @app.command()

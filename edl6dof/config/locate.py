@@ -24,14 +24,15 @@ def shipped_folders(kind: str) -> list[Path]:
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of all shipped files of one kind, sorted."""
-    return sorted({file.stem for folder in shipped_folders(kind) for file in folder.glob("*" + SUFFIX)})
+    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called ``folder/name``."""
+    found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
+    return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
 
 
 def find_shipped(kind: str, name: str) -> Path | None:
-    """The shipped file of a plain name (with or without ``.yaml``), or ``None``."""
+    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or ``None``."""
     stem = name.removesuffix(SUFFIX)
-    if not stem or Path(stem).name != stem:
+    if not stem or Path(stem).is_absolute() or Path(stem).as_posix() != stem or ".." in Path(stem).parts:
         return None
     candidates = (folder / (stem + SUFFIX) for folder in shipped_folders(kind))
     return next((path for path in candidates if isfile(path)), None)
@@ -74,7 +75,8 @@ def resolve_scenario(name_or_path: str | Path) -> Path:
     for candidate in (path, Path(text + SUFFIX)):
         if text and isfile(candidate):
             return candidate
-    if path.parent in (Path("."), Path("scenarios")) and (shipped := find_shipped("scenarios", path.name)):
+    name = path.relative_to("scenarios") if path.parts[:1] == ("scenarios",) else path
+    if shipped := find_shipped("scenarios", str(name)):
         return shipped
     raise ConfigError([Problem(text or "(no name)", 0, 0, "", _no_scenario(path))])
 

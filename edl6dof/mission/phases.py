@@ -85,6 +85,9 @@ class Phase(Params):
 class MissionParams(Params):
     """The phase table; an empty one flies without flight software."""
 
+    goal: Literal["landing", "time"] = param(
+        "landing", "what counts as success: a landing within limits, or a flight up to simulation.time_limit_s", record=False
+    )
     phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(None, "phases in order", factory=list, max_length=MAX_PHASES)
 
 

@@ -17,7 +17,7 @@ from edl6dof.sim.channels import TICK
 from edl6dof.sim.events import timeline
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
-from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, OUTCOMES
+from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import columns
@@ -106,8 +106,9 @@ class Flight:
 
     @property
     def success(self) -> bool:
-        """Whether it landed within all limits."""
-        return self.landed and all(check.ok for check in self.checks)
+        """Whether it reached the goal of the mission (landed, or flown to the time limit) within all limits."""
+        goal = TIME_LIMIT if self.scenario.mission.goal == "time" else LANDED
+        return self.code == goal and all(check.ok for check in self.checks)
 
     @cached_property
     def outcome(self) -> str:
@@ -115,6 +116,9 @@ class Flight:
         if self.code == LANDED:
             missed = [check.label for check in self.checks if not check.ok]
             return "landed within limits" if not missed else f"landed outside limits ({', '.join(missed)})"
+        if self.code == TIME_LIMIT and self.scenario.mission.goal == "time":
+            missed = [check.label for check in self.checks if not check.ok]
+            return "flown to the time limit" + (f" outside limits ({', '.join(missed)})" if missed else "")
         if self.code == NOT_FINITE:
             bad = self.first_bad_quantity
             return f"not finite: {bad} at t = {self.time_s:.2f} s in phase {self.phase}"

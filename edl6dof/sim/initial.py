@@ -88,8 +88,8 @@ class InitialState(Params):
         if self.velocity_ned_m_s is not None:
             return self.velocity_ned_m_s
         gamma, azimuth = radians(self.flight_path_angle_deg), radians(self.azimuth_deg)
-        level = self.speed_m_s * cos(gamma)
-        return level * cos(azimuth), level * sin(azimuth), -self.speed_m_s * sin(gamma)
+        speed = self.speed_m_s
+        return speed * (cos(gamma) * cos(azimuth)), speed * (cos(gamma) * sin(azimuth)), speed * -sin(gamma)
 
     @property
     def speed(self) -> float:

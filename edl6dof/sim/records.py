@@ -27,8 +27,10 @@ from edl6dof.spatial.frames import (
     fill_local_frame,
     from_geodetic,
     great_circle,
+    ned_attitude,
     ned_to_fixed,
 )
+from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
 from edl6dof.vehicle.mass import BODY, fill_lander, lander_dry
@@ -221,7 +223,7 @@ def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple
     """``q_I2B`` at t = 0, when I and F coincide."""
     if initial.yaw_pitch_roll_deg is not None:
         q_F2N = ned_attitude(sin(lat), cos(lat), sin(lon), cos(lon))
-        return multiply(q_F2N, from_euler(*np.radians(initial.yaw_pitch_roll_deg)))
+        return multiply(q_F2N, from_euler_321(*np.radians(initial.yaw_pitch_roll_deg)))
     # the attitude of a vehicle at rest is given relative to a velocity along the azimuth
     level = (cos(initial.azimuth), sin(initial.azimuth), 0.0)
     along = v_relative if initial.speed > 0.0 else ned_to_fixed(*axes, level)

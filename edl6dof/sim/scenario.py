@@ -21,8 +21,8 @@ from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
-from edl6dof.mission.phases import MissionParams
 from edl6dof.interchange.vehicle import expand_daveml
+from edl6dof.mission.phases import MissionParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -47,7 +47,9 @@ class LimitParams(Params):
     touchdown_tilt_deg: float = param(4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0)
     touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
     slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
-    landing_distance_m: float = param(28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0)
+    landing_distance_m: float = param(
+        28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0
+    )
     parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
     parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)

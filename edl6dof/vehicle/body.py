@@ -141,7 +141,7 @@ def loads(case, tables, plant, t, y):
     out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude = place
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
-    out.heat_flux = SUTTON_GRAVES * sqrt(out.density / case.vehicle.nose_radius) * norm(v_air) ** 3
+    out.heat_flux = SUTTON_GRAVES * sqrt(out.density / case.vehicle.nose_radius) * norm(v_air) * norm(v_air) * norm(v_air)
     put3(out.gravity_I, 0, g_I)
     put3(out.v_air_B, 0, v_air)
     put3(out.v_air_I, 0, v_air_I)

@@ -89,7 +89,7 @@ def nominal_area(chute):
 def apparent_mass(chute, density, fraction):
     """Apparent mass of the canopy, kg; it grows with the cube of the projected radius."""
     radius = 0.35 * chute.diameter * sqrt(clamp(fraction, 0.0, 1.0))
-    return chute.apparent_mass_factor * density * (4.0 / 3.0) * pi * radius**3
+    return chute.apparent_mass_factor * density * (4.0 / 3.0) * pi * radius * radius * radius
 
 
 @kernel

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from pydantic import ConfigDict
+
 from edl6dof.config.base import REQUIRED, Params, group, param, section
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
@@ -13,8 +17,17 @@ from edl6dof.vehicle.staging import StagingParams
 from edl6dof.vehicle.trim_wing import TrimWingParams
 
 
+def _or_daveml(schema: dict[str, Any]) -> None:
+    """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it validates)."""
+    own = [name for name in schema["required"] if name not in ("mass", "aero")]
+    schema["anyOf"] = [{"required": ["mass", "aero"]}, {"required": ["daveml"]}]
+    schema["required"] = own
+
+
 class VehicleParams(Params):
     """An entry vehicle and everything that leaves it."""
+
+    model_config = ConfigDict(json_schema_extra=_or_daveml)
 
     name: str = param(REQUIRED, "name of the vehicle", record=False, min_length=1)
     daveml: list[str] = param(

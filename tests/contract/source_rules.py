@@ -15,12 +15,12 @@ LAYERS = (
     ("jit", "records", "__version__"),
     ("config", "registry"),
     ("spatial",),
-    ("environment",),
+    ("environment", "interchange"),
     ("vehicle",),
     ("sensors",),
     ("fsw", "mission"),
     ("sim",),
-    ("studies", "post"),
+    ("studies", "post", "verify"),
     ("cli", "app", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}

@@ -20,7 +20,8 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_nominal_lands_within_limits_with_status_0(here, capsys, monkeypatch):
+def test_nominal_lands_within_limits_with_status_0(nominal, here, capsys, monkeypatch):
+    """The shared flight comes first: a cold compile cache would add its notice."""
     code, out, err = run(capsys, monkeypatch, "fly", "tianwen1", *QUICK)
     assert (code, err) == (0, "")
     lines = out.splitlines()

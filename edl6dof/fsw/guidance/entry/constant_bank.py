@@ -32,4 +32,4 @@ def guide(onboard, nav, mem, out):
     out.bank = sign * p.bank if nav.speed > onboard.guidance.entry.align_speed else 0.0
 
 
-MEMBER = Member("constant_bank", ConstantBankParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 4 (reversals); constant magnitude", MEMORY)
+MEMBER = Member("constant_bank", ConstantBankParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 4 (reversals)", MEMORY)

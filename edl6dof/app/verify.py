@@ -1,0 +1,113 @@
+"""``edl6dof verify``."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from edl6dof.config.wording import nearest
+from edl6dof.verify.registry import CASES
+from edl6dof.verify.runner import Report, run_case
+
+BAD_INPUT = 2
+
+
+def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
+    """Run the named check cases, or all, and print the table; returns the exit status."""
+    unknown = [name for name in names if name not in CASES]
+    if unknown:
+        near = nearest(unknown[0], list(CASES))
+        hint = f"; did you mean {near!r}?" if near else ""
+        return _refuse(f"{unknown[0]}: no such check case{hint} (cases: {', '.join(CASES)})")
+    if plots is not None:
+        if find_spec("matplotlib") is None:
+            return _refuse("--plots needs matplotlib: pip install 'edl6dof[plots]'")
+        try:
+            plots.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            return _refuse(f"{plots}: cannot be written: {error.strerror or error}")
+    begin = time.perf_counter()
+    reports = _run(names or list(CASES), quiet=as_json)
+    seconds = time.perf_counter() - begin
+    drawn = _draw(reports, plots) if plots is not None else []
+    passed = all(report.passed for report in reports)
+    if as_json:
+        print(json.dumps({"passed": passed, "seconds": round(seconds, 2), "cases": [r.as_dict() for r in reports]}, indent=1))
+    else:
+        _show(reports, seconds, drawn)
+    return 0 if passed else 1
+
+
+def _run(names: Sequence[str], quiet: bool) -> list[Report]:
+    from edl6dof.jit import is_cached
+    from edl6dof.sim.loop import fly as compiled_loop
+
+    talk = not quiet
+    if talk and not is_cached(compiled_loop):
+        message = "Compiling the simulator (first use on this machine; up to a minute, kept for later) ..."
+        print(message, file=sys.stderr, flush=True)
+    console = Console(stderr=True)
+    reports = []
+    for number, name in enumerate(names, 1):
+        if talk and console.is_terminal:
+            console.print(f"{number}/{len(names)} {name}", end="\r", highlight=False)
+        reports.append(run_case(name))
+        if talk and console.is_terminal:
+            console.print(" " * 40, end="\r")
+    return reports
+
+
+def _draw(reports: Sequence[Report], folder: Path) -> list[Path]:
+    from edl6dof.verify.plots import save_plot
+
+    drawn = []
+    for report in reports:
+        if report.history is not None:
+            drawn.append(folder / f"{report.name}.png")
+            save_plot(report.history, drawn[-1])
+    return drawn
+
+
+def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> None:
+    console = Console(highlight=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading, right in (("case", 0), ("verifies", 0), ("source", 0), ("error", 1), ("tolerance", 1), ("unit", 0), ("why", 0), ("", 0)):
+        fixed = heading in ("error", "tolerance", "unit", "")
+        table.add_column(heading, justify="right" if right else "left", no_wrap=fixed, overflow="fold")
+    for report in reports:
+        table.add_row(Text(report.name, style="bold cyan"), report.note)
+        for result in report.results:
+            mark = Text("ok", style="green") if result.passed else Text("FAIL", style="bold red")
+            unit = "" if result.unit == "-" else result.unit
+            cells = f"  {result.quantity}", result.verifies, result.source, f"{result.error:.1e}", f"{result.tolerance:.0e}", unit
+            table.add_row(*cells, result.why, mark)
+    console.print(table)
+    if drawn:
+        console.print(f"{drawn[0].parent}: {', '.join(path.name for path in drawn)}", markup=False)
+    for report in reports:
+        if report.skipped:
+            console.print(f"skipped: {report.name}: {report.note}", markup=False)
+    console.print(_verdict(reports, seconds))
+
+
+def _verdict(reports: Sequence[Report], seconds: float) -> Text:
+    failed = [report.name for report in reports if not report.passed]
+    count = sum(len(report.results) for report in reports)
+    if failed:
+        return Text(f"FAILED: {', '.join(failed)}; {count} comparisons in {seconds:.1f} s", style="bold red")
+    ran = sum(not report.skipped for report in reports)
+    return Text(f"all within tolerance: {count} comparisons in {ran} cases, {seconds:.1f} s", style="bold green")
+
+
+def _refuse(message: str) -> int:
+    print(message, file=sys.stderr)
+    return BAD_INPUT

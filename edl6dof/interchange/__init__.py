@@ -1,0 +1,1 @@
+"""Formats of other programs: DAVE-ML vehicle models in, NASA check-case tables out."""

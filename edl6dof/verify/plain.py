@@ -1,0 +1,126 @@
+"""The same kernels as plain Python, in a process of their own with numba switched off.
+
+The records are built by the compiled program and handed over byte for byte.  Plain Python reads them through :class:`Record`: numpy's own
+``recarray`` will not do, because ``rates.base`` is an attribute of every numpy scalar.  Scalars are numpy's, so divisions follow the
+same rules as in compiled code.  About a thousand times slower.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from edl6dof.fsw.onboard import FSW
+from edl6dof.sensors.sensed import SENSED
+from edl6dof.sim import records
+from edl6dof.sim.channels import TICK
+from edl6dof.sim.scenario import LoadedScenario
+from edl6dof.sim.state import State
+from edl6dof.vehicle.plant import PLANT, STATES, STATES_VEHICLE
+from edl6dof.verify.attributes import Record, Records
+
+#: The records of a flight, in the order of the loop's arguments.
+LAYOUT = {
+    "case": records.CASE, "onboard": records.ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensed": SENSED, "fsw": FSW
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Setting:
+    """All records of a flight (keys of ``LAYOUT``) at the start of a base cycle, and its steps per cycle."""
+
+    arrays: dict[str, np.ndarray]
+    cycle: int
+    steps: int
+
+
+def setting(loaded: LoadedScenario, state: State) -> Setting:
+    """Records of ``loaded`` with copies of the state."""
+    tables = records.build_tables(loaded.truth)
+    fixed = {"case": records.build_case(loaded.truth, tables), "onboard": records.build_onboard(loaded.scenario, tables)}
+    moving = {"plant": state.plant.copy(), "sensed": state.sensed.copy(), "fsw": state.fsw.copy()}
+    return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
+
+
+def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
+    """Fly base cycles from a setting, compiled or plain as the process is; returns the changed records and the log."""
+    from edl6dof.sim.loop import fly
+
+    log = np.zeros(cycles + 2, TICK)
+    arrays = [s.arrays[name] for name in LAYOUT]
+    as_seen = [Records(array) for array in (*arrays, log)] if numba.config.DISABLE_JIT else [*arrays, log]
+    _, _, rows = fly(*as_seen[:-1], s.cycle, s.cycle + cycles, s.steps, as_seen[-1], 0)
+    return {**{name: s.arrays[name] for name in ("plant", "sensed", "fsw")}, "log": log[:rows]}
+
+
+def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndarray]:
+    """Integrate the right-hand side, with commands as they are, by scipy's DOP853; returns the end state and the evaluations."""
+    from scipy.integrate import solve_ivp
+
+    from edl6dof.vehicle.body import derivatives
+
+    case, tables, plant = (s.arrays[name][0] for name in ("case", "tables", "plant"))
+    full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
+    count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
+    seen = [Record(void) for void in (case, tables, plant)] if numba.config.DISABLE_JIT else [case, tables, plant]
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        full[:count] = y
+        derivatives(*seen, t, full, out)
+        return out[:count].copy()
+
+    begin = full[:count].copy()
+    scale = tolerance * np.maximum(np.abs(begin), 1.0)
+    found = solve_ivp(rates, (start, start + seconds), begin, "DOP853", rtol=tolerance, atol=scale)
+    return {"y": found.y[:, -1], "evaluations": np.array(found.nfev)}
+
+
+def in_plain_python(s: Setting, task: str, *numbers: float) -> dict[str, np.ndarray]:
+    """Run ``fly_cycles`` or ``integrate`` in a process with numba off.
+
+    Raises:
+        subprocess.CalledProcessError: the kernels do not run as plain Python; its ``stderr`` says why.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        given, answer = Path(folder) / "given.npz", Path(folder) / "answer.npz"
+        raw = {name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()}
+        np.savez(given, cycle=s.cycle, steps=s.steps, task=task, numbers=np.array(numbers), **raw)
+        command = [sys.executable, "-m", "edl6dof.verify.plain", str(given), str(answer)]
+        subprocess.run(command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True, capture_output=True, text=True)
+        layout = {**LAYOUT, "log": TICK}
+        with np.load(answer) as file:
+            return {name: np.frombuffer(file[name].tobytes(), layout[name]) if name in layout else file[name] for name in file.files}
+
+
+def differing(a: np.ndarray, b: np.ndarray, prefix: str = "") -> list[str]:
+    """Names of the fields of two structured arrays whose bits differ; padding does not count."""
+    names: list[str] = []
+    for name in a.dtype.names or ():
+        if a[name].dtype.names:
+            names += differing(a[name], b[name], f"{prefix}{name}.")
+        elif a[name].tobytes() != b[name].tobytes():
+            names.append(prefix + name)
+    return names
+
+
+def main(given: str, answer: str) -> None:
+    """Read a setting, do the task, write what came of it as raw bytes or arrays."""
+    if not numba.config.DISABLE_JIT:
+        raise RuntimeError("numba is not switched off: set NUMBA_DISABLE_JIT=1")
+    with np.load(given) as file:
+        arrays = {name: np.frombuffer(file[name].tobytes(), dtype).copy() for name, dtype in LAYOUT.items()}
+        s, task, numbers = Setting(arrays, int(file["cycle"]), int(file["steps"])), str(file["task"]), file["numbers"]
+    with np.errstate(all="ignore"):
+        result = fly_cycles(s, int(numbers[0])) if task == "fly_cycles" else integrate(s, *(float(x) for x in numbers))
+    np.savez(answer, **{name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()})
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,90 @@
+"""Scenes for check cases: the shipped scenario stripped down by overrides, and flights from a state of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.sim import records
+from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.loop import prepare
+from edl6dof.sim.scenario import LoadedScenario, Scenario, load_scenario
+from edl6dof.sim.state import State
+
+SCENARIO = "tianwen1"
+#: No flight software, wind, ground, rotation of the planet.
+BARE = ("mission.phases=[]", "wind.model=none", "terrain.model=none", "planet.rotation_rate_rad_s=0", "planet.flattening=0")
+VACUUM = ("atmosphere.model=none", "vehicle.aero.model=none")
+WEIGHTLESS = ("planet.gravity.model=none",)
+#: A planet so large that gravity is 3.72 m/s2 straight down within 1e-5 over the few kilometres of a case.
+FLAT = ("planet.equatorial_radius_m=1e9", "planet.gravity.model=central", "planet.gravity.mu_m3_s2=3.72e18")
+#: An atmosphere of the same density everywhere.
+UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_m=1e15")
+#: No part ever leaves and no propellant: the vehicle is one rigid body with the mass properties of the entry vehicle.
+ONE_BODY = tuple(
+    f"vehicle.mass.{part}.{value}"
+    for part in ("heat_shield", "backshell", "parachute", "propellant")
+    for value in ("mass_kg=0", "inertia_kg_m2=[0, 0, 0]")
+)
+#: Nothing ends the flight but the time limit.
+ENDLESS = ("limits.body_rate_deg_s=1e6", "limits.total_alpha_deg=181")
+
+
+class CutShortError(RuntimeError):
+    """A flight of a check case did not end as it should."""
+
+
+def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scenario, LoadedScenario]:
+    """The scenario that expected values follow from, and the one to fly: the same but for a planted error."""
+    return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
+
+
+def flown(overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit") -> tuple[Scenario, Flight]:
+    """The scenario that expected values follow from, and the flight.
+
+    Raises:
+        CutShortError: the flight ended otherwise than it should, so that it proves nothing.
+    """
+    nominal, loaded = scenes(overrides, planted)
+    return nominal, to_the_end(loaded, None, ends)
+
+
+def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "time limit") -> Flight:
+    """Fly, from a state if one is given, to the named end.
+
+    Raises:
+        CutShortError: the flight ended otherwise.
+    """
+    flight = fly(loaded, start=start)
+    if not flight.outcome.startswith(ends):
+        raise CutShortError(f"the flight ended with {flight.outcome!r} at t = {flight.time_s:.2f} s")
+    return flight
+
+
+def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
+    """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties and loads made consistent."""
+    tables = records.build_tables(loaded.truth)
+    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario, tables)
+    plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+    change(plant[0], fsw[0])
+    prepare(case, tables, plant)
+    return State(0, plant, records.initial_sensed(), fsw, "")
+
+
+def after(flight: Flight) -> State:
+    """The state at the end of a flight that its time limit ended, to fly on from under another limit."""
+    cycle = round(flight.time_s * flight.scenario.flight_software.rates.base_hz)
+    return State(cycle, flight.plant, records.initial_sensed(), flight.fsw, "")
+
+
+def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:
+    """Columns ``truth.<stem>_<axis>_<suffix>`` of the telemetry, shape (rows, axes)."""
+    end = f"_{suffix}" if suffix else ""
+    return np.stack([flight.telemetry[f"truth.{stem}_{axis}{end}"] for axis in axes], axis=1)
+
+
+def rates(flight: Flight) -> np.ndarray:
+    """Body rates p, q, r in rad/s, shape (rows, 3)."""
+    return np.radians(vectors(flight, "rate", "deg_s", "pqr"))

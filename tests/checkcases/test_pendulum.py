@@ -1,0 +1,28 @@
+"""The check case ``pendulum`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+
+* normal force of the canopy 1 % too large
+* bridle 1 cm too long
+* apparent mass of the canopy left out
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from edl6dof.verify import pendulum
+
+PLANTED = [
+    pytest.param(["vehicle.parachute.normal_slope=0.2525"], "pendulum", id="slope"),
+    pytest.param(["vehicle.parachute.confluence_m=[-3.91, 0, 0]"], "wrist", id="bridle"),
+    pytest.param(["vehicle.parachute.apparent_mass_factor=0"], "pendulum", id="apparent"),
+]
+
+
+def test_passes():
+    assert pendulum.run().passed
+
+
+@pytest.mark.parametrize(("planted", "quantity"), PLANTED)
+def test_planted_error_is_caught(planted, quantity):
+    caught = [result.quantity for result in pendulum.run(planted).results if not result.passed]
+    assert any(quantity in name for name in caught), caught

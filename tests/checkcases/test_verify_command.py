@@ -1,0 +1,59 @@
+"""``edl6dof verify``: exit status, JSON, plots and names; the cases themselves are proved one by one beside this file."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+
+from edl6dof.app.verify import run_verify
+from edl6dof.verify import nesc, registry
+from edl6dof.verify.outcome import Outcome, Result
+from edl6dof.verify.runner import run_case
+
+FAILING = Outcome((Result("quantity", "model", "source", math.nan, 1.0, "m", "why"),))
+
+
+def broken():
+    raise RuntimeError("boom")
+
+
+def absent():
+    raise nesc.NotInstalledError("no data")
+
+
+def test_json_of_two_cases(capsys):
+    assert run_verify(["kepler", "rotations"], True, None) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["passed"] and [case["case"] for case in answer["cases"]] == ["kepler", "rotations"]
+    result = answer["cases"][0]["results"][0]
+    assert 0.0 < result["error"] < result["tolerance"] and result["passed"]
+    assert all(result[key] for key in ("quantity", "verifies", "source", "why", "unit"))
+
+
+@pytest.mark.parametrize(("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Outcome(()), "FAILED")])
+def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeypatch, capsys, case, text):
+    monkeypatch.setitem(registry.CASES, "kepler", case)
+    assert run_verify(["kepler", "us76_table"], False, None) == 1
+    assert text in capsys.readouterr().out
+    assert run_verify(["kepler"], True, None) == 1
+    json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+
+
+def test_missing_reference_data_skip_the_case_with_a_line(monkeypatch, capsys):
+    monkeypatch.setitem(registry.CASES, "nesc", absent)
+    assert run_case("nesc").skipped
+    assert run_verify(["nesc", "us76_table"], False, None) == 0
+    assert "skipped: nesc: no data" in capsys.readouterr().out
+
+
+def test_unknown_case_is_refused_with_a_hint(capsys):
+    assert run_verify(["keplr"], False, None) == 2
+    assert "kepler" in capsys.readouterr().err
+
+
+def test_plots(tmp_path):
+    pytest.importorskip("matplotlib")
+    assert run_verify(["kepler", "rotations"], True, tmp_path / "plots") == 0
+    assert [path.name for path in (tmp_path / "plots").iterdir()] == ["kepler.png"]

@@ -1,0 +1,81 @@
+"""Whatever valid vehicle in whatever state: the derivatives are finite numbers.
+
+Vehicles are drawn inside the bounds of the scenario file (those the file refuses are not counted), states far beyond what a flight meets:
+from below the ground to orbit, from rest to 20 km/s, any attitude, 20 rad/s, with the canopy packed, in tow, open or gone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from edl6dof.config.errors import ConfigError
+from edl6dof.sim import records
+from edl6dof.sim.loop import prepare
+from edl6dof.sim.scenario import load_scenario
+from edl6dof.vehicle.body import derivatives
+
+LIMITS = settings(max_examples=25, deadline=None, derandomize=True)
+STATES_EACH = 20
+
+
+def number(low, high):
+    return st.floats(low, high, allow_nan=False, allow_infinity=False)
+
+
+VEHICLE = st.fixed_dictionaries(
+    {
+        "vehicle.aero.model": st.sampled_from(["capsule", "constant", "none"]),
+        "vehicle.mass.entry_kg": number(700.0, 5000.0),
+        "vehicle.aero.capsule.axial_factor": number(0.01, 10.0),
+        "vehicle.aero.capsule.moment_factor": number(-10.0, 10.0),
+        "vehicle.aero.capsule.damping_factor": number(-10.0, 10.0),
+        "vehicle.aero.constant.drag_coefficient": number(0.0, 10.0),
+        "vehicle.parachute.diameter_m": number(0.1, 60.0),
+        "vehicle.parachute.trim_angle_deg": number(0.0, 30.0),
+        "vehicle.parachute.inflation_exponent": number(0.1, 10.0),
+        "vehicle.parachute.apparent_mass_factor": number(0.0, 5.0),
+        "vehicle.engine.misalignment_y_deg": number(-5.0, 5.0),
+        "vehicle.trim_wing.normal_tilt_deg": number(-89.0, 89.0),
+        "atmosphere.model": st.sampled_from(["table", "exponential", "us76", "none"]),
+        "planet.gravity.model": st.sampled_from(["harmonics", "j2", "central", "none"]),
+        "wind.model": st.sampled_from(["table", "constant", "none"]),
+    }
+)
+
+
+def disturb(plant, rng):
+    """A random state, and a random stage of the mission."""
+    y = plant["y"][0]
+    place = rng.normal(size=3)
+    radius = 3.39e6 + rng.choice([-5e3, 0.0, 1e3, 2e4, 1.3e5, 5e6])
+    y[0:3] = radius * place / np.linalg.norm(place)
+    y[3:6] = rng.normal(size=3) * rng.choice([0.0, 1e-9, 1.0, 500.0, 1e4])
+    q = rng.normal(size=4)
+    y[6:10] = q / np.linalg.norm(q)
+    y[10:13] = rng.normal(size=3) * rng.choice([0.0, 0.1, 20.0])
+    y[13], y[14] = rng.choice([0.0, 1e-12, 50.0, 190.0]), rng.choice([0.0, 1500.0, 7500.0])
+    y[16:19] = y[0:3] + rng.normal(size=3) * rng.choice([0.0, 1.0, 30.0, 1e4])
+    y[19:22] = y[3:6] + rng.normal(size=3) * rng.choice([0.0, 30.0])
+    plant["attached"][0] = rng.integers(0, 2, 3)
+    plant["canopy"], plant["running"], plant["legs"], plant["touched"] = rng.integers(0, 4), *rng.integers(0, 2, 3)
+    plant["line_stretch_time"], plant["wing_start"] = rng.choice([-100.0, -0.1, 0.0, 1e99]), rng.choice([-5.0, -0.3, 1e99])
+
+
+@LIMITS
+@given(VEHICLE, st.integers(0, 2**32 - 1))
+def test_derivatives_are_finite(drawn, seed):
+    try:
+        loaded = load_scenario("tianwen1", [f"{path}={value}" for path, value in drawn.items()])
+    except ConfigError:
+        assume(False)
+    tables = records.build_tables(loaded.truth)
+    case, rng, out = records.build_case(loaded.truth, tables), np.random.default_rng(seed), np.zeros(22)
+    for _ in range(STATES_EACH):
+        plant = records.initial_plant(loaded.truth, case)
+        disturb(plant, rng)
+        prepare(case, tables, plant)
+        derivatives(case[0], tables[0], plant[0], 0.0, plant["y"][0], out)
+        live = 22 if plant["canopy"][0] in (1, 2) else 16
+        assert np.all(np.isfinite(out[:live])), (drawn, plant["y"][0].tolist(), out.tolist())

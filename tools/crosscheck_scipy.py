@@ -1,0 +1,86 @@
+"""Integrate the simulator's right-hand side with scipy and print the difference to its own Runge-Kutta steps, phase by phase.
+
+    python tools/crosscheck_scipy.py [--window 60] [--tolerance 1e-11] [--compiled]
+
+From a state saved in each phase of the nominal flight both fly on with the flight software off: valves shut, engine command held, nothing
+due.  The simulator flies compiled, with 10 ms Runge-Kutta steps; scipy's DOP853 works at tight tolerance on the same source as plain
+Python (numba off, a process of its own).  Windows of phases that end in tumbling or at the ground without flight software are shorter;
+``--compiled`` gives scipy the compiled right-hand side, which is much quicker.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+import numpy as np
+
+import edl6dof
+from edl6dof.sim.flight import fly
+from edl6dof.sim.state import State
+from edl6dof.vehicle.integrate import advance
+from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
+
+#: Seconds after the start of a phase at which its window begins: past deployments, on a smooth stretch.
+BEGIN = {"trim_aoa": 5.0, "lift": 20.0, "parachute": 5.0, "powered_deceleration": 3.0}
+#: Longest window (s) without flight software: beyond it the vehicle tumbles or meets the ground.
+LONGEST = {"powered_deceleration": 8.0, "hover_imaging": 5.0, "hazard_avoidance": 5.0, "slow_descent": 2.0}
+#: What is compared: name and place in the state.
+PARTS = {
+    "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10), "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
+}  # fmt: skip
+
+
+def quiet(state: State) -> State:
+    """The state with valves shut and nothing due."""
+    plant = state.plant.copy()
+    for name in ("opens", "closes", "level"):
+        plant["valves"][name] = 0.0
+    for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
+        plant[name] = 0
+    plant["due"] = 1e99
+    return State(state.cycle, plant, state.sensed, state.fsw, "")
+
+
+def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
+    """State after the window in the simulator's own steps."""
+    plant = given.arrays["plant"].copy()
+    start = float(plant["t"][0])
+    for k in range(round(seconds / 0.01)):
+        advance(given.arrays["case"][0], given.arrays["tables"][0], plant[0], start + 0.01 * (k + 1))
+    if plant["touched"][0]:
+        raise RuntimeError("the window reaches the ground")
+    return plant["y"][0]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--window", type=float, default=60.0, help="longest window, s")
+    parser.add_argument("--tolerance", type=float, default=1e-11, help="relative tolerance of DOP853")
+    parser.add_argument("--compiled", action="store_true", help="scipy on the compiled right-hand side")
+    options = parser.parse_args()
+    loaded = edl6dof.load("tianwen1")
+    nominal = fly(loaded)
+    print(f"{'phase':20} {'t s':>6} {'window s':>8} {' '.join(f'{name:>12}' for name in PARTS)} {'calls':>7} {'took s':>7}")
+    for index, name in enumerate(nominal.phase_names[:-1]):
+        begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(name, 0.5)
+        seconds = min(options.window, LONGEST.get(name, 60.0))
+        state = fly(loaded, save_at_s=begin).saved
+        if state is None:
+            continue
+        given = setting(loaded, quiet(state))
+        own = runge_kutta(given, seconds)
+        clock = time.perf_counter()
+        arguments = (given, seconds, options.tolerance)
+        found = integrate(*arguments) if options.compiled else in_plain_python(given, "integrate", seconds, options.tolerance)
+        took = time.perf_counter() - clock
+        y = found["y"].copy()
+        y[6:10] /= np.linalg.norm(y[6:10])
+        gaps = [f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()]
+        print(f"{name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} {took:7.1f}", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
