@@ -50,9 +50,11 @@ class Family:
         """Names that YAML may use, in registration order (the order is the integer in records)."""
         return tuple(member.name for member in self.members)
 
-    def params_model(self, class_name: str, choice: str, default: str, doc: str) -> type[Params]:
-        """Parameter model with the choice of a member and one section for each member."""
-        fields: dict[str, Any] = {choice: (Literal[self.names], param(default, f"which {self.title} flies"))}
+    def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
+        """Parameter model with one section for each member, and the choice of one unless it is made elsewhere (``choice`` None)."""
+        fields: dict[str, Any] = {}
+        if choice is not None:
+            fields[choice] = (Literal[self.names], param(default, f"which {self.title} flies"))
         for member in self.members:
             fields[member.name] = (member.params, group(member.params, (member.params.__doc__ or "").strip().splitlines()[0]))
         return create_model(class_name, __base__=Params, __doc__=doc, **fields)

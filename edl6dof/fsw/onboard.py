@@ -58,7 +58,7 @@ class GuidanceParams(Params):
     powered: PoweredGuidanceParams = group(PoweredGuidanceParams, "powered guidance")
 
 
-ControlParams = CONTROLLERS.params_model("ControlParams", "spare", "off", "Attitude controllers; each phase names the one it uses.")
+ControlParams = CONTROLLERS.params_model("ControlParams", None, "off", "Attitude controllers; each phase names the one it uses.")
 
 
 class RateParams(Params):
