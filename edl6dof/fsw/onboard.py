@@ -16,7 +16,8 @@ from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.reference import REFERENCE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
@@ -38,6 +39,11 @@ class EntryGuidanceParams(_EntryLaws):
     trim_alpha_deg: float = param(
         -10.0, "angle of attack commanded before and during lift control", status="published", source="S1", ge=-90.0, le=90.0
     )
+    bank_min_deg: float = param(15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0)
+    bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
+    bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1000.0)
+    reversal: ReversalParams = group(ReversalParams, "bank reversals")
+    heading: HeadingAlignmentParams = group(HeadingAlignmentParams, "heading alignment")
     align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)
     final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0, le=4000.0)
     aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5)
@@ -103,9 +109,7 @@ ONBOARD = np.dtype(
     [
         (
             "planet",
-            np.dtype(
-                [("mu", "f8"), ("equatorial_radius", "f8"), ("flattening", "f8"), ("rotation_rate", "f8")], align=True
-            ),
+            np.dtype([("mu", "f8"), ("equatorial_radius", "f8"), ("flattening", "f8"), ("rotation_rate", "f8")], align=True),
         ),
         (
             "atmosphere",
@@ -192,7 +196,7 @@ FSW = np.dtype(
         ("attitude_error", "f8", (3,)),
         ("nav", NAV),
         ("guide", GUIDE),
-        ("entry", ENTRY_LAWS.memory),
+        ("entry", ENTRY_MEMORY),
         ("powered", POWERED_LAWS.memory),
         ("terminal", TERMINAL),
         ("control", CONTROLLERS.memory),

@@ -14,14 +14,15 @@ from edl6dof.config.base import Params
 from edl6dof.config.introspect import bounds, field_slot
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
 from edl6dof.fsw.navigation import NAV, navigate
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
 from edl6dof.sensors.sensed import SENSED
 
-FAMILIES = {"controller": CONTROLLERS, "entry law": ENTRY_LAWS, "powered law": POWERED_LAWS}
+FAMILIES = {"controller": CONTROLLERS, "entry law": ENTRY_LAWS, "reversal logic": REVERSALS, "powered law": POWERED_LAWS}
 MEMBERS = [(f"{kind}: {m.name}", family, m) for kind, family in FAMILIES.items() for m in family.members]
 IDS = [name for name, _, _ in MEMBERS]
 X, Y, Z = np.eye(3)
@@ -88,9 +89,7 @@ def test_names_are_unique_and_can_be_written_in_yaml():
 # ---- behaviour over a grid of states -------------------------------------------------------------------------------------------
 
 
-def nav_state(
-    onboard, lat, lon, altitude, velocity_N, attitude, rate=(0.0, 0.0, 0.0), force=(0.0, 0.0, 0.0), t=50.0, height=None
-):
+def nav_state(onboard, lat, lon, altitude, velocity_N, attitude, rate=(0.0, 0.0, 0.0), force=(0.0, 0.0, 0.0), t=50.0, height=None):
     """Navigation of a state given by north-east-down velocity and an attitude relative to that triad."""
     planet = onboard[0]["planet"]
     spin = Quaternion(axis=Z, radians=planet["rotation_rate"] * t)
@@ -244,7 +243,7 @@ def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole
     for nav in whole_grid:
         answers = []
         for _ in range(2):
-            memory, guide = np.zeros(1, ENTRY_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
+            memory, guide = np.zeros(1, ENTRY_MEMORY)[0], np.zeros(1, GUIDE)[0]
             for _ in range(3):
                 entry_guidance(index, shared_onboard[0], nav, memory, guide)
             answers.append((float(guide["bank"]), float(guide["range_to_go"]), float(guide["crossrange"])))
@@ -259,11 +258,9 @@ def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole
 def test_entry_law_levels_the_wings_below_the_alignment_speed(shared_onboard, index):
     site = shared_onboard[0]["site"]
     speed = 0.9 * shared_onboard[0]["guidance"]["entry"]["align_speed"]
-    nav = nav_state(
-        shared_onboard, site["latitude"] + 0.01, site["longitude"], 12e3, (-speed, 0.0, 0.0), Quaternion(), force=(-9.0, 0, 0)
-    )
+    nav = nav_state(shared_onboard, site["latitude"] + 0.01, site["longitude"], 12e3, (-speed, 0.0, 0.0), Quaternion(), force=(-9.0, 0, 0))
     guide = guided()
-    entry_guidance(index, shared_onboard[0], nav, np.zeros(1, ENTRY_LAWS.memory)[0], guide)
+    entry_guidance(index, shared_onboard[0], nav, np.zeros(1, ENTRY_MEMORY)[0], guide)
     assert guide["bank"] == 0.0
 
 

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.drag_tracking import drag_dynamics, range_scale
-from edl6dof.fsw.guidance.entry.geometry import REVERSAL, CorridorParams, bank_sign, to_target
+from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.reference import REFERENCE, STEPS, fly, solve_bank
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation import NAV
 
 RADIUS, MU = 3.3962e6, 4.2828e13
@@ -158,48 +157,6 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
         assert crossrange == pytest.approx(radius * np.arcsin(target @ left), abs=1e-3)
 
 
-def corridor(**changes):
-    record = np.zeros(1, dtype_of(CorridorParams))
-    fill(record[0], CorridorParams(**changes))
-    return record[0]
-
-
-def test_first_bank_turns_towards_the_target():
-    for crossrange, sign in ((5000.0, -1.0), (-5000.0, 1.0)):
-        assert bank_sign(corridor(), np.zeros(1, REVERSAL)[0], crossrange, 4000.0) == sign
-
-
-def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to():
-    c = corridor(c0_m=1000.0, c1_s=1.0, c2_s2_m=5e-4)
-    edge = 1000.0 * (1.0 + 3.0 + 0.5 * 9.0)  # at 3 km/s
-    memory = np.zeros(1, REVERSAL)[0]
-    memory["sign"] = 1.0
-    assert bank_sign(c, memory, 0.99 * edge, 3000.0) == 1.0
-    assert bank_sign(c, memory, -5.0 * edge, 3000.0) == 1.0  # far left of the target and turning right: go on
-    assert bank_sign(c, memory, 1.01 * edge, 3000.0) == -1.0
-    assert bank_sign(c, memory, 1.01 * edge, 3000.0) == -1.0  # no chatter
-    assert memory["count"] == 1
-    assert bank_sign(c, memory, -1.01 * edge, 3000.0) == 1.0
-    assert memory["count"] == 2
-
-
-def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target():
-    """Point mass turning at constant lateral acceleration, its sign from the law: the miss ends inside the final corridor."""
-    c = corridor(c0_m=1000.0, c1_s=1.0, c2_s2_m=4e-4)
-    for start in (-12e3, -2e3, 0.0, 9e3):
-        memory = np.zeros(1, REVERSAL)[0]
-        x, y, heading, speed, dt = 0.0, start, 0.0, 4500.0, 0.5
-        goal = 600e3
-        while goal - x > 5e3:
-            crossrange = (goal - x) * sin(heading) + y * cos(heading)  # of the track at the target, right positive
-            sign = bank_sign(c, memory, crossrange, speed)
-            heading += sign * 5.0 / speed * dt
-            x, y = x + speed * cos(heading) * dt, y + speed * sin(heading) * dt
-            speed = max(speed - 15.0 * dt, 500.0)
-        assert abs(y) < 4000.0  # half width at 500 m/s is 1.6 km, plus the turn itself
-        assert 1 <= memory["count"] <= 12
-
-
 # ---- reference trajectory ------------------------------------------------------------------------------------------------------
 
 
@@ -307,7 +264,7 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
     radius, mu = planet["equatorial_radius"], planet["mu"]
     align, final = record["guidance"]["entry"]["align_speed"], record["guidance"]["entry"]["final_speed"]
     total = float(record["reference"]["range"][-1]) + 1e3 * range_error_km
-    nav, guide, memory = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, ENTRY_LAWS.memory)[0]
+    nav, guide, memory = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, ENTRY_MEMORY)[0]
     law = ENTRY_LAWS.names.index("drag_tracking")
     entry = independent_start(record)
     r, v, gamma = radius + entry[0], entry[1], entry[2]

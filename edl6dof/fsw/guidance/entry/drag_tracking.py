@@ -14,8 +14,7 @@ from math import acos, cos, sin, sqrt
 
 import numpy as np
 
-from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.guidance.entry.geometry import REVERSAL, CorridorParams, bank_sign, to_target
+from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
@@ -29,14 +28,11 @@ class DragTrackingParams(Params):
     start_drag_m_s2: float = param(1.0, "drag at which tracking begins; before, the reference bank is held", ge=0.0)
     frequency_rad_s: float = param(0.08, "natural frequency of the drag error", gt=0.0, le=1.0)
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
-    bank_min_deg: float = param(15.0, "smallest bank magnitude while tracking", ge=0.0, le=90.0)
-    bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
     update_stop_m_s: float = param(900.0, "speed below which the range update is frozen", ge=0.0)
     scale_limit: float = param(0.4, "largest relative change of the reference drag", gt=0.0, lt=1.0)
-    corridor: CorridorParams = group(CorridorParams, "bank-reversal corridor")
 
 
-MEMORY = np.dtype([("reversal", REVERSAL), ("scale", "f8")], align=True)
+MEMORY = np.dtype([("scale", "f8")], align=True)
 
 
 @kernel
@@ -99,22 +95,15 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height):
 
 @kernel
 def guide(onboard, nav, mem, out):
-    """Commanded bank angle from measured drag and the range to the aim point."""
+    """Wanted bank angle from measured drag and the range to the aim point."""
     p = onboard.guidance.entry.drag_tracking
     memory = mem.drag_tracking
     reference = onboard.reference
-    wanted, crossrange = to_target(onboard, nav)
-    out.range_to_go, out.crossrange = wanted, crossrange
-    sign = bank_sign(p.corridor, memory.reversal, crossrange, nav.speed)
     if nav.drag < p.start_drag and nav.speed > p.update_stop:
-        out.bank = sign * reference.bank
-        return
-    if nav.speed < onboard.guidance.entry.align_speed:
-        out.bank = 0.0
-        return
+        return reference.bank
     u = sqrt(2.0 * max(nav.energy, 0.0))
     if nav.speed > p.update_stop:
-        memory.scale = range_scale(reference, u, wanted, memory.scale, p.scale_limit)
+        memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
     position = clamp((u - reference.first) / reference.spacing, 0.0, NODES - 1.001)
     i = int(position)
     f = position - i
@@ -129,11 +118,8 @@ def guide(onboard, nav, mem, out):
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
     omega = p.frequency
-    wanted_acceleration = (
-        goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
-    )
-    cosine = clamp((wanted_acceleration - b) / a, cos(p.bank_max), cos(p.bank_min))
-    out.bank = sign * acos(cosine)
+    wanted_acceleration = goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
+    return acos(clamp((wanted_acceleration - b) / a, -1.0, 1.0))
 
 
 MEMBER = Member("drag_tracking", DragTrackingParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY)

@@ -1,8 +1,18 @@
-"""The entry guidance laws."""
+"""The entry guidance laws.
+
+A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go and crossrange are in
+``out`` before it is called; limits, side, heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.
+``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking
+from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
+from edl6dof.jit import kernel
 from edl6dof.registry import Family
 
 ENTRY_LAWS = Family(
@@ -13,4 +23,14 @@ ENTRY_LAWS = Family(
     ),
 )
 
-entry_guidance = ENTRY_LAWS.switch("guide", 4)
+ENTRY_MEMORY = np.dtype([("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
+
+wanted_bank = ENTRY_LAWS.switch("guide", 4)
+
+
+@kernel
+def entry_guidance(law, onboard, nav, mem, out):
+    """Commanded bank angle of entry law number ``law``, written into ``out``; ``mem`` is an ``ENTRY_MEMORY`` record."""
+    out.range_to_go, out.crossrange = to_target(onboard, nav)
+    wanted = wanted_bank(law, onboard, nav, mem.law, out)
+    steer_bank(onboard, nav, mem.steering, out, wanted)

@@ -1,0 +1,1 @@
+"""Bank-reversal logics: the side to which the vehicle banks, shared by every entry law."""

@@ -1,0 +1,23 @@
+"""No reversal logic: the sign of the bank angle is the law's own, for open-loop profiles and laws that steer both planes.
+
+Source: none, this is the null member of the family.
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class OwnSignParams(Params):
+    """The law's own sign."""
+
+
+@kernel
+def side(onboard, nav, mem, out, wanted, sign):
+    """Side of the bank angle that the law wants."""
+    return -1.0 if wanted < 0.0 else 1.0
+
+
+MEMBER = Member("own_sign", OwnSignParams, {"side": side}, "null member")

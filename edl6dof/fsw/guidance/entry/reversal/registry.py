@@ -1,0 +1,21 @@
+"""The bank-reversal logics.
+
+A member has one kernel, ``side(onboard, nav, mem, out, wanted, sign)``: the side to bank to (+1 right, -1 left), given the bank angle
+that the law wants (rad), the present side, and range and crossrange in ``out``.  ``mem`` is the family's memory; its own lies in
+``mem.<name>``.
+"""
+
+from __future__ import annotations
+
+from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, own_sign
+from edl6dof.registry import Family
+
+REVERSALS = Family(
+    "bank-reversal logic",
+    (
+        crossrange_corridor.MEMBER,
+        own_sign.MEMBER,
+    ),
+)
+
+bank_side = REVERSALS.switch("side", 6)

@@ -1,0 +1,78 @@
+"""From the bank angle a law wants to the bank angle commanded: limits, side, heading alignment, wings level, rate.  One stage for all laws.
+
+Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range control, sign from the lateral
+logic; near the end the range control stops and the bank angle takes out the heading error; last the lift is levelled for the parachute.
+"""
+
+from __future__ import annotations
+
+from math import atan2
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
+
+ReversalParams = REVERSALS.params_model("ReversalParams", "logic", "crossrange_corridor", "Bank reversals.")
+
+
+class HeadingAlignmentParams(Params):
+    """Heading alignment: below a speed, bank against the heading error instead of controlling range."""
+
+    speed_m_s: float = param(0.0, "speed below which it takes over; 0 for never", ge=0.0)
+    gain: float = param(20.0, "bank angle per heading error", ge=0.0, le=1000.0)
+    limit_deg: float = param(30.0, "largest bank angle it commands", ge=0.0, le=90.0)
+
+
+STEERING = np.dtype(
+    [("sign", "f8"), ("count", "i8"), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)],
+    align=True,
+)
+
+
+@kernel
+def limited(onboard, wanted):
+    """Bank magnitude (rad) inside the limits that all laws share."""
+    p = onboard.guidance.entry
+    return clamp(abs(wanted), p.bank_min, p.bank_max)
+
+
+@kernel
+def chosen_side(onboard, nav, mem, out, wanted):
+    """Side to bank to: towards the aim point at first, then as the reversal logic says; reversals are counted."""
+    if mem.sign == 0.0:
+        mem.sign = -1.0 if out.crossrange > 0.0 else 1.0
+    sign = bank_side(onboard.guidance.entry.reversal.logic, onboard, nav, mem.reversal, out, wanted, mem.sign)
+    if sign != mem.sign:
+        mem.count += 1
+    mem.sign = sign
+    return sign
+
+
+@kernel
+def heading_bank(onboard, out):
+    """Bank angle against the heading error, the angle at the vehicle between its velocity and the aim point."""
+    p = onboard.guidance.entry.heading
+    return clamp(-p.gain * atan2(out.crossrange, max(out.range_to_go, 1.0)), -p.limit, p.limit)
+
+
+@kernel
+def steer_bank(onboard, nav, mem, out, wanted):
+    """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for ``own_sign`` only).
+
+    The rate limit moves the command through zero bank, never through lift down.
+    """
+    p = onboard.guidance.entry
+    if nav.speed < p.align_speed:
+        goal = 0.0
+    elif nav.speed < p.heading.speed:
+        goal = heading_bank(onboard, out)
+    else:
+        goal = chosen_side(onboard, nav, mem, out, wanted) * limited(onboard, wanted)
+    if mem.t > 0.0:
+        step = p.bank_rate * (nav.t - mem.t)
+        goal = clamp(goal, mem.bank - step, mem.bank + step)
+    mem.bank, mem.t = goal, nav.t
+    out.bank = goal
