@@ -19,9 +19,7 @@ app = typer.Typer(
 BAD_INPUT = 2
 FAILED_FLIGHT = 1
 
-Sets = Annotated[
-    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")
-]
+Sets = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")]
 
 
 @app.command()

@@ -34,8 +34,7 @@ INERTIA = [1150.0, 0.0, 0.0, 0.0, 900.0, 0.0, 0.0, 0.0, 950.0]
 ARM_M, OUT_M, TILT = 0.85, 1.2, math.sqrt(0.5)
 #: (position, direction) of the thrusters, which push obliquely: pure torques about all three axes are sums of four of them.
 THRUSTERS = [
-    ([x * 0.04, side * OUT_M, z * ARM_M], [side * x * TILT, -side * TILT, 0.0])
-    for side, x, z in itertools.product((1, -1), repeat=3)
+    ([x * 0.04, side * OUT_M, z * ARM_M], [side * x * TILT, -side * TILT, 0.0]) for side, x, z in itertools.product((1, -1), repeat=3)
 ]
 
 

@@ -62,9 +62,7 @@ def _parse(text: str) -> Any:
         raise _Refused("; ".join(problem.message for problem in error.problems)) from None
 
 
-def _set(
-    document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel], includes: Mapping[str, str]
-) -> None:
+def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel], includes: Mapping[str, str]) -> None:
     node, slot, path = document.data, root_slot(model), ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)

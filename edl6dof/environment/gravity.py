@@ -38,9 +38,7 @@ class GravityParams(Params):
     reference_radius_m: float = param(
         REQUIRED, "radius that the harmonics and J2 refer to", status="published", source="planet file", gt=0.0
     )
-    j2: float = param(
-        REQUIRED, "oblateness, not normalised; used by model j2", status="published", source="planet file", ge=0.0, lt=0.1
-    )
+    j2: float = param(REQUIRED, "oblateness, not normalised; used by model j2", status="published", source="planet file", ge=0.0, lt=0.1)
     coefficients: str = param("", "harmonics file in edl6dof/data/gravity, or an absolute path", record=False)
 
     @model_validator(mode="after")

@@ -31,9 +31,7 @@ class TerrainParams(Params):
     """Ground of the truth: a global map or nothing, and a plane around the landing site."""
 
     model: Literal["mola", "plane", "none"] = param("mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m")
-    site_elevation_m: float = param(
-        -4099.4, "height of the site above the areoid", status="published", source="Liu 2022", ge=-9e3, le=22e3
-    )
+    site_elevation_m: float = param(-4099.4, "height of the site above the areoid", status="published", source="Liu 2022", ge=-9e3, le=22e3)
     site_latitude_deg: float = param(25.066, "geodetic latitude", status="published", source="Liu 2022", ge=-89.0, le=89.0)
     site_longitude_deg: float = param(109.925, "east longitude", status="published", source="Liu 2022", ge=-360.0, le=360.0)
     slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)

@@ -31,13 +31,9 @@ class GustParams(Params):
     enabled: bool = param(False, "whether the random gust blows")
     sigma_scale: float = param(1.0, "factor on the sigmas", ge=0.0, le=5.0)
     altitudes_m: Vec3 = param((0.0, 20e3, 60e3), "altitudes of the sigmas, rising", status="estimate")
-    sigma_m_s: Vec3 = param(
-        (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
-    )
+    sigma_m_s: Vec3 = param((3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate")
     vertical_ratio: float = param(0.5, "vertical over horizontal sigma", status="estimate", ge=0.0, le=1.0)
-    scale_length_m: float = param(
-        300.0, "altitude over which the correlation falls to 1/e, at 0 m and below", status="estimate", ge=100.0
-    )
+    scale_length_m: float = param(300.0, "altitude over which the correlation falls to 1/e, at 0 m and below", status="estimate", ge=100.0)
     scale_growth: float = param(
         0.085, "growth of the scale length per metre of altitude: 2 km at 20 km", status="estimate", gt=1e-3, le=1.0
     )

@@ -167,4 +167,3 @@ PHASE_MEMORY = [
     ("event_done", "i8", (MAX_EVENTS,)),
     ("entered", "f8", (MAX_PHASES,)),
 ]
-

@@ -107,9 +107,7 @@ class Charts(Recorder):
             level[-1] = "INFO" if self.flight.outcome.startswith("landed within") else "ERROR"
             self.columns("events", np.array([e["t_s"] for e in events]), rr.TextLog.columns(text=text, level=level))
 
-    def _lane(
-        self, name: str, changes: list[tuple[float, str]], values: list[str], labels: list[str], colours: list[Any]
-    ) -> None:
+    def _lane(self, name: str, changes: list[tuple[float, str]], values: list[str], labels: list[str], colours: list[Any]) -> None:
         self.static(f"states/{name}", self.rr.StateConfiguration(values=values, labels=labels, colors=colours))
         t, states = zip(*changes, strict=True)
         self.columns(f"states/{name}", np.array(t), self.rr.StateChange.columns(state=states))

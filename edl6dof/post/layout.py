@@ -48,9 +48,7 @@ PLOTS: dict[str, tuple[Plot, ...]] = {
     ),
     "Guidance": (
         Plot("bank_deg", "Bank (deg)", {"guide.bank_deg": "commanded", "truth.bank_deg": "flown"}, until="mortar"),
-        Plot(
-            "drag_m_s2", "Drag (m/s²)", {"guide.reference_drag_m_s2": "reference", "nav.drag_m_s2": "measured"}, until="mortar"
-        ),
+        Plot("drag_m_s2", "Drag (m/s²)", {"guide.reference_drag_m_s2": "reference", "nav.drag_m_s2": "measured"}, until="mortar"),
         Plot("range_to_go_km", "Range to go (km)", {"guide.range_to_go_km": "range to go"}, until="mortar"),
         Plot("crossrange_km", "Crossrange (km)", {"guide.crossrange_km": "crossrange, right +"}, until="mortar"),
     ),
@@ -128,9 +126,7 @@ def blueprint(
 
     def plot(entity: str, title: str, tab: str, legend: bool = True) -> rrb.TimeSeriesView:
         corner = rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend)
-        return rrb.TimeSeriesView(
-            origin="/plots", name=title, contents=[f"/plots/{entity}"], axis_x=axis(tab), plot_legend=corner
-        )
+        return rrb.TimeSeriesView(origin="/plots", name=title, contents=[f"/plots/{entity}"], axis_x=axis(tab), plot_legend=corner)
 
     trail = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(

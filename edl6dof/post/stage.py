@@ -75,9 +75,7 @@ class Stage(Recorder):
         colours = [self.colours[self.phase[strip[-1]]] for strip in strips]
         self.static(
             "site/path",
-            self.rr.LineStrips3D(
-                [self.motion.centre[strip] for strip in strips], colors=colours, radii=self.rr.Radius.ui_points(2.0)
-            ),
+            self.rr.LineStrips3D([self.motion.centre[strip] for strip in strips], colors=colours, radii=self.rr.Radius.ui_points(2.0)),
         )
 
     @staticmethod

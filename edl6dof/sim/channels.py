@@ -110,10 +110,7 @@ GROUPS = tuple(dict.fromkeys(channel.group for channel in CHANNELS))
 TICK = np.dtype(
     [
         ("t", "f8"),
-        *[
-            (group, np.dtype([(channel.field, "f8") for channel in CHANNELS if channel.group == group]))
-            for group in GROUPS
-        ],
+        *[(group, np.dtype([(channel.field, "f8") for channel in CHANNELS if channel.group == group])) for group in GROUPS],
         ("duty", "f8", (MAX_THRUSTERS,)),
     ],
     align=True,

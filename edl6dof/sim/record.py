@@ -104,4 +104,3 @@ def record(case, plant, fsw, tick):
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
     for i in range(MAX_THRUSTERS):
         tick.duty[i] = plant.valves.mean[i]
-

@@ -185,9 +185,7 @@ def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
     initial, entry = scenario.initial, scenario.flight_software.guidance.entry
     site = onboard["site"][0]
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    arc, _ = great_circle(
-        sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"])
-    )
+    arc, _ = great_circle(sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"]))
     start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
     fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.align_speed_m_s, entry.final_speed_m_s)
 

@@ -54,14 +54,10 @@ class LimitParams(Params):
     parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
     backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
-    backshell_height_m: float = param(
-        2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0
-    )
+    backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
     crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
     body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0)
-    total_alpha_deg: float = param(
-        60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
-    )
+    total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)
 
 
 class Scenario(Params):
@@ -94,9 +90,7 @@ class Scenario(Params):
     @classmethod
     def _names_a_folder(cls, value: str) -> str:
         if not _FOLDER_NAME.fullmatch(value):
-            raise ValueError(
-                f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})"
-            )
+            raise ValueError(f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})")
         return value
 
     @model_validator(mode="after")

@@ -64,9 +64,7 @@ class State:
             with np.load(path, allow_pickle=False) as file:
                 if file["layout"].tobytes().decode() != layout_hash():
                     raise _problem(path, "was saved by another version of edl6dof whose records differ; fly to that time again")
-                records = {
-                    name: np.frombuffer(file[name].tobytes(), dtype=dtype).copy() for name, dtype in _RECORDS.items()
-                }
+                records = {name: np.frombuffer(file[name].tobytes(), dtype=dtype).copy() for name, dtype in _RECORDS.items()}
                 return cls(int(file["cycle"]), scenario_text=file["scenario"].tobytes().decode(), **records)
         except OSError as error:
             raise _problem(path, f"cannot be read: {error.strerror or error}") from None

@@ -162,9 +162,7 @@ def _descent_figures(telemetry: dict[str, np.ndarray], when: dict[str, float], p
         figures["max_roll_error_powered_deg"] = _peak(telemetry["control.error_roll_deg"], settled)
         moments = np.stack([telemetry[f"truth.disturbance_{c}_nm"] for c in "xyz"])
         figures["max_disturbance_torque_nm"] = _peak(np.max(np.abs(moments), axis=0), powered)
-        apart = np.sqrt(
-            sum((telemetry[f"truth.site_{c}_m"] - telemetry[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
-        )
+        apart = np.sqrt(sum((telemetry[f"truth.site_{c}_m"] - telemetry[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up")))
         if (separated := powered & (t > start + 5.0)).any():
             figures["min_backshell_distance_m"] = float(np.nanmin(apart[separated]))
     return figures

@@ -83,9 +83,7 @@ def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
 
 
 #: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and longitude.
-LOCAL_FRAME = np.dtype(
-    [("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")], align=True
-)
+LOCAL_FRAME = np.dtype([("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")], align=True)
 
 
 def fill_local_frame(record: np.void, radius: float, flattening: float, lat: float, lon: float, altitude: float) -> None:

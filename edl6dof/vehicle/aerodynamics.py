@@ -44,12 +44,8 @@ class CapsuleParams(Params):
         source=PHOENIX, record=False, le=0.0, ge=-2.0,
     )  # fmt: skip
     diameter_m: float = param(3.4, "largest diameter; reference length", status="published", source="S&T Daily 2021", gt=0.0)
-    nose_radius_m: float = param(
-        0.85, "radius of the spherical nose", status="estimate", source="D/4, Viking family", gt=0.0, record=False
-    )
-    shoulder_radius_m: float = param(
-        0.085, "radius of the shoulder", status="estimate", source="D/40, as Phoenix", ge=0.0, record=False
-    )
+    nose_radius_m: float = param(0.85, "radius of the spherical nose", status="estimate", source="D/4, Viking family", gt=0.0, record=False)
+    shoulder_radius_m: float = param(0.085, "radius of the shoulder", status="estimate", source="D/40, as Phoenix", ge=0.0, record=False)
     cone_half_angle_deg: float = param(
         70.0, "half angle of the forebody cone", status="published", source="Li, Rao et al., Astrodynamics 6(1), 2022", gt=10.0,
         lt=90.0, record=False,

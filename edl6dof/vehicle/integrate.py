@@ -218,4 +218,3 @@ def advance(case, tables, plant, t_end):
     for i in range(STATES_VEHICLE):
         total += plant.y[i]
     return isfinite(total)
-

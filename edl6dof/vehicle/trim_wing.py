@@ -26,9 +26,7 @@ class TrimWingParams(Params):
         status="estimate",
         source="tianwen1.md 1.4",
     )
-    normal_tilt_deg: float = param(
-        0.0, "tilt of the open plate's normal from +x away from the axis", status="estimate", gt=-90.0, lt=90.0
-    )
+    normal_tilt_deg: float = param(0.0, "tilt of the open plate's normal from +x away from the axis", status="estimate", gt=-90.0, lt=90.0)
     deploy_time_s: float = param(0.7, "time from closed to open", status="estimate", source="tianwen1.md 1.4: 0.5-1 s", gt=0.0)
     moment_factor: float = param(1.0, "multiplies the effectiveness (force, hence moment); 0 is a lost wing", ge=0.0, le=10.0)
 

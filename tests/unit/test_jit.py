@@ -101,9 +101,7 @@ def test_every_spelling_of_an_import_is_seen(package, monkeypatch, spelling):
 
 
 def test_files_that_are_not_imported_are_not_seen(package, monkeypatch):
-    write(
-        package, "caller.py", "import math\nfrom probed.deep import helper\n# from probe.deep import helper\nfrom .. import jit\n"
-    )
+    write(package, "caller.py", "import math\nfrom probed.deep import helper\n# from probe.deep import helper\nfrom .. import jit\n")
     assert reached(package, monkeypatch, "caller.py") == {"caller.py"}
 
 

@@ -75,4 +75,3 @@ def thrust_direction_error(q, direction_I, roll_error):
         angle_over_sine = atan2(sine, cosine) / sine
     error = scale(angle_over_sine, axis)
     return roll_error, error[1], error[2]
-

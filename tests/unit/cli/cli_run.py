@@ -35,9 +35,7 @@ def environment(**more: str) -> dict[str, str]:
 
 def spawn(words: list[str], cwd: Path, **more: str) -> subprocess.Popen[str]:
     """Start the program."""
-    return subprocess.Popen(
-        [*PROGRAM, *words], cwd=cwd, env=environment(**more), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+    return subprocess.Popen([*PROGRAM, *words], cwd=cwd, env=environment(**more), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[int, str, str]:

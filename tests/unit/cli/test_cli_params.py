@@ -121,9 +121,7 @@ def test_schema_describes_units_for_editors():
 def faults(value: Any, schema: dict[str, Any], path: str = "") -> Any:
     """The part of JSON schema draft 7 that pydantic writes; yields the paths that are refused."""
     if "$ref" in schema:
-        yield from faults(
-            value, SCHEMA["definitions" if "definitions" in SCHEMA else "$defs"][schema["$ref"].split("/")[-1]], path
-        )
+        yield from faults(value, SCHEMA["definitions" if "definitions" in SCHEMA else "$defs"][schema["$ref"].split("/")[-1]], path)
         return
     if "anyOf" in schema:
         tried = [list(faults(value, option, path)) for option in schema["anyOf"]]

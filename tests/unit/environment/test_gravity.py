@@ -52,8 +52,7 @@ def gradient(p: np.ndarray, degree: int) -> np.ndarray:
         e = np.zeros(3)
         e[axis] = 1.0
         slope = [
-            (potential_beyond_centre(p + h * e, degree) - potential_beyond_centre(p - h * e, degree)) / (2 * h)
-            for h in (1000.0, 2000.0)
+            (potential_beyond_centre(p + h * e, degree) - potential_beyond_centre(p - h * e, degree)) / (2 * h) for h in (1000.0, 2000.0)
         ]
         out[axis] = (4 * slope[0] - slope[1]) / 3
     return out

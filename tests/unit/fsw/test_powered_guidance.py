@@ -40,9 +40,7 @@ def law_memory():
     return np.zeros(1, POWERED_LAWS.memory)[0]
 
 
-@pytest.mark.parametrize(
-    "height, descent, north, east", [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)]
-)
+@pytest.mark.parametrize("height, descent, north, east", [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)])
 def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(onboard, height, descent, north, east):
     """Acceleration linear in time with r(T) = r_f, v(T) = 0 has the closed form used here."""
     record = onboard[0]
@@ -125,9 +123,7 @@ def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(onboar
     assert acos(np.clip(-out["thrust_direction_N"][2], -1.0, 1.0)) <= radians(4.0) + 1e-9
 
 
-@pytest.mark.parametrize(
-    "height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)]
-)
+@pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
 def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
     body = PointMass(height, (0.5, 0.0, descent))
     hover(onboard[0], body.nav, 900.0, body.out)

@@ -67,9 +67,7 @@ def test_quaternion_rate_is_the_derivative_of_a_body_turning_about_its_own_axes(
     for q in RANDOM[:15]:
         w = RNG.normal(size=3) * 2.0
         skew = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-        late, early = (
-            Rotation.from_matrix(scipy_of(q).as_matrix() @ expm(skew * dt)).as_quat(scalar_first=True) for dt in (h, -h)
-        )
+        late, early = (Rotation.from_matrix(scipy_of(q).as_matrix() @ expm(skew * dt)).as_quat(scalar_first=True) for dt in (h, -h))
         late, early = (e * np.sign(e @ np.array(q)) for e in (late, early))
         assert kernels.rate(q, tuple(w)) == pytest.approx((late - early) / (2.0 * h), abs=2e-7)
 
@@ -143,6 +141,4 @@ def test_angle_between_attitudes_ignores_the_sign_of_the_quaternion():
 
 
 def test_angle_between_resolves_a_nanoradian():
-    assert kernels.angle_between(RANDOM[0], kernels.multiply(RANDOM[0], kernels.about_axis(X, 1e-9))) == pytest.approx(
-        1e-9, rel=1e-3
-    )
+    assert kernels.angle_between(RANDOM[0], kernels.multiply(RANDOM[0], kernels.about_axis(X, 1e-9))) == pytest.approx(1e-9, rel=1e-3)

@@ -103,9 +103,7 @@ def test_north_east_and_up_are_where_latitude_longitude_and_height_grow(planet):
     for lat, lon in RNG.uniform((-1.4, -pi), (1.4, pi), size=(25, 2)):
 
         def growth(step, lat=lat, lon=lon):
-            late, early = (
-                np.array(frames.from_geodetic(*planet, lat + s * step[0], lon + s * step[1], s * step[2])) for s in (1, -1)
-            )
+            late, early = (np.array(frames.from_geodetic(*planet, lat + s * step[0], lon + s * step[1], s * step[2])) for s in (1, -1))
             return (late - early) / np.linalg.norm(late - early)
 
         directions = [growth((1e-5, 0.0, 0.0)), growth((0.0, 1e-5, 0.0)), -growth((0.0, 0.0, 10.0))]

@@ -55,9 +55,7 @@ def test_inflation_fills_in_the_published_time_and_overshoots_by_the_opening_loa
     full = times[fraction.argmax()]
     assert full == pytest.approx(19.7 / 27.2, abs=1e-3)  # 0.724 s for MSL
     assert fraction.max() == pytest.approx(1.344, abs=1e-3)
-    assert fraction[times <= 0.0].max() == 0.0 and fraction[times > full + 0.25].tolist() == pytest.approx(
-        [1.0] * sum(times > full + 0.25)
-    )
+    assert fraction[times <= 0.0].max() == 0.0 and fraction[times > full + 0.25].tolist() == pytest.approx([1.0] * sum(times > full + 0.25))
     assert np.all(np.diff(fraction[times <= full]) >= 0.0) and np.all(np.diff(fraction[times >= full]) <= 0.0)
     assert np.abs(np.diff(fraction)).max() < 1e-3  # continuous: 4 * 1.344 / 0.724 s * 0.1 ms = 7e-4
     half = kernels.inflation(record, 0.5 * 19.7 / 27.2)
