@@ -168,5 +168,7 @@ def run(onboard, sensed, k, fsw):
     guide_vehicle(onboard, phase.guidance, k, fsw.phase != before, fsw)
     if k % onboard.rates.control_every == 0:
         steer(onboard, phase, dt * onboard.rates.control_every, fsw)
+    command.steering, command.bank = 1, fsw.guide.bank
+    command.alpha = 0.0 if fsw.wing_out != 0 else fsw.guide.alpha
     command.thrust = fsw.guide.thrust
     command.engine_mode = fsw.guide.engine_mode if fsw.ignited != 0 else ENGINE_OFF

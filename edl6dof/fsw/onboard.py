@@ -177,6 +177,10 @@ COMMAND = np.dtype(
         ("request", "i8", (7,)),
         ("thrust", "f8"),
         ("engine_mode", "i8"),
+        # what a vehicle without attitude dynamics follows
+        ("steering", "i8"),
+        ("bank", "f8"),
+        ("alpha", "f8"),
     ],
     align=True,
 )

@@ -85,8 +85,10 @@ class Phase(Params):
 class MissionParams(Params):
     """The phase table; an empty one flies without flight software."""
 
-    goal: Literal["landing", "time"] = param(
-        "landing", "what counts as success: a landing within limits, or a flight up to simulation.time_limit_s", record=False
+    goal: Literal["landing", "deployment", "time"] = param(
+        "landing",
+        "what counts as success: a landing within limits, the mortar fired within limits, or a flight up to simulation.time_limit_s",
+        record=False,
     )
     phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(None, "phases in order", factory=list, max_length=MAX_PHASES)
 

@@ -14,10 +14,11 @@ from edl6dof.config.source import parse_document
 from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import TICK
+from edl6dof.sim.deployment import deployment_figures
 from edl6dof.sim.events import timeline
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
-from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
+from edl6dof.sim.outcome import DEPLOYED, FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import columns
@@ -30,6 +31,13 @@ if TYPE_CHECKING:
     from pyquaternion import Quaternion
 
 CHUNK_S = 5.0
+
+#: Goal of the mission: outcome that reaches it, its words, and what follows them when all limits are kept.
+_GOALS = {
+    "landing": (LANDED, "landed", " within limits"),
+    "deployment": (DEPLOYED, "deployed", " within limits"),
+    "time": (TIME_LIMIT, "flown to the time limit", ""),
+}
 
 #: Called between chunks with (time s, time limit s, phase name, altitude m, Mach).
 Progress = Callable[[float, float, str, float, float], None]
@@ -92,7 +100,8 @@ class Flight:
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
         events = timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, "")
-        return metrics(self.telemetry, events, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+        figures = metrics(self.telemetry, events, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+        return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 
     @cached_property
     def checks(self) -> list[Check]:
@@ -106,19 +115,16 @@ class Flight:
 
     @property
     def success(self) -> bool:
-        """Whether it reached the goal of the mission (landed, or flown to the time limit) within all limits."""
-        goal = TIME_LIMIT if self.scenario.mission.goal == "time" else LANDED
-        return self.code == goal and all(check.ok for check in self.checks)
+        """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within all limits."""
+        return self.code == _GOALS[self.scenario.mission.goal][0] and all(check.ok for check in self.checks)
 
     @cached_property
     def outcome(self) -> str:
         """How the flight ended, in words."""
-        if self.code == LANDED:
+        goal, words, within = _GOALS[self.scenario.mission.goal]
+        if self.code == goal:
             missed = [check.label for check in self.checks if not check.ok]
-            return "landed within limits" if not missed else f"landed outside limits ({', '.join(missed)})"
-        if self.code == TIME_LIMIT and self.scenario.mission.goal == "time":
-            missed = [check.label for check in self.checks if not check.ok]
-            return "flown to the time limit" + (f" outside limits ({', '.join(missed)})" if missed else "")
+            return words + (f" outside limits ({', '.join(missed)})" if missed else within)
         if self.code == NOT_FINITE:
             bad = self.first_bad_quantity
             return f"not finite: {bad} at t = {self.time_s:.2f} s in phase {self.phase}"

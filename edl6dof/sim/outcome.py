@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from math import acos, cos, sqrt
+from math import acos, cos, isfinite, sqrt
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.body import ground_velocity_N, tilt
 from edl6dof.vehicle.parachute import PACKED
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, MORTAR, POSITION, RATE, VELOCITY
 
-OUTCOMES = ("flying", "landed", "crashed", "tipped over", "lost attitude", "skipped out", "not finite", "time limit")
-FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT = range(8)
+OUTCOMES = ("flying", "landed", "crashed", "tipped over", "lost attitude", "skipped out", "not finite", "time limit", "deployed")
+FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT, DEPLOYED = range(9)
 
 #: Dynamic pressure (Pa) below which the angle of attack says nothing about control.
 THIN_AIR = 50.0
@@ -22,6 +22,8 @@ def judge(case, plant):
     """Outcome code of the present state; ``plant.out`` must be fresh."""
     limits, out, y = case.limits, plant.out, plant.y
     t = plant.t
+    if case.ends_at_deployment != 0 and isfinite(plant.done[MORTAR]):
+        return DEPLOYED
     if plant.touched != 0:
         if t == plant.touchdown_time or t - plant.touchdown_time < 0.05:
             speed = norm(ground_velocity_N(case, t, take3(y, POSITION), take3(y, VELOCITY), out))

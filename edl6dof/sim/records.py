@@ -35,6 +35,7 @@ from edl6dof.vehicle.aerodynamics import capsule_coefficients
 from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
 from edl6dof.vehicle.mass import BODY, fill_lander, lander_dry
 from edl6dof.vehicle.plant import ATTITUDE, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.rcs import GROUPS
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -47,6 +48,9 @@ CASE = np.dtype(
         ("site", LOCAL_FRAME),
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
+        ("dynamics", "i8"),
+        ("ends_at_deployment", "i8"),
+        ("point_mass", dtype_of(PointMassParams)),
         ("initial", dtype_of(InitialState)),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
@@ -81,6 +85,9 @@ def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> n
     _place_site(record["site"], scenario)
     fill(record["vehicle"], scenario.vehicle)
     fill_lander(record["lander"], scenario.vehicle.mass)
+    record["dynamics"] = DYNAMICS.index(scenario.dynamics)
+    record["ends_at_deployment"] = scenario.mission.goal == "deployment"
+    fill(record["point_mass"], scenario.point_mass)
     fill(record["initial"], scenario.initial)
     fill(record["simulation"], scenario.simulation)
     fill(record["limits"], scenario.limits)
@@ -135,6 +142,9 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         lift = axial * sin(alpha) - normal * cos(alpha)
         record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
         record["lift_to_drag"] = lift / drag
+    elif vehicle.aero.model == "lift_drag":
+        record["drag_area"] = vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
+        record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
     for index, gone in ((ENTRY, ()), (UNDER_CHUTE, ("parachute", "heat_shield")), (LANDER, ("parachute", "heat_shield", "backshell"))):
         _believe_configuration(record["configuration"][index], scenario, gone)
     engine, believed = vehicle.engine, record["engine"]
@@ -172,12 +182,10 @@ def _place_site(frame: np.void, scenario: Scenario) -> None:
 
 def _set_site(record: np.void, scenario: Scenario) -> None:
     _place_site(record["frame"], scenario)
-    terrain, entry = scenario.terrain, scenario.flight_software.guidance.entry
-    latitude, longitude = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
-    record["latitude"], record["longitude"], record["elevation"] = latitude, longitude, terrain.site_elevation_m
-    radius = scenario.planet.equatorial_radius_m
-    record["aim_latitude"] = latitude + entry.aim_north_m / radius
-    record["aim_longitude"] = longitude + entry.aim_east_m / (radius * cos(latitude))
+    terrain = scenario.terrain
+    record["latitude"], record["longitude"] = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    record["elevation"] = terrain.site_elevation_m
+    record["aim_latitude"], record["aim_longitude"] = scenario.aim_point
 
 
 def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
@@ -206,6 +214,8 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     y[VELOCITY : VELOCITY + 3] = v_relative + np.array([-spin * r[1], spin * r[0], 0.0])
     y[ATTITUDE : ATTITUDE + 4] = _initial_attitude(initial, lat, lon, axes, tuple(v_relative))
     y[RATE : RATE + 3] = np.radians(initial.rate_deg_s)
+    record["bank"] = record["bank_command"] = initial.wind_angles[0]
+    record["alpha"] = initial.wind_angles[1]
     y[PROPELLANT] = scenario.vehicle.mass.propellant.mass_kg
     record["attached"][:] = 1
     record["due"][:] = 1e99

@@ -6,8 +6,9 @@ import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import cos, radians
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import field_validator, model_validator
 
@@ -25,6 +26,7 @@ from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.mission.phases import MissionParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
+from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
@@ -72,6 +74,10 @@ class Scenario(Params):
     terrain: TerrainParams = section("landing site and ground")
     vehicle: VehicleParams = section("vehicle, by file or in full")
     initial: InitialState = section("initial state")
+    dynamics: Literal["six_dof", "point_mass"] = param(
+        "six_dof", "rigid body, or a point mass whose bank angle follows the command down to the parachute", record=False
+    )
+    point_mass: PointMassParams = group(PointMassParams, "used by dynamics point_mass")
     simulation: SimulationParams = group(SimulationParams, "integration and logging")
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
@@ -95,7 +101,13 @@ class Scenario(Params):
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
-        problems = {**self._cycle_problems(), **self._phase_problems(), **self._entry_problems(), **file_problems(self)}
+        problems = {
+            **self._cycle_problems(),
+            **self._goal_problems(),
+            **self._phase_problems(),
+            **self._entry_problems(),
+            **file_problems(self),
+        }
         if problems:
             raise Inconsistent(problems)
         return self
@@ -107,6 +119,11 @@ class Scenario(Params):
             return {}
         message = f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got {self.simulation.step_s:g})"
         return {"simulation.step_s": message}
+
+    def _goal_problems(self) -> dict[str, str]:
+        if self.dynamics == "six_dof" or self.mission.goal != "landing":
+            return {}
+        return {"mission.goal": "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got 'landing')"}
 
     def _phase_problems(self) -> dict[str, str]:
         problems: dict[str, str] = {}
@@ -130,6 +147,13 @@ class Scenario(Params):
         message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
         given = "speed_m_s" if self.initial.velocity_ned_m_s is None else "velocity_ned_m_s"
         return {f"initial.{given}": message}
+
+    @property
+    def aim_point(self) -> tuple[float, float]:
+        """Latitude and longitude (rad) that entry guidance steers to."""
+        entry, radius = self.flight_software.guidance.entry, self.planet.equatorial_radius_m
+        latitude, longitude = radians(self.terrain.site_latitude_deg), radians(self.terrain.site_longitude_deg)
+        return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
 
     @property
     def steps_per_cycle(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from edl6dof.jit import kernel
 from edl6dof.vehicle.plant import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
+from edl6dof.vehicle.point_mass import command_bank
 
 N_EVENTS = len(EVENTS)
 ENGINE_FULL = 2
@@ -11,11 +12,13 @@ ENGINE_FULL = 2
 
 @kernel
 def actuate(case, command, plant):
-    """Set valve intervals and engine level, and schedule what was requested with its delay."""
+    """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested with its delay."""
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):
         plant.valves.opens[i] = command.opens[i]
         plant.valves.closes[i] = command.closes[i]
+    if command.steering != 0:
+        command_bank(case, plant, command.bank, command.alpha)
     plant.thrust_command = command.thrust
     plant.starting = 1 if command.engine_mode == ENGINE_FULL else 0
     for event in range(N_EVENTS):

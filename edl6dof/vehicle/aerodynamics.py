@@ -23,7 +23,7 @@ from edl6dof.jit import kernel
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
 
-MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE = 0, 1, 2
+MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
 #: What flies: the whole capsule; backshell with the lander inside, heat shield gone; the bare lander.
 CONFIG_CAPSULE, CONFIG_BACKSHELL, CONFIG_LANDER = 0, 1, 2
 
@@ -121,6 +121,14 @@ class ConstantAeroParams(Params):
     moment_reference_x_m: float = param(0.0, "station where the drag acts; the CG for a body without static moment")
 
 
+class LiftDragParams(Params):
+    """Constant drag and lift coefficient whatever the attitude: the vehicle of point-mass studies."""
+
+    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
+    drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
+    lift_to_drag: float = param(0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0)
+
+
 class BluffParams(Params):
     """Bluff body after a jettison: CA = CD cos aT and CN = slope sin aT, acting at a centre of pressure on the axis."""
 
@@ -154,9 +162,10 @@ def _lander() -> BluffParams:
 class AeroParams(Params):
     """Aerodynamics of the vehicle in all its configurations."""
 
-    model: Literal["capsule", "constant", "none"] = param("capsule", "which aerodynamic model flies")
+    model: Literal["capsule", "constant", "none", "lift_drag"] = param("capsule", "which aerodynamic model flies")
     capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
+    lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
     backshell: BluffParams = param(..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell)
     lander: BluffParams = param(..., "bare lander", status="estimate", factory=_lander)
 
@@ -284,6 +293,17 @@ def constant_aero(aero, qbar, u, v, w, p, q, r):
 
 
 @kernel
+def lift_drag_aero(lift_drag, qbar, u, v, w):
+    """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source: definition of lift and drag."""
+    speed, plane = sqrt(u * u + v * v + w * w), sqrt(u * u + w * w)
+    if plane < MIN_SPEED:
+        return 0.0, 0.0, 0.0
+    drag = qbar * lift_drag.reference_area * lift_drag.drag_coefficient
+    along, across = -drag / speed, drag * lift_drag.lift_to_drag / plane
+    return along * u + across * w, along * v, along * w - across * u
+
+
+@kernel
 def aerodynamic_wrench(aero, table, configuration, qbar, mach, rho, u, v, w, p, q, r):
     """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration (``CONFIG_...``)."""
     if aero.model == MODEL_NONE:
@@ -291,6 +311,9 @@ def aerodynamic_wrench(aero, table, configuration, qbar, mach, rho, u, v, w, p, 
     if aero.model == MODEL_CONSTANT:
         fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p, q, r)
         return fx, fy, fz, mx, my, mz, aero.constant.moment_reference_x
+    if aero.model == MODEL_LIFT_DRAG:
+        fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
+        return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
     if configuration == CONFIG_CAPSULE:
         fx, fy, fz, mx, my, mz = capsule_aero(aero, table, qbar, mach, rho, u, v, w, p, q, r)
         return fx, fy, fz, mx, my, mz, table.moment_reference_x

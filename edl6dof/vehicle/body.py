@@ -36,6 +36,7 @@ from edl6dof.vehicle.plant import (
     THRUST,
     VELOCITY,
 )
+from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.surroundings import surroundings
 from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
@@ -46,8 +47,13 @@ SUTTON_GRAVES = 1.9027e-4
 @kernel
 def derivatives(case, tables, plant, t, y, dy):
     """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); refreshes ``plant.out`` with the quantities met on the way."""
-    loads(case, tables, plant, t, y)
-    motion(case, plant, y, dy)
+    if case.dynamics == POINT_MASS:
+        point_attitude(case, tables, plant, t, y)
+        loads(case, tables, plant, t, y)
+        point_motion(case, plant, t, y, dy)
+    else:
+        loads(case, tables, plant, t, y)
+        motion(case, plant, y, dy)
 
 
 @kernel

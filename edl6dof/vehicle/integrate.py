@@ -14,7 +14,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, put3, sub, take3
-from edl6dof.vehicle.body import derivatives, loads, motion
+from edl6dof.vehicle.body import derivatives, motion
 from edl6dof.vehicle.landing_gear import lowest_point
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
@@ -25,6 +25,7 @@ from edl6dof.vehicle.plant import (
     STATES,
     STATES_VEHICLE,
 )
+from edl6dof.vehicle.point_mass import POINT_MASS
 from edl6dof.vehicle.rcs import fire
 from edl6dof.vehicle.staging import carry_out
 
@@ -39,8 +40,9 @@ def rk4(case, tables, plant, t, h):
     n = STATES if plant.canopy == EXTRACTING or plant.canopy == INFLATING else STATES_VEHICLE
     k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
     if plant.fresh == 0:
-        loads(case, tables, plant, t, y)
-    motion(case, plant, y, k1)
+        derivatives(case, tables, plant, t, y, k1)
+    else:
+        motion(case, plant, y, k1)
     plant.fresh = 0
     for i in range(n):
         trial[i] = y[i] + 0.5 * h * k1[i]
@@ -76,11 +78,11 @@ def refresh(case, tables, plant):
     """Bring ``plant.out`` and the ground below up to date with the present state.
 
     The step that follows starts from these loads (saves one evaluation of nine in a cycle of two steps), except on the ground: its
-    push was found with the slope and height of the step before.
+    push was found with the slope and height of the step before.  A point mass may be told another bank angle after this.
     """
     derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
     look_down(case, tables, plant)
-    plant.fresh = 0 if plant.touched != 0 else 1
+    plant.fresh = 0 if plant.touched != 0 or case.dynamics == POINT_MASS else 1
 
 
 @kernel

@@ -91,6 +91,11 @@ PLANT = np.dtype(
         ("starting", "i8"),
         ("touched", "i8"),
         ("thrust_command", "f8"),
+        # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
+        ("bank", "f8"),
+        ("bank_time", "f8"),
+        ("bank_command", "f8"),
+        ("alpha", "f8"),
         ("line_stretch_time", "f8"),
         ("wing_start", "f8"),
         ("touchdown_time", "f8"),

@@ -26,6 +26,7 @@ from edl6dof.vehicle.plant import (
     TRIM_WING,
     VELOCITY,
 )
+from edl6dof.vehicle.point_mass import POINT_MASS
 
 
 class StagingParams(Params):
@@ -118,7 +119,7 @@ def carry_out(case, tables, plant, event):
     if event == TRIM_WING:
         plant.wing_start = plant.t
     elif event == MORTAR:
-        if plant.attached[PARACHUTE] != 0 and case.vehicle.parachute.diameter > 0.0:
+        if plant.attached[PARACHUTE] != 0 and case.vehicle.parachute.diameter > 0.0 and case.dynamics != POINT_MASS:
             fire_mortar(case, plant)
     elif event == HEAT_SHIELD_OFF:
         if plant.attached[HEAT_SHIELD] != 0:

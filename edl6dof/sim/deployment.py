@@ -1,0 +1,38 @@
+"""Where the parachute opens relative to the point that entry guidance steered to."""
+
+from __future__ import annotations
+
+from math import asin, atan2, cos, sin
+
+import numpy as np
+
+from edl6dof.sim.scenario import Scenario
+from edl6dof.spatial.frames import great_circle
+
+
+def deployment_figures(scenario: Scenario, telemetry: dict[str, np.ndarray], figures: dict[str, float]) -> dict[str, float]:
+    """Miss of the aim point at mortar fire, m on the reference sphere; empty without a mortar or without entry guidance.
+
+    Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great circle on which the
+    flight began towards it.
+    """
+    t = figures.get("parachute_s")
+    if t is None or not any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        return {}
+    track = (np.radians(telemetry[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
+    unwrapped = [np.unwrap(angle) for angle in track]
+    start = tuple(float(angle[0]) for angle in unwrapped)
+    here = tuple(float(np.interp(t, telemetry["t_s"], angle)) for angle in unwrapped)
+    arc, azimuth = _arc(start, here)
+    goal, along = _arc(start, scenario.aim_point)
+    turn, radius = azimuth - along, scenario.planet.equatorial_radius_m
+    return {
+        "parachute_miss_m": radius * _arc(here, scenario.aim_point)[0],
+        "parachute_downrange_m": radius * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
+        "parachute_crossrange_m": radius * asin(sin(arc) * sin(turn)),
+        "parachute_speed_m_s": float(np.interp(t, telemetry["t_s"], telemetry["truth.speed_m_s"])),
+    }
+
+
+def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    return great_circle(sin(a[0]), cos(a[0]), a[1], sin(b[0]), cos(b[0]), b[1])

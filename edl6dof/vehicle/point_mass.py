@@ -1,0 +1,94 @@
+"""A point mass in place of the rigid body: attitude follows the commanded bank angle instead of torques.
+
+Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body; angle of attack is the
+commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one at once or at a limited rate, the shorter way
+round.  Left out: body rates, thrusters, engine, what follows the parachute; in a wind, bank here is about the air-relative velocity
+and the command about the planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
+Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
+"""
+
+from __future__ import annotations
+
+from math import sin
+from typing import Literal
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import attitude_from_wind_angles, ned_to_fixed, rotate_z, wrap
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.vehicle.plant import ATTITUDE, HEAT, POSITION, STATES_VEHICLE, VELOCITY
+from edl6dof.vehicle.surroundings import surroundings
+
+#: Values of ``case.dynamics``.
+DYNAMICS = ("six_dof", "point_mass")
+SIX_DOF, POINT_MASS = range(2)
+RATE_LIMITED = 1
+
+
+class PathDisturbanceParams(Params):
+    """Sinusoidal disturbance of the flight-path rate (Yan, Sun & Guo 2016, eq. 5): d = amplitude sin(frequency t)."""
+
+    amplitude_rad_s: float = param(0.0, "amplitude of the added flight-path rate", ge=0.0, le=0.1)
+    frequency_rad_s: float = param(1.0, "its frequency", ge=0.0, le=20.0)
+
+
+class PointMassParams(Params):
+    """How a point mass carries out commands, and what disturbs it."""
+
+    bank_response: Literal["ideal", "rate_limited"] = param("rate_limited", "whether the bank angle follows at once")
+    bank_rate_deg_s: float = param(20.0, "largest bank rate of response rate_limited", status="published", source="S1", gt=0.0)
+    disturbance: PathDisturbanceParams = group(PathDisturbanceParams, "disturbance of the flight-path rate")
+
+
+@kernel
+def bank_at(case, plant, t):
+    """Bank angle (rad) at time ``t`` since the last command."""
+    way = wrap(plant.bank_command - plant.bank)
+    if case.point_mass.bank_response == RATE_LIMITED:
+        reach = case.point_mass.bank_rate * (t - plant.bank_time)
+        way = clamp(way, -reach, reach)
+    return wrap(plant.bank + way)
+
+
+@kernel
+def command_bank(case, plant, bank, alpha):
+    """Go to another bank angle and angle of attack (rad) from where the vehicle is at ``plant.t``."""
+    plant.bank = bank_at(case, plant, plant.t)
+    plant.bank_time = plant.t
+    plant.bank_command = bank
+    plant.alpha = alpha
+
+
+@kernel
+def point_attitude(case, tables, plant, t, y):
+    """Write into the state ``y`` the attitude that bank, angle of attack and zero sideslip give at time ``t`` (s)."""
+    turn, place, _, _, air_I, _ = surroundings(case, tables, t, take3(y, POSITION))
+    up_F = ned_to_fixed(place[0], place[1], place[2], place[3], (0.0, 0.0, -1.0))
+    up = rotate_z(turn[0], -turn[1], up_F)
+    v_air = sub(take3(y, VELOCITY), air_I)
+    q = attitude_from_wind_angles(v_air, up, bank_at(case, plant, t), plant.alpha, 0.0)
+    for i in range(4):
+        y[ATTITUDE + i] = q[i]
+
+
+@kernel
+def point_motion(case, plant, t, y, dy):
+    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``; attitude and rates do not move by themselves."""
+    out = plant.out
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    disturbance = case.point_mass.disturbance
+    rate = disturbance.amplitude * sin(disturbance.frequency * t)
+    spin = case.planet.rotation_rate
+    r, v = take3(y, POSITION), take3(y, VELOCITY)
+    along = (v[0] + spin * r[1], v[1] - spin * r[0], v[2])
+    forward = unit(along)
+    upward = unit(sub(r, scale(dot(r, forward), forward)))
+    push = to_frame(q, scale(rate * norm(along), upward))
+    specific = add(scale(1.0 / out.mass, take3(out.load_force_B, 0)), push)
+    put3(out.specific_force_B, 0, specific)
+    for i in range(STATES_VEHICLE):
+        dy[i] = 0.0
+    put3(dy, POSITION, v)
+    put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
+    dy[HEAT] = out.heat_flux
