@@ -7,14 +7,16 @@ import sys
 import time
 from collections.abc import Sequence
 from importlib.util import find_spec
+from itertools import groupby
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from edl6dof.config.wording import nearest
+from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
 from edl6dof.verify.runner import Report, run_case
 
@@ -79,24 +81,32 @@ def _draw(reports: Sequence[Report], folder: Path) -> list[Path]:
 
 def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> None:
     console = Console(highlight=False)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading, right in (("case", 0), ("verifies", 0), ("source", 0), ("error", 1), ("tolerance", 1), ("unit", 0), ("why", 0), ("", 0)):
-        fixed = heading in ("error", "tolerance", "unit", "")
-        table.add_column(heading, justify="right" if right else "left", no_wrap=fixed, overflow="fold")
     for report in reports:
-        table.add_row(Text(report.name, style="bold cyan"), report.note)
-        for result in report.results:
-            mark = Text("ok", style="green") if result.passed else Text("FAIL", style="bold red")
-            unit = "" if result.unit == "-" else result.unit
-            cells = f"  {result.quantity}", result.verifies, result.source, f"{result.error:.1e}", f"{result.tolerance:.0e}", unit
-            table.add_row(*cells, result.why, mark)
-    console.print(table)
+        console.print(Text.assemble((report.name, "bold cyan"), f"  {report.note}" if report.note else ""))
+        for (verifies, source), results in groupby(report.results, key=lambda result: (result.verifies, result.source)):
+            console.print(Padding(Text.assemble(verifies, (f"  [{source}]", "dim")), (0, 0, 0, 2)))
+            console.print(Padding(_comparisons(list(results)), (0, 0, 1, 4)))
     if drawn:
         console.print(f"{drawn[0].parent}: {', '.join(path.name for path in drawn)}", markup=False)
     for report in reports:
         if report.skipped:
             console.print(f"skipped: {report.name}: {report.note}", markup=False)
     console.print(_verdict(reports, seconds))
+
+
+def _comparisons(results: Sequence[Result]) -> Table:
+    """Rows of one model against one source, in columns of fixed width so that the blocks line up; a repeated reason is left out."""
+    table = Table(box=None, pad_edge=False, show_header=False)
+    for width, align in ((25, "left"), (7, "right"), (1, "left"), (5, "right"), (5, "left"), (4, "left")):
+        table.add_column(width=width, justify=align)
+    table.add_column(style="dim")
+    reason = ""
+    for result in results:
+        mark, sign = (Text("ok", style="green"), "<") if result.passed else (Text("FAIL", style="bold red"), ">")
+        unit = "" if result.unit == "-" else result.unit
+        why, reason = "" if result.why == reason else result.why, result.why
+        table.add_row(result.quantity, f"{result.error:.1e}", sign, f"{result.tolerance:.0e}", unit, mark, why)
+    return table
 
 
 def _verdict(reports: Sequence[Report], seconds: float) -> Text:

@@ -45,7 +45,7 @@ def judge(case, plant):
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
         if cos(tilt(case, t, q, out)) < 0.0:
             return LOST_ATTITUDE
-    if out.altitude > case.initial.altitude + 5000.0:
+    if out.altitude > case.initial.altitude + limits.skip_out:
         return SKIPPED_OUT
     if t >= case.simulation.time_limit - 1e-9:
         return TIME_LIMIT

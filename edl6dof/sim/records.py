@@ -91,6 +91,8 @@ def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> n
     fill(record["initial"], scenario.initial)
     fill(record["simulation"], scenario.simulation)
     fill(record["limits"], scenario.limits)
+    if scenario.mission.goal == "time":
+        record["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
     return case
 
 

@@ -57,6 +57,9 @@ class LimitParams(Params):
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
     backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
     backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
+    skip_out_m: float = param(
+        5000.0, "height above the initial altitude at which a flight that should land has skipped out", status="estimate", gt=0.0
+    )
     crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
     body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0)
     total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)

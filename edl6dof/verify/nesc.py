@@ -1,7 +1,7 @@
 """NASA NESC 6-DOF check cases 1 to 10 (NASA/TM-2015-218675) on Earth.
 
 gravity central or J2 | atmosphere US76 | winds none, steady or sheared | vehicle sphere, brick | source: simulation 04 of the NESC study,
-row by row in cases 1, 2, 6 and 9, at the end in the others | tolerance: the project's own promise, 0.01 ft, 0.001 ft/s, 1e-4 deg/s,
+row by row in cases 1, 2, 6 and 9, at the end in the others | tolerance: set before the comparison, 0.01 ft, 0.001 ft/s, 1e-4 deg/s,
 1e-3 deg, 1e-6 deg of latitude and longitude; flights, reading and comparison are those of :mod:`edl6dof.post.check_cases`.
 """
 
@@ -38,5 +38,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         for _, quantity, limit, unit in TOLERANCES:
             if quantity in found:
                 about, error = f"case {number}: {quantity}", float(found[quantity])
-                results.append(Result(about, "whole plant on Earth", SOURCE, error, limit, unit, "constants of US76; promise"))
+                results.append(
+                    Result(about, "whole plant on Earth", SOURCE, error, limit, unit, "set beforehand; room for the constants of US76")
+                )
     return Outcome(tuple(results))
