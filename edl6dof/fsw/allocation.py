@@ -54,41 +54,42 @@ def effects(thrusters, count, centre, effect):
 
 
 @kernel
-def authority(effect, thrusters, count, group, row, sign):
-    """Largest demand along one row that the thrusters of a group can meet together."""
+def authority(effect, thrusters, count, healthy, group, row, sign):
+    """Largest demand along one row that the healthy thrusters of a group can meet together."""
     total = 0.0
     for i in range(count):
-        if thrusters[i].group == group:
+        if healthy[i] != 0 and thrusters[i].group == group:
             total += max(sign * effect[i, row], 0.0)
     return total
 
 
 @kernel
-def fine_enough(params, effect, thrusters, count, demand):
+def fine_enough(params, effect, thrusters, count, healthy, demand):
     """Whether the fine thrusters alone have the torque authority for ``demand``."""
     for row in range(3, 6):
         if abs(demand[row]) > 1e-9:
             sign = 1.0 if demand[row] > 0.0 else -1.0
-            if abs(demand[row]) > params.fine_share * authority(effect, thrusters, count, FINE, row, sign):
+            if abs(demand[row]) > params.fine_share * authority(effect, thrusters, count, healthy, FINE, row, sign):
                 return False
     return True
 
 
 @kernel
-def allocate(params, thrusters, count, allowed, translating, demand, memory):
+def allocate(params, thrusters, count, healthy, allowed, translating, demand, memory):
     """Duties for a demanded force and torque; ``memory.duty`` and ``memory.undelivered`` are written.
 
     Args:
         params: allocation record.
         thrusters: believed thrusters (group, thrust).
         count: how many there are.
+        healthy: whether each may be used (0 for no).
         allowed: bit mask of the groups that may fire.
         translating: whether lateral force is demanded; otherwise stray force is only discouraged.
         demand: (force x, y, z, torque x, y, z) in B, N and N m; force x is never controlled.
         memory: ``ALLOCATOR`` record whose ``effect`` is filled.
     """
     effect, duty, residual = memory.effect, memory.duty, memory.undelivered
-    only_fine = (not translating) and (allowed >> FINE) & 1 == 1 and fine_enough(params, effect, thrusters, count, demand)
+    only_fine = (not translating) and (allowed >> FINE) & 1 == 1 and fine_enough(params, effect, thrusters, count, healthy, demand)
     mask = 1 << FINE if only_fine else allowed
     force_weight = 1.0 / (params.force_scale if translating else params.stray_force_scale) ** 2
     torque_weight = 1.0 / params.torque_scale**2
@@ -99,7 +100,8 @@ def allocate(params, thrusters, count, allowed, translating, demand, memory):
         stray = effect[i, 1] * effect[i, 1] + effect[i, 2] * effect[i, 2]
         turn = effect[i, 3] * effect[i, 3] + effect[i, 4] * effect[i, 4] + effect[i, 5] * effect[i, 5]
         curve = force_weight * stray + torque_weight * turn
-        gain[i] = 1.0 / curve if (mask >> thrusters[i].group) & 1 == 1 and curve > 0.0 else 0.0
+        usable = healthy[i] != 0 and (mask >> thrusters[i].group) & 1 == 1
+        gain[i] = 1.0 / curve if usable and curve > 0.0 else 0.0
         price[i] = 0.5 * params.use_cost * thrusters[i].thrust / 250.0
         duty[i] = 0.0
     for sweep in range(2 * params.sweeps):

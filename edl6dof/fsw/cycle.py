@@ -120,10 +120,10 @@ def steer(onboard, phase, dt, fsw):
         if boosting:
             # the axial thrusters fire anyway: the others take out the torque of their offset from the centre of mass
             for i in range(count):
-                if vehicle.thrusters[i].group == AXIAL:
+                if vehicle.thrusters[i].group == AXIAL and fsw.healthy[i] != 0:
                     for j in range(3, 6):
                         fsw.demand[j] -= fsw.allocator.effect[i, j]
-        allocate(onboard.allocation, vehicle.thrusters, count, allowed, guide.translating != 0, fsw.demand, fsw.allocator)
+        allocate(onboard.allocation, vehicle.thrusters, count, fsw.healthy, allowed, guide.translating != 0, fsw.demand, fsw.allocator)
     else:
         for i in range(count):
             duty[i] = 0.0
@@ -135,7 +135,7 @@ def steer(onboard, phase, dt, fsw):
             fsw.saturated = 1
     if boosting:
         for i in range(count):
-            if vehicle.thrusters[i].group == AXIAL:
+            if vehicle.thrusters[i].group == AXIAL and fsw.healthy[i] != 0:
                 duty[i] = 1.0
     modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
     for j in range(3):
@@ -161,6 +161,7 @@ def run(onboard, sensed, k, fsw):
     sequence(mission, fsw.nav, fsw.guide, fsw, command.request)
     note_requests(onboard, fsw.nav, fsw)
     phase = mission.phases[fsw.phase]
+    command.phase = fsw.phase
     if fsw.phase != before:
         fsw.guide.translating = 0
     dt = 1.0 / onboard.rates.base

@@ -181,6 +181,8 @@ COMMAND = np.dtype(
         ("steering", "i8"),
         ("bank", "f8"),
         ("alpha", "f8"),
+        ("phase", "i8"),
+        ("isolate", "i8", (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
     ],
     align=True,
 )
@@ -192,6 +194,7 @@ FSW = np.dtype(
         ("configuration", "i8"),
         ("wing_out", "i8"),
         ("saturated", "i8"),
+        ("healthy", "i8", (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
         ("ignited", "i8"),
         ("ignition_time", "f8"),
         ("mass", "f8"),

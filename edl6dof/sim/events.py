@@ -1,10 +1,13 @@
-"""The timeline of a flight: phases, deployments, bank reversals, touchdown, outcome."""
+"""The timeline of a flight: phases, deployments, faults, bank reversals, touchdown, outcome."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
+from edl6dof.vehicle.plant import NOT_BEGUN
 
 #: Plain names of what the vehicle does once, in the order of ``edl6dof.vehicle.plant.EVENTS``.
 DEPLOYMENTS = (
@@ -19,7 +22,9 @@ DEPLOYMENTS = (
 KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
 
 
-def timeline(telemetry: dict[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str) -> list[dict[str, Any]]:
+def timeline(
+    telemetry: dict[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str, faults: Sequence[str] = ()
+) -> list[dict[str, Any]]:
     """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then."""
     found: list[tuple[float, str, str]] = []
     for index, name in enumerate(phases):
@@ -31,6 +36,9 @@ def timeline(telemetry: dict[str, np.ndarray], plant: np.void, fsw: np.void, pha
             found.append((float(when), key, name))
     if plant["line_stretch_time"] < 1e9:
         found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
+    for label, since in zip(faults, plant["fault_since"], strict=False):
+        if since != NOT_BEGUN:
+            found.append((float(since), "fault", f"fault: {label}"))
     found += [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
     if np.isfinite(plant["touchdown_time"]):
         found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))

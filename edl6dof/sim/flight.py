@@ -79,7 +79,7 @@ class Flight:
     @property
     def phase_names(self) -> list[str]:
         """Names of the mission phases; ``guide.phase`` is the index."""
-        return [phase.name for phase in self.scenario.mission.phases]
+        return self.scenario.phase_names
 
     @property
     def time_s(self) -> float:
@@ -89,12 +89,16 @@ class Flight:
     @cached_property
     def telemetry(self) -> dict[str, np.ndarray]:
         """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.sim.channels``."""
-        return columns(self.log, [jet.name for jet in self.scenario.vehicle.rcs.thrusters])
+        return columns(self.log, self.scenario.thruster_names)
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome)
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome, self._faults)
+
+    @property
+    def _faults(self) -> list[str]:
+        return [fault.label for fault in self.loaded.truth.faults]
 
     @cached_property
     def metrics(self) -> dict[str, float]:

@@ -86,7 +86,7 @@ def record(case, plant, fsw, tick):
     if plant.debris[1].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
-    truth.trim_wing = wing_opening(case.vehicle.trim_wing, t - plant.wing_start)
+    truth.trim_wing = min(wing_opening(case.vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
     truth.footpads = out.pads
 
     nav, guide = fsw.nav, fsw.guide
@@ -104,3 +104,4 @@ def record(case, plant, fsw, tick):
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
     for i in range(MAX_THRUSTERS):
         tick.duty[i] = plant.valves.mean[i]
+        tick.fault[i] = plant.valves.fault[i]

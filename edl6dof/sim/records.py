@@ -33,8 +33,9 @@ from edl6dof.spatial.frames import (
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
+from edl6dof.vehicle.faults import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander, lander_dry
-from edl6dof.vehicle.plant import ATTITUDE, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.rcs import GROUPS
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -54,6 +55,7 @@ CASE = np.dtype(
         ("initial", dtype_of(InitialState)),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
+        ("faults", FAULTS),
     ],
     align=True,
 )
@@ -93,6 +95,7 @@ def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> n
     fill(record["limits"], scenario.limits)
     if scenario.mission.goal == "time":
         record["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
+    fill_faults(record["faults"], scenario.faults, scenario.thruster_names, scenario.phase_names)
     return case
 
 
@@ -223,6 +226,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record["due"][:] = 1e99
     record["done"][:] = np.nan
     record["wing_start"] = 1e99
+    record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = 1e99
     record["touchdown_time"] = np.nan
     record["agl"] = 1e99
@@ -245,6 +249,7 @@ def initial_fsw(onboard: np.ndarray) -> np.ndarray:
     """Flight-software memory at t = 0, shape (1,)."""
     fsw = np.zeros(1, FSW)
     fsw["mass"] = onboard["vehicle"]["entry_mass"]
+    fsw["healthy"] = 1
     fsw["entered"] = np.nan
     fsw["entered"][0, 0] = 0.0
     return fsw

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import cos, radians
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import field_validator, model_validator
 
-from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.source import Document, read_document, resolve_scenario
@@ -26,6 +26,8 @@ from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.mission.phases import MissionParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
+from edl6dof.vehicle.faults import FaultParams, fault_problems
+from edl6dof.vehicle.plant import MAX_FAULTS
 from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -85,6 +87,9 @@ class Scenario(Params):
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
     limits: LimitParams = group(LimitParams, "limits of the verdict")
+    faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
+        None, "what breaks; the flight computer is not told", record=False, factory=list, max_length=MAX_FAULTS
+    )
     truth: dict[str, Any] = param(
         None,
         "dotted paths whose true value differs from what the flight computer was told, such as 'vehicle.mass.entry_kg: 1300'",
@@ -110,6 +115,7 @@ class Scenario(Params):
             **self._phase_problems(),
             **self._entry_problems(),
             **file_problems(self),
+            **fault_problems(self.faults, self.thruster_names, self.phase_names),
         }
         if problems:
             raise Inconsistent(problems)
@@ -157,6 +163,16 @@ class Scenario(Params):
         entry, radius = self.flight_software.guidance.entry, self.planet.equatorial_radius_m
         latitude, longitude = radians(self.terrain.site_latitude_deg), radians(self.terrain.site_longitude_deg)
         return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
+
+    @property
+    def thruster_names(self) -> list[str]:
+        """Names of the thrusters in the order of the vehicle file."""
+        return [jet.name for jet in self.vehicle.rcs.thrusters]
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases in order."""
+        return [phase.name for phase in self.mission.phases]
 
     @property
     def steps_per_cycle(self) -> int:

@@ -1,8 +1,9 @@
-"""From flight-software commands to valves, engine and pyrotechnics."""
+"""From flight-software commands to valves, engine and pyrotechnics, with the faults between."""
 
 from __future__ import annotations
 
 from edl6dof.jit import kernel
+from edl6dof.vehicle.faults import inflict
 from edl6dof.vehicle.plant import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
 from edl6dof.vehicle.point_mass import command_bank
 
@@ -12,7 +13,10 @@ ENGINE_FULL = 2
 
 @kernel
 def actuate(case, command, plant):
-    """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested with its delay."""
+    """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested with its delay.
+
+    Faults and isolation valves have the last word.
+    """
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):
         plant.valves.opens[i] = command.opens[i]
@@ -31,3 +35,8 @@ def actuate(case, command, plant):
             elif event == HEAT_SHIELD_OFF or event == BACKSHELL_OFF:
                 delay = vehicle.staging.pyro_delay
             plant.due[event] = plant.t + delay
+    inflict(case, command, plant)
+    for i in range(vehicle.rcs.n_thrusters):
+        # the isolation valve lies upstream of whatever the thruster's own valve does
+        if command.isolate[i] != 0:
+            plant.valves.opens[i] = plant.valves.closes[i] = plant.t

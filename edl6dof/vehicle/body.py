@@ -70,7 +70,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
-    extension = wing_opening(vehicle.trim_wing, t - plant.wing_start)
+    extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
     if extension > 0.0 and plant.attached[BACKSHELL] != 0:
         wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
         wing_f = (wing[0], wing[1], wing[2])
@@ -173,7 +173,8 @@ def motion(case, plant, y, dy):
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    engine_force, engine_moment = thrust_wrench(engine, y[THRUST])
+    thrust = y[THRUST] * (1.0 - plant.thrust_lost)
+    engine_force, engine_moment = thrust_wrench(engine, thrust)
     rcs_force = take3(plant.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), sub(engine_moment, cross(centre, engine_force)))
@@ -181,7 +182,7 @@ def motion(case, plant, y, dy):
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)
-    out.engine_thrust = y[THRUST] * engine.thrust_factor
+    out.engine_thrust = thrust * engine.thrust_factor
 
     put3(dy, POSITION, take3(y, VELOCITY))
     put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
@@ -191,7 +192,7 @@ def motion(case, plant, y, dy):
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     dy[PROPELLANT] = 0.0
     if y[PROPELLANT] > 0.0:
-        dy[PROPELLANT] = -propellant_flow(engine, y[THRUST]) - plant.rcs_flow
+        dy[PROPELLANT] = -propellant_flow(engine, thrust) - plant.rcs_flow
     command = plant.thrust_command if plant.running != 0 and y[PROPELLANT] > 0.0 else 0.0
     dy[THRUST] = 0.0
     if command != 0.0 or y[THRUST] != 0.0:

@@ -28,12 +28,18 @@ STATES_VEHICLE = 16
 EVENTS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
 TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF = range(7)
 
+#: How many faults one flight may have, and the time that stands for "not yet".
+MAX_FAULTS = 16
+NOT_BEGUN = 1e99
+
 VALVES = np.dtype(
     [
         ("opens", "f8", (MAX_THRUSTERS,)),
         ("closes", "f8", (MAX_THRUSTERS,)),
         ("level", "f8", (MAX_THRUSTERS,)),
-        ("mean", "f8", (MAX_THRUSTERS,)),
+        ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
+        ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
+        ("fault", "i8", (MAX_THRUSTERS,)),  # which fault each thruster has, 0 for none
     ],
     align=True,
 )
@@ -98,6 +104,11 @@ PLANT = np.dtype(
         ("alpha", "f8"),
         ("line_stretch_time", "f8"),
         ("wing_start", "f8"),
+        ("wing_lost", "f8"),  # share of the opening that a fault takes away
+        ("thrust_lost", "f8"),  # share of the engine's thrust that a fault takes away
+        ("thrust_held", "f8"),  # level at which a fault holds the throttle, N
+        ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
+        ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", "f8"),
         ("due", "f8", (len(EVENTS),)),
         ("done", "f8", (len(EVENTS),)),

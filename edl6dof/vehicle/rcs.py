@@ -111,6 +111,7 @@ def fire(rcs, valves, t, step, dynamic_pressure):
         jet = rcs.thrusters[i]
         mean, level = mean_level(valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i])
         valves.level[i] = level
+        mean *= 1.0 - valves.lost[i]
         valves.mean[i] = mean
         force = mean * jet.thrust
         flow += force / (jet.specific_impulse * G0)

@@ -12,6 +12,7 @@ from edl6dof.fsw.onboard import ENTRY, LANDER, UNDER_CHUTE
 
 GROUPS = ("horizontal", "axial", "attitude", "fine")
 ALL = 0b1111
+HEALTHY = np.ones(32, "i8")
 CENTRES = {"entry": ENTRY, "under_chute": UNDER_CHUTE, "lander": LANDER}
 
 
@@ -47,7 +48,7 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     memory = np.zeros(1, ALLOCATOR)[0] if memory is None else memory
     effects(thrusters, count, tuple(centre), memory["effect"])
     for _ in range(rounds):
-        allocate(p, thrusters, count, allowed, translating, np.asarray(demand, float), memory)
+        allocate(p, thrusters, count, HEALTHY, allowed, translating, np.asarray(demand, float), memory)
     return memory
 
 
