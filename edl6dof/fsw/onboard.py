@@ -15,7 +15,8 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.reference import REFERENCE
+from edl6dof.fsw.guidance.entry.range_update import TrackingParams
+from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
@@ -42,6 +43,8 @@ class EntryGuidanceParams(_EntryLaws):
     bank_min_deg: float = param(15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0)
     bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
     bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1000.0)
+    reference_bank: ReferenceBankParams = group(ReferenceBankParams, "open-loop bank of the reference trajectory")
+    tracking: TrackingParams = group(TrackingParams, "following the reference drag")
     reversal: ReversalParams = group(ReversalParams, "bank reversals")
     heading: HeadingAlignmentParams = group(HeadingAlignmentParams, "heading alignment")
     align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)

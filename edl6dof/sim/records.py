@@ -200,7 +200,7 @@ def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
     arc, _ = great_circle(sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"]))
     start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
-    fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.align_speed_m_s, entry.final_speed_m_s)
+    fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:

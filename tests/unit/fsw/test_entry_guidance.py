@@ -7,9 +7,10 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.drag_tracking import drag_dynamics, range_scale
+from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.geometry import to_target
-from edl6dof.fsw.guidance.entry.reference import REFERENCE, STEPS, fly, solve_bank
+from edl6dof.fsw.guidance.entry.range_update import range_scale
+from edl6dof.fsw.guidance.entry.reference import REFERENCE, STEPS, fly, reference_bank, solve_shift
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation import NAV
 
@@ -161,7 +162,11 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
 
 
 def independent_flight(onboard, start, bank, align, final):
-    """Planar Cartesian flight about the same planet with the same density table, by scipy.  Returns arc length and time."""
+    """Planar Cartesian flight about the same planet with the same density table, by scipy, at a bank angle or a function of speed.
+
+    Returns arc length, time and altitude at the end.
+    """
+    bank_of = bank if callable(bank) else lambda speed: bank
     planet, vehicle, air = onboard[0]["planet"], onboard[0]["vehicle"], onboard[0]["atmosphere"]
     nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
     radius, mu = planet["equatorial_radius"], planet["mu"]
@@ -172,7 +177,7 @@ def independent_flight(onboard, start, bank, align, final):
         density = np.exp(np.interp(size - radius, nodes, air["ln_density"]))
         drag = 0.5 * density * speed**2 * vehicle["drag_area"] / vehicle["entry_mass"]
         across = np.array([-v[1], v[0]]) / speed  # left of the velocity: up, for flight clockwise
-        lift = vehicle["lift_to_drag"] * drag * cos(bank if speed > align else 0.0)
+        lift = vehicle["lift_to_drag"] * drag * cos(bank_of(speed) if speed > align else 0.0)
         return np.concatenate([v, -drag * v / speed + lift * across - mu * r / size**3])
 
     h, speed, gamma = start
@@ -202,25 +207,39 @@ def independent_flight(onboard, start, bank, align, final):
 ENTRY_STATE = (125e3, 4800.0, radians(-11.6))
 
 
-@pytest.mark.parametrize("bank_deg", [10.0, 57.0, 90.0])
-def test_reference_flight_is_the_independently_integrated_one(onboard, bank_deg):
+def segments(onboard, fast_deg, slow_deg, align=640.0):
+    """Set the open-loop bank profile; returns the same profile as a function of speed, written out independently."""
+    entry = onboard[0]["guidance"]["entry"]
+    entry["align_speed"] = align
+    profile = entry["reference_bank"]
+    profile["fast_bank"], profile["slow_bank"] = radians(fast_deg), radians(slow_deg)
+    profile["fast_speed"], profile["slow_speed"] = 3500.0, 1500.0
+    return lambda speed: radians(np.interp(speed, [1500.0, 3500.0], [slow_deg, fast_deg]))
+
+
+@pytest.mark.parametrize("fast_deg, slow_deg", [(10.0, 10.0), (57.0, 57.0), (90.0, 90.0), (75.0, 50.0), (40.0, 95.0)])
+def test_reference_flight_is_the_independently_integrated_one(onboard, fast_deg, slow_deg):
     history = np.zeros((STEPS, 5))
-    n = fly(onboard[0], ENTRY_STATE, radians(bank_deg), 640.0, 420.0, 0.1, history)
-    distance, duration, _ = independent_flight(onboard, ENTRY_STATE, radians(bank_deg), 640.0, 420.0)
+    bank = segments(onboard, fast_deg, slow_deg)
+    n = fly(onboard[0], ENTRY_STATE, 0.0, 420.0, 0.1, history)
+    distance, duration, _ = independent_flight(onboard, ENTRY_STATE, bank, 640.0, 420.0)
     assert history[n - 1, 4] == pytest.approx(duration, abs=0.3)
     assert history[n - 1, 1] == pytest.approx(distance, abs=150.0)  # of 700 km; one step is 42 m
     assert np.all(np.diff(history[:n, 1]) > 0.0)
 
 
+@pytest.mark.parametrize("fast_deg, slow_deg", [(90.0, 90.0), (75.0, 50.0)])
 @pytest.mark.parametrize("target_km", [680.0, 700.0, 720.0])
-def test_solved_bank_hits_the_range(onboard, target_km):
+def test_shifted_bank_profile_hits_the_range(onboard, target_km, fast_deg, slow_deg):
     history = np.zeros((STEPS, 5))
-    bank = solve_bank(onboard[0], ENTRY_STATE, 1e3 * target_km, 640.0, 420.0, 0.1, history)
+    profile = segments(onboard, fast_deg, slow_deg)
+    shift = solve_shift(onboard[0], ENTRY_STATE, 1e3 * target_km, 420.0, 0.1, history)
     low, high = (independent_flight(onboard, ENTRY_STATE, b, 640.0, 420.0)[0] for b in (radians(119.0), radians(1.0)))
     if low < 1e3 * target_km < high:
-        distance = independent_flight(onboard, ENTRY_STATE, bank, 640.0, 420.0)[0]
-        assert distance == pytest.approx(1e3 * target_km, abs=150.0)
+        distance = independent_flight(onboard, ENTRY_STATE, lambda v: np.arccos(np.clip(cos(profile(v)) + shift, -0.5, 1.0)), 640.0, 420.0)
+        assert distance[0] == pytest.approx(1e3 * target_km, abs=150.0)
     else:
+        bank = reference_bank(onboard[0], shift, 2500.0)
         assert degrees(bank) == pytest.approx(0.0 if 1e3 * target_km > high else 120.0, abs=0.1)
 
 
@@ -233,9 +252,10 @@ def test_reference_of_the_scenario_reaches_the_aim_point(onboard, scenario):
         point(site["aim_latitude"], site["aim_longitude"]),
     )
     wanted = onboard[0]["planet"]["equatorial_radius"] * atan2(np.linalg.norm(np.cross(p, q)), p @ q)
-    distance = independent_flight(onboard, start, reference["bank"], entry.align_speed_m_s, entry.final_speed_m_s)[0]
+    bank = reference_bank(onboard[0], reference["shift"], 3000.0)
+    distance = independent_flight(onboard, start, bank, entry.align_speed_m_s, entry.final_speed_m_s)[0]
     assert distance == pytest.approx(wanted, abs=200.0)
-    assert radians(5.0) < reference["bank"] < radians(100.0)  # with authority left to both sides
+    assert radians(5.0) < bank < radians(100.0)  # with authority left to both sides
 
 
 def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):

@@ -1,27 +1,52 @@
-"""Reference trajectory: a point mass over a non-rotating sphere with onboard density, drag and lift, at constant bank.
+"""Reference trajectory: a point mass over a non-rotating sphere with onboard density, drag and lift, at an open-loop bank profile.
 
-Flown once on the ground before the mission: the bank angle is solved so that the range from entry interface to the aim point is met at
-parachute speed.  What guidance needs of it is tabulated over the square root of twice the specific energy, which is near the speed.
-Equations of motion: Wu, Cui & Cui 2013, eqs. 1-3 and 7.
+Flown once on the ground before the mission with an open-loop bank profile in three segments over speed (constant, linear, constant).
+Unless told otherwise the profile is shifted, by one number added to cos(bank), so that the range from entry interface to the aim point is
+met at parachute speed.  What guidance needs of it is tabulated over the square root of twice the specific energy, which is near the speed.
+Sources: equations of motion, Wu, Cui & Cui 2013, eqs. 1-3 and 7; three-segment bank profile, Zheng & Cui 2015, section 3.2, with the
+linear middle segment of Yan, Sun & Guo 2016, section 3.
 """
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import acos, cos, sin, sqrt
+from typing import Self
 
 import numpy as np
+from pydantic import model_validator
 
+from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
 
 NODES = 256
 STEPS = 6000
+#: Least cosine of the reference bank angle: never more than 120 deg, so that there is authority left to bring the lift down.
+LEAST_COSINE = -0.5
+
+
+class ReferenceBankParams(Params):
+    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero below the alignment speed."""
+
+    fast_bank_deg: float = param(90.0, "bank above fast_speed_m_s", ge=0.0, le=180.0)
+    fast_speed_m_s: float = param(3500.0, "speed above which the bank is constant", status="published", source="Yan 2016", gt=0.0)
+    slow_bank_deg: float = param(90.0, "bank below slow_speed_m_s", ge=0.0, le=180.0)
+    slow_speed_m_s: float = param(1500.0, "speed below which the bank is constant", status="published", source="Yan 2016", gt=0.0)
+    fit_range: bool = param(True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point")
+
+    @model_validator(mode="after")
+    def _speeds_fall(self) -> Self:
+        if not self.slow_speed_m_s < self.fast_speed_m_s:
+            raise ValueError("slow_speed_m_s must be below fast_speed_m_s")
+        return self
+
 
 REFERENCE = np.dtype(
     [
         ("first", "f8"),
         ("spacing", "f8"),
-        ("bank", "f8"),
+        ("shift", "f8"),
         ("drag", "f8", (NODES,)),
         ("drag_rate", "f8", (NODES,)),
         ("drag_acceleration", "f8", (NODES,)),
@@ -51,7 +76,18 @@ def point_mass(onboard, h, v, gamma, bank):
 
 
 @kernel
-def fly(onboard, entry, bank, align_speed, final_speed, dt, history):
+def reference_bank(onboard, shift, speed):
+    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above -0.5."""
+    entry = onboard.guidance.entry
+    if speed <= entry.align_speed:
+        return 0.0
+    p = entry.reference_bank
+    share = clamp((speed - p.slow_speed) / (p.fast_speed - p.slow_speed), 0.0, 1.0)
+    return acos(clamp(cos(p.slow_bank + share * (p.fast_bank - p.slow_bank)) + shift, LEAST_COSINE, 1.0))
+
+
+@kernel
+def fly(onboard, entry, shift, final_speed, dt, history):
     """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, cos gamma, time). Returns the row count.
 
     ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum = 0).
@@ -60,7 +96,7 @@ def fly(onboard, entry, bank, align_speed, final_speed, dt, history):
     planet = onboard.planet
     count = 0
     while v > final_speed and h > -5000.0 and count < history.shape[0]:
-        sigma = bank if v > align_speed else 0.0
+        sigma = reference_bank(onboard, shift, v)
         a = point_mass(onboard, h, v, gamma, sigma)
         energy = 0.5 * v * v + planet.mu * (1.0 / planet.equatorial_radius - 1.0 / (planet.equatorial_radius + h))
         row = history[count]
@@ -78,34 +114,33 @@ def fly(onboard, entry, bank, align_speed, final_speed, dt, history):
 
 
 @kernel
-def solve_bank(onboard, entry, wanted, align_speed, final_speed, dt, history):
-    """Constant bank angle (rad) whose range is ``wanted`` (m), by bisection on its cosine; the nearest bound when out of reach."""
-    low, high = -0.5, 1.0
+def solve_shift(onboard, entry, wanted, final_speed, dt, history):
+    """Shift of cos(bank) whose range is ``wanted`` (m), by bisection; the nearest bound when out of reach."""
+    low, high = LEAST_COSINE - 1.0, 1.0 - LEAST_COSINE
     for _ in range(40):
         middle = 0.5 * (low + high)
-        bank = np.arccos(middle)
-        n = fly(onboard, entry, bank, align_speed, final_speed, dt, history)
+        n = fly(onboard, entry, middle, final_speed, dt, history)
         if history[n - 1, 1] < wanted:
             low = middle
         else:
             high = middle
-    return np.arccos(0.5 * (low + high))
+    return 0.5 * (low + high)
 
 
-def fill_reference(onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, align: float, final: float) -> None:
-    """Solve the reference for a range of ``wanted`` metres and tabulate it into ``onboard[0]["reference"]``.
+def fill_reference(onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, final: float) -> None:
+    """Fly the reference, for a range of ``wanted`` metres if that is to be fitted, and tabulate it into ``onboard[0]["reference"]``.
 
     Args:
         onboard: onboard record array of length one, its models filled.
         entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
         wanted: ground range to the aim point, m.
-        align: speed below which the bank angle is zero, m/s.
         final: speed at which the range counts, m/s.
     """
     history = np.zeros((STEPS, 5))
     dt = 0.1
-    bank = solve_bank(onboard[0], entry, wanted, align, final, dt, history)
-    n = fly(onboard[0], entry, bank, align, final, dt, history)
+    fitted = onboard["guidance"]["entry"]["reference_bank"]["fit_range"][0]
+    shift = solve_shift(onboard[0], entry, wanted, final, dt, history) if fitted else 0.0
+    n = fly(onboard[0], entry, shift, final, dt, history)
     u, s, drag, cos_path, t = history[:n].T
     drag_rate = np.gradient(drag, t)
     drag_acceleration = np.gradient(drag_rate, t)
@@ -113,7 +148,7 @@ def fill_reference(onboard: np.ndarray, entry: tuple[float, float, float], wante
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
     table = onboard["reference"][0]
-    table["first"], table["spacing"], table["bank"] = nodes[0], nodes[1] - nodes[0], bank
+    table["first"], table["spacing"], table["shift"] = nodes[0], nodes[1] - nodes[0], shift
     columns = {
         "drag": drag,
         "drag_rate": drag_rate,

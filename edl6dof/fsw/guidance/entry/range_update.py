@@ -1,0 +1,93 @@
+"""The drag to follow: the reference drag, scaled so that the range it predicts is the range to go.
+
+Range along a drag profile is the integral of cos(gamma) dE / D (Zheng & Cui 2015, eqs. 11-12; Wu, Cui & Cui 2013, eqs. 11 and 14-15); one
+number scales the rest of the profile, most in the middle of the energy that is left.  The cosine of the flight-path angle, which the
+papers leave out, comes from the reference.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.reference import NODES
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
+
+
+class TrackingParams(Params):
+    """Following the reference drag: when it begins, and how far the range to go may change it."""
+
+    start_drag_m_s2: float = param(1.0, "drag at which tracking begins; before, the reference bank is held", ge=0.0)
+    update: bool = param(True, "whether the reference drag is scaled to meet the range to go")
+    update_stop_m_s: float = param(900.0, "speed below which the range update is frozen", ge=0.0)
+    scale_limit: float = param(0.4, "largest relative change of the reference drag", gt=0.0, lt=1.0)
+
+
+#: What a law that follows the reference drag remembers.
+TRACKING = np.dtype([("scale", "f8")], align=True)
+
+
+@kernel
+def shape(share):
+    """Where along the remaining energy the reference is changed (eq. 15)."""
+    return 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
+
+
+@kernel
+def range_scale(reference, energy_speed, wanted, scale, limit):
+    """Scale of the reference drag whose predicted range is ``wanted`` (m): Newton's method from the last value (eqs. 14-15).
+
+    Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE = u du.
+    """
+    last = min(int((energy_speed - reference.first) / reference.spacing), NODES - 1)
+    if last < 3:
+        return scale
+    first2 = reference.first * reference.first
+    span = energy_speed * energy_speed - first2
+    for _ in range(3):
+        total, slope = 0.0, 0.0
+        for i in range(last + 1):
+            u = reference.first + i * reference.spacing
+            f = shape((u * u - first2) / span)
+            weight = 0.5 if i == 0 or i == last else 1.0
+            piece = weight * reference.cos_path[i] * u / (reference.drag[i] * (1.0 + scale * f))
+            total += piece
+            slope -= piece * f / (1.0 + scale * f)
+        # the piece between the last node and the present energy
+        edge = energy_speed - (reference.first + last * reference.spacing)
+        here = reference.drag[last] * (1.0 + scale * shape(1.0))
+        total = total * reference.spacing + edge * reference.cos_path[last] * energy_speed / here
+        scale = clamp(scale - (total - wanted) / (slope * reference.spacing), -limit, limit)
+    return scale
+
+
+@kernel
+def tracking(onboard, nav):
+    """Whether there is drag enough to follow the reference."""
+    p = onboard.guidance.entry.tracking
+    return nav.drag >= p.start_drag or nav.speed <= p.update_stop
+
+
+@kernel
+def drag_goal(onboard, nav, memory, out):
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), the range update included.
+
+    ``memory`` is a ``TRACKING`` record; the goal is written to ``out.reference_drag``.
+    """
+    p, reference = onboard.guidance.entry.tracking, onboard.reference
+    u = sqrt(2.0 * max(nav.energy, 0.0))
+    if p.update and nav.speed > p.update_stop:
+        memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
+    position = clamp((u - reference.first) / reference.spacing, 0.0, NODES - 1.001)
+    i = int(position)
+    f = position - i
+    factor = 1.0 + memory.scale * shape(1.0)
+    goal = factor * (reference.drag[i] + f * (reference.drag[i + 1] - reference.drag[i]))
+    goal_rate = factor * (reference.drag_rate[i] + f * (reference.drag_rate[i + 1] - reference.drag_rate[i]))
+    step = reference.drag_acceleration[i + 1] - reference.drag_acceleration[i]
+    goal_acceleration = factor * (reference.drag_acceleration[i] + f * step)
+    out.reference_drag = goal
+    return goal, goal_rate, goal_acceleration
