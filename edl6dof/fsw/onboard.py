@@ -15,6 +15,8 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.air_data import AirDataParams
+from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
@@ -46,9 +48,11 @@ class EntryGuidanceParams(_EntryLaws):
     reference_bank: ReferenceBankParams = group(ReferenceBankParams, "open-loop bank of the reference trajectory")
     tracking: TrackingParams = group(TrackingParams, "following the reference drag")
     reversal: ReversalParams = group(ReversalParams, "bank reversals")
+    air_data: AirDataParams = group(AirDataParams, "measured drag and lift ratios")
     heading: HeadingAlignmentParams = group(HeadingAlignmentParams, "heading alignment")
     align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)
     final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0, le=4000.0)
+    final_mach: float = param(0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0)
     aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5)
     aim_east_m: float = param(0.0, "aim point of entry guidance east of the landing site", status="derived", ge=-1e5, le=1e5)
 
@@ -142,6 +146,7 @@ ONBOARD = np.dtype(
                     ("entry_mass", "f8"),
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
+                    ("airframe", AIRFRAME),
                     ("configuration", CONFIGURATION, (3,)),
                     (
                         "engine",

@@ -19,6 +19,7 @@ from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
 from edl6dof.sensors.sensed import SENSED
+from edl6dof.sim.believed_aero import fill_airframe
 from edl6dof.sim.initial import InitialState
 from edl6dof.sim.scenario import LimitParams, Scenario, SimulationParams
 from edl6dof.spatial.frames import (
@@ -137,6 +138,9 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     vehicle = scenario.vehicle
     mass = vehicle.mass
     record["entry_mass"] = mass.entry_kg
+    airframe = record["airframe"]
+    for name in ("drag", "lift", "drag_with_wing"):
+        airframe[name] = 1.0
     if vehicle.aero.model == "capsule":
         truth = np.zeros(1, dtype_of(VehicleParams))
         fill(truth[0], vehicle)
@@ -147,6 +151,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         lift = axial * sin(alpha) - normal * cos(alpha)
         record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
         record["lift_to_drag"] = lift / drag
+        fill_airframe(airframe, scenario, tables, float(record["drag_area"]), float(record["lift_to_drag"]))
     elif vehicle.aero.model == "lift_drag":
         record["drag_area"] = vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
         record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag

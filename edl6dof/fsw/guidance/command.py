@@ -19,6 +19,8 @@ GUIDE = np.dtype(
         ("reference_drag", "f8"),
         ("range_to_go", "f8"),
         ("crossrange", "f8"),
+        ("drag_ratio", "f8"),  # measured over believed drag
+        ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
     ],
     align=True,

@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
@@ -63,9 +64,10 @@ def point_mass(onboard, h, v, gamma, bank):
     planet, vehicle = onboard.planet, onboard.vehicle
     r = planet.equatorial_radius + h
     g = planet.mu / (r * r)
-    density, _, _ = model_atmosphere(onboard.atmosphere, h)
-    drag = 0.5 * density * v * v * vehicle.drag_area / vehicle.entry_mass
-    lift = drag * vehicle.lift_to_drag
+    density, sound, _ = model_atmosphere(onboard.atmosphere, h)
+    area, lift_to_drag = believed_aero(vehicle, v / sound)
+    drag = 0.5 * density * v * v * area / vehicle.entry_mass
+    lift = drag * lift_to_drag
     return (
         v * sin(gamma),
         -drag - g * sin(gamma),

@@ -1,7 +1,7 @@
 """The entry guidance laws.
 
-A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go and crossrange are in
-``out`` before it is called; limits, side, heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.
+A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go, crossrange and
+the measured drag and lift ratios are in ``out`` before it is called; limits, side, heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.
 ``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
 """
 
@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking
+from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking, npc
+from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.jit import kernel
@@ -20,10 +21,11 @@ ENTRY_LAWS = Family(
     (
         drag_tracking.MEMBER,
         constant_bank.MEMBER,
+        npc.MEMBER,
     ),
 )
 
-ENTRY_MEMORY = np.dtype([("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
+ENTRY_MEMORY = np.dtype([("law", ENTRY_LAWS.memory), ("steering", STEERING), ("air", AIR_DATA)], align=True)
 
 wanted_bank = ENTRY_LAWS.switch("guide", 4)
 
@@ -32,5 +34,7 @@ wanted_bank = ENTRY_LAWS.switch("guide", 4)
 def entry_guidance(law, onboard, nav, mem, out):
     """Commanded bank angle of entry law number ``law``, written into ``out``; ``mem`` is an ``ENTRY_MEMORY`` record."""
     out.range_to_go, out.crossrange = to_target(onboard, nav)
+    measure_air(onboard, nav, mem.air)
+    out.drag_ratio, out.lift_ratio = mem.air.drag, mem.air.lift
     wanted = wanted_bank(law, onboard, nav, mem.law, out)
     steer_bank(onboard, nav, mem.steering, out, wanted)
