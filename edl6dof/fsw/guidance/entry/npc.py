@@ -1,12 +1,12 @@
 """Fully numerical predictor-corrector: the bank magnitude whose predicted flight ends at the aim point.
 
-Every call flies the onboard prediction to the parachute and corrects one parameter, the cosine of a constant bank angle, by Newton's
-method with a finite-difference slope (Gauss-Newton for one unknown), from the last call's solution.  Density and lift-to-drag errors
-enter as measured ratios.  Source: Lu 2014, "Entry guidance: a unified method", J. Guidance 37(3), section IV: the error z(sigma_0) is
-eq. 22 there, the Gauss-Newton step eqs. 25-27.
+Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's cos(bank), by Newton's method
+with a finite-difference slope (Gauss-Newton for one unknown), from the last call's solution.  Density and lift-to-drag errors enter as
+measured ratios.  Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter
+bank profile, terminal range error as a function of it, Gauss-Newton iteration.
 
-Differences: the bank angle of the prediction is constant (sigma_f = sigma_0 in eq. 23), since the parachute conditions leave no load or
-heat to shape; the unknown is cos(bank), in which range is nearly linear; the prediction ends at the parachute's Mach number, which the
+Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in energy; the unknown is added to
+cos(bank), in which range is nearly linear, instead of to the bank angle; the prediction ends at the parachute's Mach number, which the
 mission table watches, instead of a final energy.
 """
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.predictor import predict
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
@@ -34,37 +35,34 @@ class NpcParams(Params):
     start_drag_m_s2: float = param(0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0)
 
 
-MEMORY = np.dtype([("cosine", "f8"), ("started", "i8"), ("miss", "f8"), ("iterations", "i8")], align=True)
+MEMORY = np.dtype([("shift", "f8"), ("started", "i8"), ("miss", "f8"), ("iterations", "i8")], align=True)
 
 
 @kernel
-def miss_of(onboard, nav, out, cosine):
-    """Predicted downrange miss (m) at constant bank of this cosine, reversals cancelling."""
-    miss, _, _, _ = predict(onboard, nav, out.drag_ratio, out.lift_ratio, acos(cosine), 0.0)
+def miss_of(onboard, nav, out, shift):
+    """Predicted downrange miss (m), reversals cancelling."""
+    miss, _, _, _ = predict(onboard, nav, out, shift, 0.0)
     return miss
 
 
 @kernel
-def solve(onboard, nav, out, start, low, high, memory):
-    """Cosine of the bank angle between ``low`` and ``high`` whose predicted miss is zero; the nearer bound when out of reach."""
+def solve(onboard, nav, out, low, high, memory):
+    """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound nearest to that."""
     p = onboard.guidance.entry.npc
-    cosine = clamp(start, low, high)
+    memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
-    memory.miss = miss_of(onboard, nav, out, cosine)
-    for _ in range(p.iterations):
-        if abs(memory.miss) < p.tolerance:
-            break
-        nudge = NUDGE if cosine + NUDGE <= high else -NUDGE
-        slope = (miss_of(onboard, nav, out, cosine + nudge) - memory.miss) / nudge
+    memory.miss = miss_of(onboard, nav, out, memory.shift)
+    while abs(memory.miss) > p.tolerance and memory.iterations < p.iterations:
+        nudge = NUDGE if memory.shift + NUDGE <= high else -NUDGE
+        slope = (miss_of(onboard, nav, out, memory.shift + nudge) - memory.miss) / nudge
         if slope <= 0.0:
-            break
-        better = clamp(cosine - memory.miss / slope, low, high)
+            return
+        better = clamp(memory.shift - memory.miss / slope, low, high)
         memory.iterations += 1
-        if better == cosine:
-            break
-        cosine = better
-        memory.miss = miss_of(onboard, nav, out, cosine)
-    return cosine
+        if better == memory.shift:
+            return
+        memory.shift = better
+        memory.miss = miss_of(onboard, nav, out, better)
 
 
 @kernel
@@ -73,13 +71,14 @@ def guide(onboard, nav, mem, out):
     p, entry = onboard.guidance.entry.npc, onboard.guidance.entry
     memory = mem.npc
     if memory.started == 0:
-        memory.cosine = cos(onboard.reference.bank)
-        if nav.drag < p.start_drag:
-            return onboard.reference.bank
-        memory.started = 1
-    if nav.speed > entry.align_speed:
-        memory.cosine = solve(onboard, nav, out, memory.cosine, cos(entry.bank_max), cos(entry.bank_min), memory)
-    return acos(memory.cosine)
+        memory.shift = onboard.reference.shift
+        if nav.drag >= p.start_drag:
+            memory.started = 1
+    if memory.started != 0 and nav.speed > entry.align_speed:
+        # the shift may not leave what the present bank angle can follow
+        own = cos(reference_bank(onboard, 0.0, nav.speed))
+        solve(onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)
+    return acos(clamp(cos(reference_bank(onboard, memory.shift, nav.speed)), -1.0, 1.0))
 
 
 MEMBER = Member("npc", NpcParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3), section IV", MEMORY)

@@ -1,9 +1,9 @@
 """Onboard prediction of the entry: a point mass over the rotating ellipsoid with the believed air and airframe.
 
-Flown in Cartesian planet-fixed axes from the navigated state to the parachute, at constant bank angle and with level wings below the
-alignment speed, as the shared steering will command it.  Steps are taken for a fixed loss of speed, so they are steps of energy wherever
-drag counts.  Source: Lu 2014, "Entry guidance: a unified method", eqs. 1-10 (there in spherical coordinates with energy as independent
-variable); left out here: J2, wind.
+Flown in Cartesian planet-fixed axes from the navigated state to the parachute, with the bank profile of the reference shifted by one
+number and with level wings below the alignment speed, as the shared steering will command it.  Steps are taken for a fixed loss of
+speed, so they are steps of energy wherever drag counts.  Source: equations of motion of Lu 2014, "Entry guidance: a unified method",
+section II (there in spherical coordinates, with energy as independent variable); left out: J2, wind, the time a bank reversal takes.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import asin, atan2, cos, sin, sqrt
 
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
@@ -31,15 +32,15 @@ def height_above_ellipsoid(planet, r):
 
 
 @kernel
-def accelerations(onboard, r, v, drag_ratio, lift_ratio, cos_bank, sin_bank):
+def accelerations(onboard, r, v, out, cos_bank, sin_bank):
     """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the Mach number, at position and velocity in F."""
     planet, vehicle = onboard.planet, onboard.vehicle
     size, speed = norm(r), max(norm(v), 1e-3)
     density, sound, _ = model_atmosphere(onboard.atmosphere, height_above_ellipsoid(planet, r))
     mach = speed / sound
     area, lift_to_drag = believed_aero(vehicle, mach)
-    drag = drag_ratio * 0.5 * density * speed * speed * area / vehicle.entry_mass
-    lift = lift_ratio * lift_to_drag * drag
+    drag = out.drag_ratio * 0.5 * density * speed * speed * area / vehicle.entry_mass
+    lift = out.lift_ratio * lift_to_drag * drag
     x = scale(1.0 / speed, v)
     right = unit(cross(x, r))
     lifted = add(scale(cos_bank, cross(right, x)), scale(sin_bank, right))
@@ -51,11 +52,11 @@ def accelerations(onboard, r, v, drag_ratio, lift_ratio, cos_bank, sin_bank):
 
 
 @kernel
-def predict(onboard, nav, drag_ratio, lift_ratio, bank, lateral):
-    """Fly on from ``nav`` to the parachute at constant ``bank`` (rad).
+def predict(onboard, nav, out, shift, lateral):
+    """Fly on from ``nav`` to the parachute with the reference bank profile, its cosine shifted by ``shift``.
 
     ``lateral`` scales the sideways part of the lift: 0 for a flight in the plane, whose reversals cancel, +1 or -1 to bank right or
-    left all the way.  Measured drag and lift-to-drag ratio are ``drag_ratio`` and ``lift_ratio`` times the believed ones.
+    left all the way.  Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``.
 
     Returns:
         downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), both relative to the great circle
@@ -67,23 +68,25 @@ def predict(onboard, nav, drag_ratio, lift_ratio, bank, lateral):
     v = ned_to_fixed(sin(lat), cos(lat), sin(lon), cos(lon), (nav.v_N[0], nav.v_N[1], nav.v_N[2]))
     here, target = unit(r), aim_direction(onboard)
     ahead = unit(sub(target, scale(dot(target, here), here)))
-    cos_bank, sin_bank = cos(bank), lateral * sin(bank)
+    least, most = cos(entry.bank_max), cos(entry.bank_min)
     t, dt = 0.0, 0.0
     r_old, speed, speed_old, end_speed = r, norm(v), norm(v), 0.0
     for _ in range(MAX_STEPS):
-        if speed < entry.align_speed:
-            cos_bank, sin_bank = 1.0, 0.0
-        a1, drag, mach = accelerations(onboard, r, v, drag_ratio, lift_ratio, cos_bank, sin_bank)
+        cos_bank, sin_bank = 1.0, 0.0
+        if speed >= entry.align_speed:
+            cos_bank = clamp(cos(reference_bank(onboard, shift, speed)), least, most)
+            sin_bank = lateral * sqrt(1.0 - cos_bank * cos_bank)
+        a1, drag, mach = accelerations(onboard, r, v, out, cos_bank, sin_bank)
         end_speed = entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         if speed <= end_speed or height_above_ellipsoid(planet, r) < -5000.0:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
         v2 = add(v, scale(0.5 * dt, a1))
-        a2, _, _ = accelerations(onboard, add(r, scale(0.5 * dt, v)), v2, drag_ratio, lift_ratio, cos_bank, sin_bank)
+        a2, _, _ = accelerations(onboard, add(r, scale(0.5 * dt, v)), v2, out, cos_bank, sin_bank)
         v3 = add(v, scale(0.5 * dt, a2))
-        a3, _, _ = accelerations(onboard, add(r, scale(0.5 * dt, v2)), v3, drag_ratio, lift_ratio, cos_bank, sin_bank)
+        a3, _, _ = accelerations(onboard, add(r, scale(0.5 * dt, v2)), v3, out, cos_bank, sin_bank)
         v4 = add(v, scale(dt, a3))
-        a4, _, _ = accelerations(onboard, add(r, scale(dt, v3)), v4, drag_ratio, lift_ratio, cos_bank, sin_bank)
+        a4, _, _ = accelerations(onboard, add(r, scale(dt, v3)), v4, out, cos_bank, sin_bank)
         r_old, speed_old = r, speed
         r = add(r, scale(dt / 6.0, add(add(v, v4), scale(2.0, add(v2, v3)))))
         v = add(v, scale(dt / 6.0, add(add(a1, a4), scale(2.0, add(a2, a3)))))

@@ -1,8 +1,8 @@
 """The entry guidance laws.
 
-A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go, crossrange and
-the measured drag and lift ratios are in ``out`` before it is called; limits, side, heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.
-``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
+A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go, crossrange and the
+measured drag and lift ratios are in ``out`` before it is called; limits, side, heading alignment and rate come after it, in
+:mod:`~edl6dof.fsw.guidance.entry.steering`.  ``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
 """
 
 from __future__ import annotations
