@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.range_update import range_scale
@@ -161,6 +162,14 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
 # ---- reference trajectory ------------------------------------------------------------------------------------------------------
 
 
+def airframe(vehicle, mach):
+    """Believed drag area and lift-to-drag ratio by numpy's interpolation over ln(Mach)."""
+    table, x, log = vehicle["airframe"], np.log(mach), np.log(mach_nodes())
+    if mach < table["wing_mach"]:
+        return vehicle["drag_area"] * np.interp(x, log, table["drag_with_wing"]), 0.0
+    return vehicle["drag_area"] * np.interp(x, log, table["drag"]), vehicle["lift_to_drag"] * np.interp(x, log, table["lift"])
+
+
 def independent_flight(onboard, start, bank, align, final):
     """Planar Cartesian flight about the same planet with the same density table, by scipy, at a bank angle or a function of speed.
 
@@ -175,9 +184,10 @@ def independent_flight(onboard, start, bank, align, final):
         r, v = s[:2], s[2:]
         size, speed = np.hypot(*r), np.hypot(*v)
         density = np.exp(np.interp(size - radius, nodes, air["ln_density"]))
-        drag = 0.5 * density * speed**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        area, lift_to_drag = airframe(vehicle, speed / np.interp(size - radius, nodes, air["speed_of_sound"]))
+        drag = 0.5 * density * speed**2 * area / vehicle["entry_mass"]
         across = np.array([-v[1], v[0]]) / speed  # left of the velocity: up, for flight clockwise
-        lift = vehicle["lift_to_drag"] * drag * cos(bank_of(speed) if speed > align else 0.0)
+        lift = lift_to_drag * drag * cos(bank_of(speed) if speed > align else 0.0)
         return np.concatenate([v, -drag * v / speed + lift * across - mu * r / size**3])
 
     h, speed, gamma = start
