@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from edl6dof.fsw.allocation import allocate, effects
 from edl6dof.fsw.control.registry import attitude_control
+from edl6dof.fsw.estimation.activity import remember
+from edl6dof.fsw.estimation.observe import observe
 from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import entry_guidance
@@ -106,6 +108,8 @@ def steer(onboard, phase, dt, fsw):
     count = vehicle.n_thrusters
     for i in range(6):
         fsw.demand[i] = 0.0
+    effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
+    observe(onboard, dt, fsw)
     attitude_control(phase.control, onboard, nav, guide, dt, fsw)
     duty = fsw.allocator.duty
     boosting = guide.engine_mode == ENGINE_FULL and fsw.ignited != 0
@@ -116,7 +120,6 @@ def steer(onboard, phase, dt, fsw):
         allowed = 0
         for i in range(phase.n_thrusters):
             allowed |= 1 << phase.thrusters[i]
-        effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
         if boosting:
             # the axial thrusters fire anyway: the others take out the torque of their offset from the centre of mass
             for i in range(count):
@@ -138,13 +141,7 @@ def steer(onboard, phase, dt, fsw):
             if vehicle.thrusters[i].group == AXIAL and fsw.healthy[i] != 0:
                 duty[i] = 1.0
     modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
-    for j in range(3):
-        fsw.applied_torque[j] = 0.0
-    for i in range(count):
-        share = (fsw.command.closes[i] - fsw.command.opens[i]) / dt
-        if share > 0.0:
-            for j in range(3):
-                fsw.applied_torque[j] += share * fsw.allocator.effect[i, 3 + j]
+    remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)
 
 
 @kernel

@@ -30,6 +30,8 @@ NAV = np.dtype(
         ("q_I2B", "f8", (4,)),
         ("w_B", "f8", (3,)),
         ("specific_force_B", "f8", (3,)),
+        ("imu_rate_B", "f8", (3,)),
+        ("imu_gain_B", "f8", (3,)),
         ("v_I", "f8", (3,)),  # planet-relative velocity, components in I
         ("up_I", "f8", (3,)),
         ("north_I", "f8", (3,)),
@@ -85,6 +87,8 @@ def navigate(onboard, sensed, nav):
     for i in range(3):
         nav.w_B[i] = sensed.w_B[i]
         nav.specific_force_B[i] = sensed.specific_force_B[i]
+        nav.imu_rate_B[i] = sensed.imu_rate_B[i]
+        nav.imu_gain_B[i] = sensed.imu_gain_B[i]
     spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
     r_I = take3(sensed.r_I, 0)

@@ -14,6 +14,9 @@ from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.estimation.activity import ACTIVITY
+from edl6dof.fsw.estimation.disturbance import DISTURBANCE
+from edl6dof.fsw.estimation.observe import EstimationParams
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
@@ -89,6 +92,7 @@ class FlightSoftwareParams(Params):
     rates: RateParams = group(RateParams, "rate table")
     guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
     control: ControlParams = group(ControlParams, "attitude controllers")
+    estimation: EstimationParams = group(EstimationParams, "disturbance estimation")
     allocation: AllocationParams = group(AllocationParams, "thruster allocation")
     modulation: ModulationParams = group(ModulationParams, "pulse modulation")
 
@@ -169,6 +173,8 @@ ONBOARD = np.dtype(
         ("rates", dtype_of(RateParams)),
         ("guidance", dtype_of(GuidanceParams)),
         ("control", dtype_of(ControlParams)),
+        ("estimation", dtype_of(EstimationParams)),
+        ("imu_delay", "f8"),
         ("allocation", dtype_of(AllocationParams)),
         ("modulation", dtype_of(ModulationParams)),
         ("mission", MISSION),
@@ -207,7 +213,8 @@ FSW = np.dtype(
         ("ignition_time", "f8"),
         ("mass", "f8"),
         ("demand", "f8", (6,)),
-        ("applied_torque", "f8", (3,)),
+        ("activity", ACTIVITY),
+        ("disturbance", DISTURBANCE),
         ("attitude_error", "f8", (3,)),
         ("nav", NAV),
         ("guide", GUIDE),

@@ -1,13 +1,21 @@
-"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay."""
+"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay; beside them the IMU."""
 
 from __future__ import annotations
 
+from edl6dof.config.base import Params, group
 from edl6dof.jit import kernel
+from edl6dof.sensors.imu import ImuParams, read_imu
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 
+class SensorParams(Params):
+    """What the flight computer measures with."""
+
+    imu: ImuParams = group(ImuParams, "inertial measurement unit")
+
+
 @kernel
-def sense(plant, sensed):
+def sense(case, plant, sensed):
     """Copy into ``sensed`` what ideal instruments at the centre of mass would measure; reads ``plant.out``."""
     y = plant.y
     sensed.t = plant.t
@@ -20,3 +28,4 @@ def sense(plant, sensed):
         sensed.q_I2B[i] = y[ATTITUDE + i]
     sensed.height_above_ground = plant.agl
     sensed.footpad_contact = 1 if plant.out.pads > 0 else 0
+    read_imu(case.sensors.imu, plant, sensed)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.sensors.imu import READINGS
+
 SENSED = np.dtype(
     [
         ("t", "f8"),
@@ -14,6 +16,9 @@ SENSED = np.dtype(
         ("specific_force_B", "f8", (3,)),
         ("height_above_ground", "f8"),
         ("footpad_contact", "i8"),
+        ("imu_rate_B", "f8", (3,)),
+        ("imu_gain_B", "f8", (3,)),  # integral of the specific force, m/s
+        ("readings", READINGS),
     ],
     align=True,
 )

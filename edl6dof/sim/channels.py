@@ -21,7 +21,7 @@ class Channel(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Part before the dot: truth, nav, guide, control."""
+        """Part before the dot: truth, nav, guide, control, estimate."""
         return self.name.partition(".")[0]
 
     @property
@@ -102,6 +102,8 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("guide.thrust_direction", "", "north east down", "commanded thrust direction"),
     *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller"),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
+    *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B"),
+    *_vector("estimate.force", "n", "x y z", "estimated disturbance force in B; the axial one contains engine and drag"),
     *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
 )
 

@@ -35,7 +35,7 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
     for k in range(first, last):
         t = k * cycle
         refresh(case, tables, plant)
-        sense(plant, sensed)
+        sense(case, plant, sensed)
         run(onboard, sensed, k, fsw)
         actuate(case, fsw.command, plant)
         outcome = judge(case, plant)

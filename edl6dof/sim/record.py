@@ -102,6 +102,9 @@ def record(case, plant, fsw, tick):
     torque, missing = take3(fsw.demand, 3), take3(fsw.allocator.undelivered, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
+    estimated = fsw.disturbance
+    tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = take3(estimated.torque, 0)
+    tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     for i in range(MAX_THRUSTERS):
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]

@@ -18,6 +18,7 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fil
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
+from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim.believed_aero import fill_airframe
 from edl6dof.sim.initial import InitialState
@@ -56,6 +57,7 @@ CASE = np.dtype(
         ("initial", dtype_of(InitialState)),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
+        ("sensors", dtype_of(SensorParams)),
         ("faults", FAULTS),
     ],
     align=True,
@@ -96,6 +98,7 @@ def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> n
     fill(record["limits"], scenario.limits)
     if scenario.mission.goal == "time":
         record["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
+    fill(record["sensors"], scenario.sensors)
     fill_faults(record["faults"], scenario.faults, scenario.thruster_names, scenario.phase_names)
     return case
 
@@ -112,8 +115,9 @@ def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
     software = scenario.flight_software
-    for name in ("rates", "guidance", "control", "allocation", "modulation"):
+    for name in ("rates", "guidance", "control", "estimation", "allocation", "modulation"):
         fill(record[name], getattr(software, name))
+    record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
     fill(record["mission"], scenario.mission)
     _set_site(record["site"], scenario)
     if any(phase.guidance == "entry" for phase in scenario.mission.phases):

@@ -24,6 +24,7 @@ from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.mission.phases import MissionParams
+from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
 from edl6dof.vehicle.faults import FaultParams, fault_problems
@@ -84,6 +85,7 @@ class Scenario(Params):
     )
     point_mass: PointMassParams = group(PointMassParams, "used by dynamics point_mass")
     simulation: SimulationParams = group(SimulationParams, "integration and logging")
+    sensors: SensorParams = group(SensorParams, "sensors")
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
     limits: LimitParams = group(LimitParams, "limits of the verdict")
@@ -111,6 +113,7 @@ class Scenario(Params):
     def _consistent(self) -> Scenario:
         problems = {
             **self._cycle_problems(),
+            **self._sensor_problems(),
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
@@ -128,6 +131,14 @@ class Scenario(Params):
             return {}
         message = f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got {self.simulation.step_s:g})"
         return {"simulation.step_s": message}
+
+    def _sensor_problems(self) -> dict[str, str]:
+        """The flight computer keeps its valve commands for the age of a reading."""
+        delay, oldest = self.sensors.imu.delay_cycles, self.flight_software.rates.control_every
+        if delay <= oldest:
+            return {}
+        message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
+        return {"sensors.imu.delay_cycles": message}
 
     def _goal_problems(self) -> dict[str, str]:
         if self.dynamics == "six_dof" or self.mission.goal != "landing":

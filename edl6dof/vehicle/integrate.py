@@ -13,7 +13,7 @@ from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, norm, put3, sub, take3
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives, motion
 from edl6dof.vehicle.landing_gear import lowest_point
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
@@ -24,6 +24,7 @@ from edl6dof.vehicle.plant import (
     POSITION,
     STATES,
     STATES_VEHICLE,
+    VELOCITY,
 )
 from edl6dof.vehicle.point_mass import POINT_MASS
 from edl6dof.vehicle.rcs import fire
@@ -89,7 +90,7 @@ def refresh(case, tables, plant):
 def ground_clearance(case, plant, t):
     """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground, m."""
     y, out = plant.y, plant.out
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
     up_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
@@ -108,7 +109,7 @@ def line_slack(case, plant):
     """Length of line still to be paid out before line stretch, m."""
     y = plant.y
     hook = sub(take3(case.vehicle.parachute.confluence, 0), take3(plant.out.centre, 0))
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = take_attitude(y)
     anchor = add(take3(y, POSITION), from_frame(q, hook))
     return case.vehicle.parachute.line_length - norm(sub(take3(y, CANOPY_POSITION), anchor))
 
@@ -124,6 +125,12 @@ def event_function(case, plant, t):
 
 
 @kernel
+def take_attitude(y):
+    """``q_I2B`` in the integrated state, as a tuple."""
+    return y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]
+
+
+@kernel
 def step(case, tables, plant, h):
     """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its end."""
     t = plant.t
@@ -133,8 +140,12 @@ def step(case, tables, plant, h):
     put3(plant.rcs_force, 0, (fx, fy, fz))
     put3(plant.rcs_moment, 0, (mx, my, mz))
     plant.rcs_flow = flow
+    v, q = take3(plant.y, VELOCITY), take_attitude(plant.y)
     rk4(case, tables, plant, t, h)
     plant.t = t + h
+    # half in the axes at the start, half in those at the end: second order in the turn during the step
+    felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), scale(h, take3(plant.out.gravity_I, 0))))
+    put3(plant.velocity_gain, 0, add(take3(plant.velocity_gain, 0), add(to_frame(q, felt), to_frame(take_attitude(plant.y), felt))))
 
 
 @kernel
@@ -144,6 +155,7 @@ def restore(plant, t):
         plant.y[i] = plant.y0[i]
     for i in range(plant.level0.shape[0]):
         plant.valves.level[i] = plant.level0[i]
+    put3(plant.velocity_gain, 0, take3(plant.velocity_gain0, 0))
     plant.t = t
     plant.fresh = 0
 
@@ -157,6 +169,7 @@ def located_step(case, tables, plant, h):
         plant.y0[i] = plant.y[i]
     for i in range(plant.level0.shape[0]):
         plant.level0[i] = plant.valves.level[i]
+    put3(plant.velocity_gain0, 0, take3(plant.velocity_gain, 0))
     step(case, tables, plant, h)
     after = event_function(case, plant, plant.t)
     if not (before > 0.0 and after <= 0.0):

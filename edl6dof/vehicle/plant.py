@@ -114,6 +114,7 @@ PLANT = np.dtype(
         ("done", "f8", (len(EVENTS),)),
         ("dry", BODY),
         ("valves", VALVES),
+        ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("rcs_force", "f8", (3,)),
         ("rcs_moment", "f8", (3,)),
         ("rcs_flow", "f8"),
@@ -136,6 +137,7 @@ PLANT = np.dtype(
         ("trial", "f8", (STATES,)),
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
+        ("velocity_gain0", "f8", (3,)),
     ],
     align=True,
 )

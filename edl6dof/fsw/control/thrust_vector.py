@@ -11,7 +11,6 @@ import numpy as np
 from edl6dof.config.base import Params, group
 from edl6dof.fsw.control.frames import attitude, body_rate, inertia_torque, thrust_direction_error
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration
-from edl6dof.fsw.estimation.disturbance import DISTURBANCE, DisturbanceParams, estimate
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.quaternion import to_frame
@@ -23,10 +22,9 @@ class ThrustVectorParams(Params):
 
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")
-    disturbance: DisturbanceParams = group(DisturbanceParams, "disturbance-torque estimator")
 
 
-MEMORY = np.dtype([("axis", AXIS, (3,)), ("disturbance", DISTURBANCE)], align=True)
+MEMORY = np.dtype([("axis", AXIS, (3,))], align=True)
 
 
 @kernel
@@ -47,11 +45,8 @@ def control(onboard, nav, guide, dt, fsw):
         axis_acceleration(p.pitch_yaw, memory.axis[2], error[2], w[2], dt, saturated),
     )
     torque = inertia_torque(onboard, fsw.configuration, acceleration)
-    inertia = onboard.vehicle.configuration[fsw.configuration].inertia
-    tensor = (inertia[0], inertia[1], inertia[2], 0.0, 0.0, 0.0)
-    disturbance = estimate(p.disturbance, tensor, w, take3(fsw.applied_torque, 0), dt, memory.disturbance)
     for i in range(3):
-        fsw.demand[3 + i] = torque[i] - disturbance[i]
+        fsw.demand[3 + i] = torque[i] - fsw.disturbance.torque[i]
         fsw.attitude_error[i] = error[i]
     if guide.translating != 0:
         force = to_frame(q, add(scale(guide.force_N[0], north), scale(guide.force_N[1], east)))

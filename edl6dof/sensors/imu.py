@@ -1,0 +1,41 @@
+"""Inertial measurement unit: body rate and the velocity gained, both some cycles old when they reach the flight computer.
+
+As in a real unit the accelerometers count up the integral of specific force, so that nothing between two readings is lost.  No noise,
+bias or quantisation yet; the unit sits at the centre of mass.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.vehicle.plant import RATE
+
+#: Readings that can be under way.
+DEPTH = 8
+
+
+class ImuParams(Params):
+    """Inertial measurement unit."""
+
+    delay_cycles: int = param(
+        1, "base cycles between a reading and its arrival in the flight computer", status="estimate", ge=0, le=DEPTH - 1
+    )
+
+
+READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("taken", "i8")], align=True)
+
+
+@kernel
+def read_imu(params, plant, sensed):
+    """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no older)."""
+    readings = sensed.readings
+    slot = readings.taken % DEPTH
+    old = max(readings.taken - params.delay_cycles, 0) % DEPTH
+    readings.taken += 1
+    for i in range(3):
+        readings.rate[slot, i] = plant.y[RATE + i]
+        readings.gain[slot, i] = plant.velocity_gain[i]
+        sensed.imu_rate_B[i] = readings.rate[old, i]
+        sensed.imu_gain_B[i] = readings.gain[old, i]

@@ -1,0 +1,40 @@
+"""Disturbance estimates of the nominal flight against the truth, from delayed inertial measurements alone."""
+
+import numpy as np
+import pytest
+
+POWERED = ("hover_imaging", "hazard_avoidance", "slow_descent")
+
+
+def during(nominal, *names):
+    inside = np.isin(nominal.telemetry["guide.phase"], [nominal.phase_names.index(name) for name in names])
+    settled = np.convolve(inside, np.ones(50), "full")[: len(inside)] >= 50  # a second into the first of them
+    return inside & settled
+
+
+def columns(nominal, *names):
+    return np.stack([nominal.telemetry[name] for name in names])
+
+
+@pytest.mark.parametrize("names", [("trim_aoa",), POWERED])
+def test_torque_estimate_is_the_true_disturbance(nominal, names):
+    """5 N m of 20 N m: what is left is the believed inertia, that of the full tanks, times the thrusters' own torque."""
+    there = during(nominal, *names)
+    found = columns(nominal, *(f"estimate.torque_{axis}_nm" for axis in "xyz"))[:, there]
+    truth = columns(nominal, *(f"truth.disturbance_{axis}_nm" for axis in "xyz"))[:, there]
+    assert np.max(np.sqrt(np.mean((found - truth) ** 2, axis=1))) < 3.0
+
+
+def test_lateral_force_estimate_is_within_the_forty_newtons_of_the_real_flight(nominal):
+    """S1, Fig. 12: at most 40 N during hazard avoidance, with all thrusters sound."""
+    there = during(nominal, "hazard_avoidance")
+    assert np.max(np.abs(columns(nominal, "estimate.force_y_n", "estimate.force_z_n")[:, there])) < 40.0
+
+
+def test_velocity_gain_is_the_integral_of_the_measured_acceleration(nominal):
+    """Lift phase, 20 deg/s banking under 6 g: the counted axial gain against the trapezoidal integral of the specific force."""
+    table = nominal.telemetry
+    axial, t = -table["estimate.force_x_n"], table["t_s"]
+    lift = (t > 100.0) & (t < 230.0)
+    felt = -(table["truth.aero_force_x_n"] + table["truth.rcs_force_x_n"])
+    assert np.trapezoid(axial[lift], t[lift]) == pytest.approx(np.trapezoid(felt[lift], t[lift]), rel=5e-3)

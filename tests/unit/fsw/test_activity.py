@@ -1,0 +1,42 @@
+"""Share of a measured cycle in which each thruster should have given thrust, against sampling in time; and the measured wrench."""
+
+import numpy as np
+import pytest
+
+from edl6dof.fsw.estimation.activity import ACTIVITY, expect, remember
+from edl6dof.sensors.imu import ImuParams, read_imu
+from edl6dof.sensors.sensed import SENSED
+from edl6dof.vehicle.plant import PLANT, RATE
+
+CYCLE = 0.04
+
+
+@pytest.mark.parametrize(("delay", "lag"), [(0.0, 0.0), (0.02, 0.0), (0.02, 0.006), (0.04, 0.02)])
+def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
+    rng = np.random.default_rng(1)
+    memory, effect = np.zeros(1, ACTIVITY)[0], rng.normal(size=(32, 6)) * 200.0
+    history = []
+    for k in range(30):
+        t = k * CYCLE
+        if k > 0:
+            expect(effect, 5, t - delay - CYCLE, t - delay, lag, memory)
+            inside = t - delay - CYCLE + CYCLE * (np.arange(4000) + 0.5) / 4000
+            sampled = [np.mean([any(a + lag <= s < b + lag for a, b in own) for s in inside]) for own in zip(*history, strict=True)]
+            assert memory["share"][:5] == pytest.approx(sampled, abs=1e-3)
+            assert memory["wrench"] == pytest.approx(memory["share"][:5] @ effect[:5], abs=1e-9)
+        opens = t + rng.uniform(0.0, 0.02, 5)
+        closes = np.minimum(opens + rng.choice([0.0, 0.01, 0.02], 5), t + CYCLE)
+        history.append(list(zip(opens, closes, strict=True)))
+        remember(opens, closes, 5, memory)
+
+
+@pytest.mark.parametrize("delay", [0, 1, 5, 7])
+def test_readings_arrive_so_many_cycles_late_and_unchanged(delay):
+    params = np.zeros(1, [("delay_cycles", "i8")])[0]
+    params["delay_cycles"] = ImuParams(delay_cycles=delay).delay_cycles
+    plant, sensed = np.zeros(1, PLANT)[0], np.zeros(1, SENSED)[0]
+    for k in range(40):
+        plant["y"][RATE : RATE + 3], plant["velocity_gain"] = (k, -k, 2 * k), (3 * k, k, 0)
+        read_imu(params, plant, sensed)
+        then = max(k - delay, 0)
+        assert sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then
