@@ -70,10 +70,20 @@ def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     with atomic_folder(target, options.force) as folder:
         with _progress(talk) as report:
             flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-        write_run(flight, folder, replay=options.replay)
+        write_run(flight, folder)
         if flight.saved is not None:
             flight.saved.save(folder / "state.npz")
+        if options.replay:
+            _write_replay(flight, folder / "replay.rrd")
     return flight
+
+
+def _write_replay(flight: Flight, path: Path) -> None:
+    from edl6dof.post.replay import history, write_replay
+
+    shown = history(flight)
+    flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
+    write_replay(shown, path)
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:

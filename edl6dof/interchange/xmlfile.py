@@ -7,11 +7,13 @@ DTD, as NASA's files carry it, is allowed and never followed.
 from __future__ import annotations
 
 from pathlib import Path
-
-from lxml import etree
+from typing import TYPE_CHECKING
 
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.locate import shown
+
+if TYPE_CHECKING:
+    from lxml import etree
 
 MAX_BYTES = 5_000_000
 
@@ -33,6 +35,8 @@ def read_xml(path: Path) -> etree._Element:
     declared = content.replace(b"\0", b"").find(b"<!ENTITY")  # without the zeros of UTF-16
     if declared >= 0:
         raise refused(path, content.count(b"\n", 0, declared) + 1, _ENTITIES)
+    from lxml import etree  # here: most runs read no XML, and need not hold its library
+
     parser = etree.XMLParser(
         resolve_entities=False,
         load_dtd=False,
@@ -60,4 +64,4 @@ def refused(path: Path, line: int, message: str, column: int = 1, name: str = ""
 
 def local_name(element: etree._Element) -> str:
     """Tag without its namespace."""
-    return etree.QName(element).localname
+    return str(element.tag).rpartition("}")[2]

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.post.history import spans, thin
 from edl6dof.post.layout import GROUPS, PLOTS, SERIES, Plot
-from edl6dof.post.motion import spans, thin
 from edl6dof.post.recorder import SCALAR_HZ, Recorder
 
 if TYPE_CHECKING:
@@ -31,6 +31,10 @@ READOUT = {
     "truth.engine_thrust_n": ("thrust", ",.0f", "N"),
     "truth.propellant_kg": ("propellant", ".1f", "kg"),
 }
+
+
+#: Telemetry columns that the charts show.
+COLUMNS = tuple(name for plots in PLOTS.values() for plot in plots for name in plot.series) + tuple(READOUT)
 
 
 class Charts(Recorder):
@@ -60,21 +64,21 @@ class Charts(Recorder):
         return self.rr.SeriesLines(names=names, colors=colours, widths=[1.5] * len(names))
 
     def _plots(self) -> None:
-        rows = self.motion.valid[thin(self.t, SCALAR_HZ)]
+        rows = thin(self.t, SCALAR_HZ)
         for plots in PLOTS.values():
             for plot in plots:
                 self._plot(plot, rows)
         for group in GROUPS:
             names = [jet.name for jet in self.vehicle.rcs.thrusters if jet.group == group]
             if names:
-                duty = self.mean_duty(thin(self.t, SCALAR_HZ), names)
-                self._scalars(f"plots/thruster_duty/{group}", self.tm["t_s"][rows], duty)
+                duty = self.flight.mean_duty(thin(self.t, SCALAR_HZ), names)
+                self._scalars(f"plots/thruster_duty/{group}", self.t[rows], duty)
 
     def _plot(self, plot: Plot, rows: np.ndarray) -> None:
-        t = self.tm["t_s"][rows]
+        t = self.t[rows]
         keep = (t >= self.when.get(plot.since, -np.inf)) & (t <= self.when.get(plot.until, np.inf))
         if keep.any():
-            values = np.stack([self.tm[name][rows[keep]] for name in plot.series], axis=-1)
+            values = np.stack([self.flight[name][rows[keep]] for name in plot.series], axis=-1)
             self._scalars(f"plots/{plot.entity}", t[keep], values * plot.scale)
 
     def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
@@ -94,7 +98,7 @@ class Charts(Recorder):
             if row is not None:
                 changes.append((self.t[row], name))
         self._lane("configuration", changes, shape, shape, [SERIES[1], SERIES[0], SERIES[2], SERIES[4]])
-        on = np.nan_to_num(self.tm["truth.engine_thrust_n"][motion.valid]) > 1.0
+        on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
         runs = [(self.t[i], "engine off" if i == 0 else "engine on") for i in [0]]
         for begin, end in spans(on):
             runs += [(self.t[begin], "engine on"), (self.t[min(end, len(self.t) - 1)], "engine off")]
@@ -115,7 +119,7 @@ class Charts(Recorder):
     def _readout(self) -> None:
         """What a flight controller would read off, twice a second."""
         rows = thin(self.t, READOUT_HZ)
-        column = {name: self.tm[name][self.motion.valid][rows] for name in READOUT}
+        column = {name: self.flight[name][rows] for name in READOUT}
         text = []
         for k, row in enumerate(rows):
             lines = [f"| {label} | **{column[name][k]:{form}}** {unit} |" for name, (label, form, unit) in READOUT.items()]

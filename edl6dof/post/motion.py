@@ -8,31 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.post import turns
+from edl6dof.post.history import History, vector
+
 if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation
-
-    from edl6dof.sim.flight import Flight
     from edl6dof.sim.scenario import Scenario
-
-
-def vector(telemetry: dict[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
-    """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
-    return np.stack([telemetry[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
-
-
-def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Rows of about ``rate_hz``, the first and the last row among them."""
-    if len(t) < 2:
-        return np.arange(len(t))
-    step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))
-    rows = np.arange(0, len(t), step)
-    return rows if rows[-1] == len(t) - 1 else np.append(rows, len(t) - 1)
-
-
-def spans(present: np.ndarray) -> list[tuple[int, int]]:
-    """First and one-past-last row of each run of ``True``."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 class Site:
@@ -52,12 +32,13 @@ class Site:
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
 
-    def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> Rotation:
-        """Rotation that turns components in B into components in L; F and I coincide at t = 0."""
-        from scipy.spatial.transform import Rotation
+    def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
+        """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
 
-        to_F = Rotation.from_rotvec(np.multiply.outer(-self.spin * np.asarray(t), [0.0, 0.0, 1.0]))
-        return Rotation.from_matrix(self.axes) * to_F * Rotation.from_quat(q_I2B, scalar_first=True)
+        F and I coincide at t = 0.
+        """
+        to_F = turns.about_z(-self.spin * np.asarray(t))
+        return turns.multiply(turns.from_axes(self.axes), turns.multiply(to_F, q_I2B))
 
     def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
         """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the limb."""
@@ -72,26 +53,20 @@ class Site:
 
 
 class Motion:
-    """Poses of one flight, at all telemetry rows unless said otherwise."""
+    """Poses of one flight, at the rows of its history."""
 
-    def __init__(self, flight: Flight) -> None:
-        tm = flight.telemetry
+    def __init__(self, flight: History) -> None:
         self.site = Site(flight.scenario)
         self.vehicle = flight.scenario.vehicle
-        centre_L = vector(tm, "truth.site", "east north up", "_m")
-        q_I2B = vector(tm, "truth.q_I2B", "w x y z")
-        norm = np.linalg.norm(q_I2B, axis=-1)
-        good = np.isfinite(centre_L).all(axis=-1) & np.isfinite(norm) & (norm > 0.5)
-        self.valid = np.flatnonzero(good)  #: rows that can be drawn
-        self.t = tm["t_s"][good]
-        self.centre = centre_L[good]  #: centre of mass, m
-        self.rotation = self.site.attitude(self.t, q_I2B[good])  #: B to L
-        self.nose = self.centre - self.rotation.apply(vector(tm, "truth.centre", "x y z", "_m")[good])  #: origin of B
-        self.height = tm["truth.height_m"][good]
-        self.elevation = (tm["truth.altitude_m"] - tm["truth.height_m"])[good]
-        self.canopy = vector(tm, "truth.canopy", "east north up", "_m")[good]
-        self.heat_shield = vector(tm, "truth.heat_shield", "east north up", "_m")[good]
-        self.backshell = vector(tm, "truth.backshell", "east north up", "_m")[good]
+        self.t = flight.t
+        self.centre = vector(flight.columns, "truth.site", "east north up", "_m")  #: centre of mass, m
+        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))  #: B to L
+        self.nose = self.centre - turns.rotate(self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m"))  #: origin of B
+        self.height = flight["truth.height_m"]
+        self.elevation = flight["truth.altitude_m"] - self.height
+        self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
+        self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
+        self.backshell = vector(flight.columns, "truth.backshell", "east north up", "_m")
         self._far = np.linalg.norm(self.centre[:, :2] - self.centre[-1:, :2], axis=-1)
 
     @property
@@ -111,7 +86,7 @@ class Motion:
         return self.site.surface(east, north, np.interp(distance, self._far[order], self.elevation[order]))
 
     def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, confluence points, quaternions (x, y, z, w) and scales of the canopy: x from the confluence to the canopy.
+        """Rows, confluence points, quaternions and scales of the canopy: x from the confluence to the canopy.
 
         After release the backshell hangs under the canopy, whose own position is no longer computed: it is drawn above.
         """
@@ -124,12 +99,12 @@ class Motion:
         with_vehicle = np.flatnonzero(np.isfinite(self.canopy[:, 0]))
         after = np.arange(alone, len(self.t)) if alone is not None else np.empty(0, int)
         rows = np.union1d(with_vehicle, after)
-        confluence = self.nose[rows] + self.rotation[rows].apply(model.confluence_m)
+        confluence = self.nose[rows] + turns.rotate(self.rotation[rows], np.array(model.confluence_m))
         line = self.canopy[rows] - confluence
         free = ~np.isfinite(line[:, 0])
         if free.any():
             place, turn = self.discarded(self.backshell, self.vehicle.mass.backshell.centre_m)
-            confluence[free] = place[rows[free]] + turn.apply(model.confluence_m)
+            confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
             hang = np.array([0.0, 0.0, length])
             held = line[~free][-1] if (~free).any() else hang
             fade = np.exp(-(self.t[rows[free]] - self.t[rows[free][0]]) / 4.0)[:, None]
@@ -141,7 +116,7 @@ class Motion:
         fallen = free & (confluence[:, 2] - ground < 3.0)
         spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if fallen.any() else 1.0
         scale = np.stack([reach / length, spread, spread], axis=-1)
-        return rows, confluence, _from_x_to(line), scale
+        return rows, confluence, turns.from_x_to(line), scale
 
     def _spread(self, rows: np.ndarray, reach: np.ndarray, length: float, duration: float) -> np.ndarray:
         taut = np.flatnonzero(reach >= 0.97 * length)
@@ -149,13 +124,13 @@ class Motion:
         grown = np.clip((self.t[rows] - start) / max(duration, 1e-3), 0.0, 1.0)
         return 0.08 + 0.92 * grown**2
 
-    def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, Rotation]:
+    def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""
         turn = self.rotation[self.released(place) or 0]
-        return place - turn.apply(own_centre), turn
+        return place - turns.rotate(turn, np.asarray(own_centre)), turn
 
     def camera(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The chase camera's axes: origin, quaternion (x, y, z, w) and scale, 1 close to the vehicle, larger under the parachute.
+        """The chase camera's axes: origin, quaternion and scale, 1 close to the vehicle, larger under the parachute.
 
         x points horizontally along the flight, z up from the planet where the vehicle is.
         """
@@ -178,7 +153,7 @@ class Motion:
         side = np.cross(up, along if np.linalg.norm(along[:2]) > 100.0 else [0.0, 1.0, 0.0])
         side /= np.linalg.norm(side, axis=-1, keepdims=True)
         axes = np.stack([np.cross(side, up), side, up], axis=-1)
-        return self.centre + shift, self.rotation.from_matrix(axes).as_quat(), np.exp(zoom)
+        return self.centre + shift, turns.from_axes(axes), np.exp(zoom)
 
 
 def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
@@ -189,15 +164,3 @@ def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
     padded = np.concatenate([np.full(2 * width, values[0]), values, np.full(2 * width + ahead, values[-1])])
     smooth = np.convolve(np.convolve(padded, box, "same"), box, "same")
     return smooth[2 * width + ahead : 2 * width + ahead + len(values)]
-
-
-def _from_x_to(direction: np.ndarray) -> np.ndarray:
-    """Quaternions (x, y, z, w) of the shortest turn from the x axis to unit directions."""
-    w = 1.0 + direction[:, 0]
-    q = np.stack([np.zeros_like(w), -direction[:, 2], direction[:, 1], np.maximum(w, 1e-9)], axis=-1)
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
-
-
-def pointing(directions: np.ndarray) -> np.ndarray:
-    """Quaternions (x, y, z, w) that turn the x axis into the given directions, of any length."""
-    return _from_x_to(directions / np.linalg.norm(directions, axis=-1, keepdims=True))

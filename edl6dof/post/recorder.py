@@ -7,32 +7,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.post import scene
+from edl6dof.post.history import History
 from edl6dof.post.layout import PHASES, TIMELINE
 from edl6dof.post.motion import Motion
 
 if TYPE_CHECKING:
     import rerun as rr
 
-    from edl6dof.sim.flight import Flight
-
-POSE_HZ = 25.0
-SCALAR_HZ = 10.0
+SCALAR_HZ = 12.5
 
 
 class Recorder:
     """A recording of one flight being written."""
 
-    def __init__(self, flight: Flight, motion: Motion, recording: rr.RecordingStream) -> None:
+    def __init__(self, flight: History, motion: Motion, recording: rr.RecordingStream) -> None:
         import rerun as rr
 
         self.rr, self.rec = rr, recording
         self.flight, self.vehicle = flight, flight.scenario.vehicle
-        self.tm, self.motion = flight.telemetry, motion
-        self.t = self.motion.t
-        self.when = {event["key"]: float(event["t_s"]) for event in reversed(flight.events) if "key" in event}
-        phase = np.nan_to_num(self.tm["guide.phase"][self.motion.valid]).astype(int)
+        self.motion, self.t, self.when = motion, flight.t, flight.when
         self.names = flight.phase_names or ["free flight"]
-        self.phase = np.clip(phase, 0, len(self.names) - 1)
+        self.phase = np.clip(np.nan_to_num(flight["guide.phase"]).astype(int), 0, len(self.names) - 1)
         self.colours = np.array([PHASES[i % len(PHASES)] for i in range(len(self.names))], np.uint8)
 
     def static(self, entity: str, *what: Any) -> None:
@@ -58,8 +53,3 @@ class Recorder:
             vertex_colors=mesh.colours,
             **more,
         )
-
-    def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
-        """Mean duty of each thruster from each of ``rows`` to the next, shape (rows, thrusters)."""
-        duty = np.stack([np.nan_to_num(self.tm[f"rcs.{name}"][self.motion.valid]) for name in names], axis=-1)
-        return np.add.reduceat(duty, rows, axis=0) / np.diff(np.append(rows, len(duty)))[:, None]

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from edl6dof.post.charts import Charts
+from edl6dof.post.charts import COLUMNS, Charts
+from edl6dof.post.history import Flown, History
 from edl6dof.post.layout import GROUPS, blueprint
 from edl6dof.post.motion import Motion
 from edl6dof.post.stage import Stage
@@ -21,10 +22,13 @@ from edl6dof.post.stage import Stage
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-    from edl6dof.sim.flight import Flight
+
+def history(flight: Flown) -> History:
+    """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
+    return History(flight, COLUMNS)
 
 
-def write_replay(flight: Flight, path: Path) -> None:
+def write_replay(flight: History, path: Path) -> None:
     """Write the replay of ``flight`` to ``path`` (.rrd)."""
     import rerun as rr
 
@@ -43,10 +47,9 @@ def write_replay(flight: Flight, path: Path) -> None:
         recording.flush()
 
 
-def _blueprint(flight: Flight, motion: Motion) -> rrb.Blueprint:
-    t = flight.telemetry["t_s"]
-    when = {event["key"]: float(event["t_s"]) for event in reversed(flight.events) if "key" in event}
-    whole = (float(t[0]), float(t[-1]))
+def _blueprint(flight: History, motion: Motion) -> rrb.Blueprint:
+    when = flight.when
+    whole = (float(flight.t[0]), float(flight.t[-1])) if len(flight.t) else (0.0, 1.0)
     span = {"": whole, "Guidance": (whole[0], when.get("mortar", whole[1]))}
     span["Parachute"] = (when.get("mortar", whole[0]), when.get("backshell", whole[1]))
     span["Powered descent"] = (when.get("backshell", when.get("mortar", whole[0])) - 5.0, whole[1])

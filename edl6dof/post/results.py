@@ -1,4 +1,4 @@
-"""The files of a run: resolved scenario, telemetry, events, summary, replay."""
+"""The files of a run that hold its numbers: resolved scenario, telemetry, events, summary."""
 
 from __future__ import annotations
 
@@ -15,19 +15,15 @@ if TYPE_CHECKING:
 
 
 #: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
-ROW_GROUP = 5000
+ROW_GROUP = 2500
 
 
-def write_run(flight: Flight, folder: Path, *, replay: bool = True) -> None:
-    """Write every file of a run into ``folder``, which exists."""
+def write_run(flight: Flight, folder: Path) -> None:
+    """Write these files into ``folder``, which exists."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
     write_telemetry(flight, folder / "telemetry.parquet")
     (folder / "events.json").write_text(_json(flight.events), encoding="utf-8")
     (folder / "summary.json").write_text(_json(summary(flight)), encoding="utf-8")
-    if replay:
-        from edl6dof.post.replay import write_replay
-
-        write_replay(flight, folder / "replay.rrd")
 
 
 def summary(flight: Flight) -> dict[str, Any]:
@@ -69,8 +65,9 @@ def write_telemetry(flight: Flight, path: Path) -> None:
     options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
     with pq.ParquetWriter(path, schema, **options) as writer:
         for start in range(0, rows, ROW_GROUP):
-            part = [pa.array(values[start : start + ROW_GROUP]) for values in flight.telemetry.values()]
+            part = [pa.array(values) for values in flight.telemetry.rows(start, start + ROW_GROUP).values()]
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
+    pa.default_memory_pool().release_unused()
 
 
 def _json(value: Any) -> str:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from edl6dof.post import scene
-from edl6dof.post.motion import pointing, thin
-from edl6dof.post.recorder import POSE_HZ, SCALAR_HZ, Recorder
+from edl6dof.post.history import thin
+from edl6dof.post.recorder import SCALAR_HZ, Recorder
+from edl6dof.post.turns import from_x_to, xyzw
 
 
 class Stage(Recorder):
@@ -59,7 +60,7 @@ class Stage(Recorder):
             ),
         )
         self._label("target", [0.0, 0.0, float(motion.ground_up(np.zeros(1), np.zeros(1))[0])], (90, 220, 230))
-        if self.tm["truth.footpads"][-1] > 0.0:
+        if self.flight["truth.footpads"][-1] > 0.0:
             self._label("touchdown", [*here[:2], float(here[2] - motion.height[-1])], (120, 235, 140))
 
     def _label(self, name: str, place: list[float], colour: scene.RGB) -> None:
@@ -104,7 +105,7 @@ class Stage(Recorder):
             if gone is not None:
                 self.at(self.t[gone], "site/vehicle/trim_wing", self.rr.Clear(recursive=False))
         rows = thin(self.t, 2.0)
-        heat = np.maximum(np.nan_to_num(self.tm["truth.heat_flux_w_cm2"][motion.valid][rows]), 0.0)
+        heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"][rows]), 0.0)
         glow = (heat / max(heat.max(), 1e-9))[:, None] ** 0.6
         tint = np.array([104, 84, 70]) + (np.array([255, 150, 70]) - [104, 84, 70]) * glow
         until = motion.released(motion.heat_shield)
@@ -117,14 +118,12 @@ class Stage(Recorder):
 
     def _vehicle_motion(self) -> None:
         rr, motion = self.rr, self.motion
-        rows = thin(self.t, POSE_HZ)
-        t = self.t[rows]
-        turn = motion.rotation[rows].as_quat()
-        self.columns("site/vehicle", t, rr.Transform3D.columns(translation=motion.nose[rows], quaternion=turn))
-        look, facing, scale = (part[rows] for part in motion.camera())
-        frame = rr.Transform3D.columns(translation=look, quaternion=facing, scale=np.repeat(scale[:, None], 3, axis=1))
-        self.columns("site/camera", t, frame)
-        self._velocity(rows)
+        turn = xyzw(motion.rotation)
+        self.columns("site/vehicle", self.t, rr.Transform3D.columns(translation=motion.nose, quaternion=turn))
+        look, facing, scale = motion.camera()
+        frame = rr.Transform3D.columns(translation=look, quaternion=xyzw(facing), scale=np.repeat(scale[:, None], 3, axis=1))
+        self.columns("site/camera", self.t, frame)
+        self._velocity(np.arange(len(self.t)))
         rows = thin(self.t, SCALAR_HZ)
         self.static("site/markers/vehicle", rr.Points3D.from_fields(colors=[255, 255, 255], radii=-5.0))
         self.columns("site/markers/vehicle", self.t[rows], rr.Points3D.columns(positions=motion.centre[rows]))
@@ -167,11 +166,10 @@ class Stage(Recorder):
     def _plumes(self) -> None:
         rr = self.rr
         jets = self.vehicle.rcs.thrusters
-        rows = thin(self.t, POSE_HZ)
-        t = self.t[rows]
+        t = self.t
         if jets:
-            duty = self.mean_duty(rows, [jet.name for jet in jets])
-            back = pointing(-np.array([jet.direction for jet in jets]))
+            duty = self.flight.duty
+            back = xyzw(from_x_to(-np.array([jet.direction for jet in jets])))
             places = np.array([jet.position_m for jet in jets])
             size = np.array([1.5 * max(jet.thrust_n / 250.0, 0.05) ** 0.4 for jet in jets])
             firing = duty > 0.02
@@ -183,7 +181,7 @@ class Stage(Recorder):
             poses = rr.InstancePoses3D.columns(translations=places[which], quaternions=back[which], scales=scales)
             self._flames("thruster_plumes", t[rows_shown], poses.partition(shown.sum(axis=1)))
         engine = self.vehicle.engine
-        thrust = np.nan_to_num(self.tm["truth.engine_thrust_n"][self.motion.valid][rows])
+        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         if engine.full_thrust_n > 0.0 and thrust.max() > 0.0:
             level = thrust / engine.full_thrust_n
             flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * t)
@@ -205,15 +203,11 @@ class Stage(Recorder):
         rows, place, turn, scale = self.motion.parachute()
         if len(rows) == 0:
             return
-        keep = np.intersect1d(rows, thin(self.t, POSE_HZ), return_indices=True)[1]
-        rows, place, turn, scale = rows[keep], place[keep], turn[keep], scale[keep]
-        if len(rows) == 0:
-            return
         mesh, lines = scene.canopy(self.vehicle)
         start = self.t[rows[0]]
         self.at(start, "site/parachute/canopy", self.mesh(mesh))
         self.at(start, "site/parachute/lines", rr.LineStrips3D(lines, colors=[222, 214, 204], radii=rr.Radius.ui_points(0.7)))
-        self.columns("site/parachute", self.t[rows], rr.Transform3D.columns(translation=place, quaternion=turn, scale=scale))
+        self.columns("site/parachute", self.t[rows], rr.Transform3D.columns(translation=place, quaternion=xyzw(turn), scale=scale))
         lid_x, lid_r = scene.backshell_profile(self.vehicle)[-1]
         ends = [[lid_x, lid_r * np.cos(a), lid_r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
         bridle = rr.LineStrips3D(
@@ -231,12 +225,11 @@ class Stage(Recorder):
         if first is None:
             return
         origin, turn = self.motion.discarded(place, own_centre)
-        rows = thin(self.t, POSE_HZ)
-        rows = np.append(first, rows[rows > first])
+        rows = np.arange(first, len(self.t))
         rows = rows[np.isfinite(origin[rows, 0])]
         tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
         self.at(self.t[first], f"site/{name}/shape", self.mesh(mesh, **tint))
-        attitude = np.tile(turn.as_quat(), (len(rows), 1))
+        attitude = np.tile(xyzw(turn), (len(rows), 1))
         self.columns(f"site/{name}", self.t[rows], rr.Transform3D.columns(translation=origin[rows], quaternion=attitude))
         rows = rows[::5]
         label = rr.Points3D.from_fields(labels=[name.replace("_", " ")], colors=[235, 190, 120], radii=-3.5, show_labels=True)

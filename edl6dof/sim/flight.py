@@ -21,7 +21,7 @@ from edl6dof.sim.loop import prepare
 from edl6dof.sim.outcome import DEPLOYED, FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
-from edl6dof.sim.telemetry import columns
+from edl6dof.sim.telemetry import Telemetry
 from edl6dof.sim.touchdown import touchdown_state
 from edl6dof.sim.verdict import Check, checks, metrics
 from edl6dof.vehicle.plant import PLANT, STATE_NAMES
@@ -87,9 +87,15 @@ class Flight:
         return float(self.plant["t"][0])
 
     @cached_property
-    def telemetry(self) -> dict[str, np.ndarray]:
+    def telemetry(self) -> Telemetry:
         """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.sim.channels``."""
-        return columns(self.log, self.scenario.thruster_names)
+        return Telemetry(self.log, self.scenario.thruster_names)
+
+    def release_log(self) -> None:
+        """Let the telemetry go and keep the results: events, figures, limits, outcome."""
+        self.events, self.metrics, self.checks, self.outcome  # noqa: B018  computed from it, and kept from here on
+        self.log = self.log[:0].copy()
+        self.__dict__.pop("telemetry", None)
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
@@ -179,7 +185,7 @@ class Flight:
         """
         import pandas
 
-        return pandas.DataFrame(self.telemetry).set_index("t_s")
+        return pandas.DataFrame(dict(self.telemetry)).set_index("t_s")
 
 
 def resolved_text(loaded: LoadedScenario) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -10,19 +10,37 @@ from edl6dof.sim.channels import CHANNELS
 from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
-def columns(log: np.ndarray, thrusters: Sequence[str]) -> dict[str, np.ndarray]:
+class Telemetry(Mapping[str, np.ndarray]):
     """``t_s``, every channel, ``rcs.<thruster>`` (mean duty of the last step, 0..1) and ``fault.<thruster>`` (0 for none).
 
-    Columns are views of the log where no unit changes.
+    A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of it where no unit
+    changes, else a copy.
     """
-    table = {"t_s": log["t"]}
-    for channel in CHANNELS:
-        values = log[channel.group][channel.field]
-        table[channel.name] = values if channel.from_si == 1.0 else values * channel.from_si
-    for index, name in enumerate(thrusters):
-        table[f"rcs.{name}"] = log["duty"][:, index]
-        table[f"fault.{name}"] = log["fault"][:, index]
-    return table
+
+    def __init__(self, log: np.ndarray, thrusters: Sequence[str]) -> None:
+        self._log, self._thrusters = log, thrusters
+        self._slots = {f"{kind}.{name}": (field, index) for index, name in enumerate(thrusters) for kind, field in _PER_THRUSTER}
+        self._names = ("t_s", *_BY_NAME, *self._slots)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name in self._slots:
+            field, index = self._slots[name]
+            return self._log[field][:, index]
+        if name == "t_s":
+            return self._log["t"]
+        channel = _BY_NAME[name]
+        values = self._log[channel.group][channel.field]
+        return values if channel.from_si == 1.0 else values * channel.from_si
+
+    def rows(self, start: int, stop: int) -> Telemetry:
+        """Some rows of all columns."""
+        return Telemetry(self._log[start:stop], self._thrusters)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
 
 
 def describe(name: str) -> tuple[str, str]:
@@ -38,4 +56,5 @@ def describe(name: str) -> tuple[str, str]:
     return channel.unit, channel.meaning
 
 
+_PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}

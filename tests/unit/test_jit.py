@@ -182,3 +182,15 @@ def test_division_by_zero_follows_numpy_and_rounding_is_not_relaxed():
 
     assert divide(1.0, 0.0) == float("inf")
     assert compensated(1.0, 1e-17) == -1e-17  # fast-math would make it 0
+
+
+def test_kernels_may_use_linear_algebra_which_numba_loads_only_then(tmp_path):
+    """``jit`` hides scipy's BLAS while numba starts; a kernel that multiplies or solves brings it in."""
+    (tmp_path / "solver.py").write_text(
+        "import sys\nimport numpy as np\nimport edl6dof.jit as jit\nassert 'scipy.linalg' not in sys.modules\n"
+        "@jit.kernel\ndef solve(a, b):\n    return np.linalg.solve(np.dot(a, a), b)\n"
+        "print(solve(np.diag(np.array([2.0, 4.0])), np.array([8.0, 48.0])))\n"
+    )
+    env = os.environ | {"PYTHONPATH": str(Path(jit.__file__).parents[1]), "NUMBA_CACHE_DIR": str(tmp_path)}
+    run = subprocess.run([sys.executable, "solver.py"], cwd=tmp_path, capture_output=True, text=True, env=env, timeout=120)
+    assert run.stdout.split() == ["[2.", "3.]"], run.stderr

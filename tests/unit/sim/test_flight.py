@@ -6,13 +6,25 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
+import edl6dof
 from edl6dof.sim.channels import CHANNELS
 
 
 def test_telemetry_has_every_channel_and_thruster(nominal):
-    names = {channel.name for channel in CHANNELS} | {"t_s"} | {f"rcs.{jet.name}" for jet in nominal.scenario.vehicle.rcs.thrusters}
+    per_thruster = {f"{kind}.{name}" for kind in ("rcs", "fault") for name in nominal.scenario.thruster_names}
+    names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster
     assert set(nominal.telemetry) == names
     assert all(len(column) == len(nominal.log) for column in nominal.telemetry.values())
+
+
+def test_results_outlive_the_released_log():
+    flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=2"])
+    outcome = flight.outcome
+    flight.release_log()
+    assert len(flight.log) == 0
+    assert len(flight.telemetry["t_s"]) == 0
+    assert flight.outcome == outcome
+    assert flight.events[-1]["name"] == outcome
 
 
 def test_telemetry_is_at_least_fifty_hertz(nominal):

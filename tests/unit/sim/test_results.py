@@ -17,7 +17,7 @@ from edl6dof.sim.scenario import Scenario, check_document
 @pytest.fixture(scope="module")
 def run(nominal, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
-    write_run(nominal, folder, replay=False)
+    write_run(nominal, folder)
     return folder
 
 
