@@ -8,7 +8,8 @@ of its value as ``i8``; a tuple a sub-array; a sub-model a nested record; a ``li
 from __future__ import annotations
 
 import types
-from typing import Any, Literal, Union, get_args, get_origin
+from functools import cache
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 from pydantic import BaseModel
@@ -48,32 +49,60 @@ def dtype_of(model: type[BaseModel]) -> np.dtype:
 
 def fill(record: np.ndarray | np.void, model: BaseModel) -> None:
     """Copy a validated model into a record of its dtype, converting to SI units."""
-    for name, info in type(model).model_fields.items():
-        if not in_record(info):
-            continue
-        value = getattr(model, name)
-        target, unit = split_unit(name)
-        if value is None or isinstance(value, str) and literal_values(_bare(info.annotation)) is None:
+    for place in _places(type(model)):
+        value = getattr(model, place.name)
+        if value is None or isinstance(value, str) and place.names is None:
             continue
         if isinstance(value, BaseModel):
-            fill(record[target], value)
-        elif (slots := capacity_of(info)) is not None:
-            if len(value) > slots:
-                raise ValueError(f"{name}: {len(value)} entries, at most {slots} are allowed")
-            record[f"n_{target}"] = len(value)
-            for index, item in enumerate(value):
-                if isinstance(item, BaseModel):
-                    fill(record[target][index], item)
-                elif isinstance(item, str):
-                    record[target][index] = literal_values(get_args(_bare(info.annotation))[0]).index(item)
-                else:
-                    record[target][index] = np.asarray(item, dtype=np.float64) * unit.to_si
+            fill(record[place.target], value)
+        elif place.slots is not None:
+            _fill_list(record, place, value)
         elif isinstance(value, str):
-            record[target] = literal_values(_bare(info.annotation)).index(value)
-        elif isinstance(value, bool | int) and not _is_float(info.annotation):
-            record[target] = int(value)
+            record[place.target] = place.names.index(value)
+        elif isinstance(value, bool | int) and not place.is_float:
+            record[place.target] = int(value)
+        elif isinstance(value, float):
+            record[place.target] = value * place.to_si
         else:
-            record[target] = np.asarray(value, dtype=np.float64) * unit.to_si
+            record[place.target] = np.asarray(value, dtype=np.float64) * place.to_si
+
+
+class _Place(NamedTuple):
+    """Where a field of a model goes in its record: read from the declaration once, as records are filled for every case."""
+
+    name: str
+    target: str
+    to_si: float
+    slots: int | None
+    names: tuple[str, ...] | None
+    item_names: tuple[str, ...] | None
+    is_float: bool
+
+
+@cache
+def _places(model: type[BaseModel]) -> tuple[_Place, ...]:
+    places = []
+    for name, info in model.model_fields.items():
+        if in_record(info):
+            target, unit = split_unit(name)
+            annotation, slots = _bare(info.annotation), capacity_of(info)
+            item_names = literal_values(get_args(annotation)[0]) if slots is not None else None
+            places.append(_Place(name, target, unit.to_si, slots, literal_values(annotation), item_names, _is_float(info.annotation)))
+    return tuple(places)
+
+
+def _fill_list(record: np.ndarray | np.void, place: _Place, items: list[Any]) -> None:
+    if len(items) > place.slots:
+        raise ValueError(f"{place.name}: {len(items)} entries, at most {place.slots} are allowed")
+    record[f"n_{place.target}"] = len(items)
+    slots = record[place.target]
+    for index, item in enumerate(items):
+        if isinstance(item, BaseModel):
+            fill(slots[index], item)
+        elif isinstance(item, str):
+            slots[index] = place.item_names.index(item)
+        else:
+            slots[index] = np.asarray(item, dtype=np.float64) * place.to_si
 
 
 def _fields_of(name: str, info: FieldInfo) -> list[tuple]:

@@ -63,6 +63,22 @@ def _parse(text: str) -> Any:
 
 
 def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel], includes: Mapping[str, str]) -> None:
+    node, parent, path = _reach(document, parts, mark, model)
+    key = path[-1]
+    _forget(document, path)
+    document.marks[path] = mark
+    if isinstance(node, dict):
+        _drop_foreign(node, parent, key, value)
+    node[key] = value
+    if len(path) == 1 and key in includes and isinstance(value, str):
+        include(document, key, value, includes[key])
+
+
+def _reach(document: Document, parts: list[str], mark: Mark, model: type[BaseModel]) -> tuple[Any, Slot, Path]:
+    """Container that holds the value at a path, its place in the model, and the path as keys and indices.
+
+    Containers on the way that the file leaves out are filled with their defaults.
+    """
     node, slot, path = document.data, root_slot(model), ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)
@@ -71,15 +87,23 @@ def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: ty
             node[key] = _default(slot)
             document.marks[path] = mark
         node = node[key]
-    key, _ = _step(node, parent := slot, parts[-1])
-    path = (*path, key)
-    _forget(document, path)
-    document.marks[path] = mark
-    if isinstance(node, dict):
-        _drop_foreign(node, parent, key, value)
-    node[key] = value
-    if len(path) == 1 and key in includes and isinstance(value, str):
-        include(document, key, value, includes[key])
+    key, _ = _step(node, slot, parts[-1])
+    return node, slot, (*path, key)
+
+
+def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Path:
+    """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it leaves out.
+
+    Raises:
+        ValueError: no such path; the text says why, without a place.
+    """
+    parts = dotted_path.split(".")
+    try:
+        if not all(parts):
+            raise _Refused("must have the form path.to.key")
+        return _reach(document, parts, Mark("(default)"), model)[2]
+    except _Refused as error:
+        raise ValueError(str(error)) from None
 
 
 def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:

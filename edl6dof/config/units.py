@@ -6,6 +6,7 @@ kernels the suffix is gone and the value is in SI units and radians; this table 
 
 from __future__ import annotations
 
+from functools import cache
 from math import pi
 from typing import NamedTuple
 
@@ -60,6 +61,7 @@ UNITS: dict[str, Unit] = {
 DIMENSIONLESS = Unit("", 1.0)
 
 
+@cache
 def split_unit(name: str) -> tuple[str, Unit]:
     """Split ``bank_deg`` into ``("bank", Unit("deg", pi/180))``; a name without a known suffix is dimensionless.
 

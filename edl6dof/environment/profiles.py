@@ -24,12 +24,17 @@ def stream(seed: int, case: int, source: int) -> np.random.Generator:
 
 def gauss_markov(rng: np.random.Generator, count: int, spacing: float) -> np.ndarray:
     """Standard normals with correlation exp(-distance); ``spacing``: distance of neighbours in correlation lengths."""
-    keep = exp(-spacing)
-    renew = sqrt(1.0 - keep * keep)
     out = rng.standard_normal(count)
-    for k in range(1, count):
-        out[k] = keep * out[k - 1] + renew * out[k]
+    _correlate(out, exp(-spacing))
     return out
+
+
+@kernel
+def _correlate(normals, keep):
+    """Turn independent normals into a sequence whose neighbours are correlated by ``keep``, in place."""
+    renew = sqrt(1.0 - keep * keep)
+    for k in range(1, len(normals)):
+        normals[k] = keep * normals[k - 1] + renew * normals[k]
 
 
 @kernel

@@ -7,10 +7,12 @@ from math import asin, atan2, cos, sin
 import numpy as np
 
 from edl6dof.sim.scenario import Scenario
+from edl6dof.sim.telemetry import Telemetry
+from edl6dof.sim.verdict import around
 from edl6dof.spatial.frames import great_circle
 
 
-def deployment_figures(scenario: Scenario, telemetry: dict[str, np.ndarray], figures: dict[str, float]) -> dict[str, float]:
+def deployment_figures(scenario: Scenario, telemetry: Telemetry, figures: dict[str, float]) -> dict[str, float]:
     """Miss of the aim point at mortar fire, m on the reference sphere; empty without a mortar or without entry guidance.
 
     Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great circle on which the
@@ -19,10 +21,9 @@ def deployment_figures(scenario: Scenario, telemetry: dict[str, np.ndarray], fig
     t = figures.get("parachute_s")
     if t is None or not any(phase.guidance == "entry" for phase in scenario.mission.phases):
         return {}
-    track = (np.radians(telemetry[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
-    unwrapped = [np.unwrap(angle) for angle in track]
-    start = tuple(float(angle[0]) for angle in unwrapped)
-    here = tuple(float(np.interp(t, telemetry["t_s"], angle)) for angle in unwrapped)
+    first, near = telemetry.rows(0, 1), around(telemetry, t)
+    start = tuple(float(angle[0]) for angle in _track(first))
+    here = tuple(float(np.interp(t, near["t_s"], angle)) for angle in _track(near))
     arc, azimuth = _arc(start, here)
     goal, along = _arc(start, scenario.aim_point)
     turn, radius = azimuth - along, scenario.planet.equatorial_radius_m
@@ -30,8 +31,13 @@ def deployment_figures(scenario: Scenario, telemetry: dict[str, np.ndarray], fig
         "parachute_miss_m": radius * _arc(here, scenario.aim_point)[0],
         "parachute_downrange_m": radius * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
         "parachute_crossrange_m": radius * asin(sin(arc) * sin(turn)),
-        "parachute_speed_m_s": float(np.interp(t, telemetry["t_s"], telemetry["truth.speed_m_s"])),
+        "parachute_speed_m_s": float(np.interp(t, near["t_s"], near["truth.speed_m_s"])),
     }
+
+
+def _track(rows: Telemetry) -> list[np.ndarray]:
+    """Latitude and longitude, rad, without jumps."""
+    return [np.unwrap(np.radians(rows[f"truth.{axis}_deg"])) for axis in ("latitude", "longitude")]
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:

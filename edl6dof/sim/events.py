@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "igni
 
 
 def timeline(
-    telemetry: dict[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str, faults: Sequence[str] = ()
+    telemetry: Mapping[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str, faults: Sequence[str] = ()
 ) -> list[dict[str, Any]]:
     """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then."""
     found: list[tuple[float, str, str]] = []
@@ -46,14 +46,14 @@ def timeline(
     return [_with_state(telemetry, *event) for event in sorted(found, key=lambda event: event[0])]
 
 
-def bank_reversals(telemetry: dict[str, np.ndarray]) -> list[tuple[float, str]]:
+def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str]]:
     """Times (s) at which the commanded bank angle changes sign, and the new side."""
     t, bank = telemetry["t_s"], telemetry["guide.bank_deg"]
     steps = np.flatnonzero(bank[1:] * bank[:-1] < 0.0) + 1
     return [(float(t[i]), "right" if bank[i] > 0.0 else "left") for i in steps]
 
 
-def _with_state(telemetry: dict[str, np.ndarray], t: float, key: str, name: str) -> dict[str, Any]:
+def _with_state(telemetry: Mapping[str, np.ndarray], t: float, key: str, name: str) -> dict[str, Any]:
     i = min(int(np.searchsorted(telemetry["t_s"], t - 1e-9)), len(telemetry["t_s"]) - 1)
     row = {
         "altitude_m": telemetry["truth.altitude_m"][i],

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     import pandas
     from pyquaternion import Quaternion
 
-CHUNK_S = 5.0
+#: Flight time between two calls of ``progress``, and between two chances to interrupt a flight without it.
+CHUNK_S, QUIET_CHUNK_S = 5.0, 50.0
 
 #: Goal of the mission: outcome that reaches it, its words, and what follows them when all limits are kept.
 _GOALS = {
@@ -144,6 +145,18 @@ class Flight:
         return f"{OUTCOMES[self.code]} in phase {self.phase}" if self.phase_names else OUTCOMES[self.code]
 
     @property
+    def cause(self) -> str:
+        """Why the flight is no success, without numbers, so that flights with one cause count together; empty for a success."""
+        if self.success:
+            return ""
+        missed = [check.label for check in self.checks if not check.ok]
+        if self.code == _GOALS[self.scenario.mission.goal][0]:
+            return f"outside limits: {', '.join(missed)}"
+        if self.code == NOT_FINITE:
+            return f"not finite: {self.first_bad_quantity} in phase {self.phase}"
+        return f"{OUTCOMES[self.code]} in phase {self.phase}"
+
+    @property
     def phase(self) -> str:
         """Name of the last phase."""
         names = self.phase_names
@@ -206,24 +219,24 @@ def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenar
 def fly(
     loaded: LoadedScenario,
     *,
-    case_index: int = 0,
     start: State | None = None,
     save_at_s: float | None = None,
     progress: Progress | None = None,
+    parts: records.Records | None = None,
+    log: np.ndarray | None = None,
 ) -> Flight:
     """Fly a scenario to its end.
 
     Args:
         loaded: from :func:`edl6dof.load`.
-        case_index: which random profiles of the scenario's seed to use.
         start: saved state to continue from, instead of the initial state.
         save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
         progress: called every few seconds of flight.
+        parts: the scenario's records, where the caller has built them already.
+        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK``; the flight then reads from it.
     """
     scenario = loaded.scenario
-    tables = records.build_tables(loaded.truth)
-    case = records.build_case(loaded.truth, tables, case_index)
-    onboard = records.build_onboard(scenario, tables if loaded.truth is scenario else records.build_tables(scenario))
+    case, tables, onboard = parts or records.build_records(loaded)
     if start is None:
         plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
         sensed, cycle = records.initial_sensed(), 0
@@ -231,15 +244,17 @@ def fly(
     else:
         plant, fsw, sensed, cycle = start.plant.copy(), start.fsw.copy(), start.sensed.copy(), start.cycle
     base = scenario.flight_software.rates.base_hz
-    stop = int(np.ceil(scenario.simulation.time_limit_s * base)) + 1
+    stop = _last_cycle(loaded) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
+    chunk = round((QUIET_CHUNK_S if progress is None else CHUNK_S) * base)
     first, code, saved, rows = cycle, FLYING, None, 0
-    # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight allowed
-    log = np.zeros((stop - cycle) // scenario.simulation.log_every + 2, TICK)
+    if log is None:
+        # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight allowed
+        log = np.zeros(log_rows(loaded, cycle), TICK)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
             saved = State(cycle, plant.copy(), sensed.copy(), fsw.copy(), resolved_text(loaded))
-        end = min(cycle + round(CHUNK_S * base), stop)
+        end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
         code, flown, new = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, log, rows)
@@ -250,6 +265,15 @@ def fly(
     flight = Flight(loaded, case, plant, fsw, log[:rows], code, cycle - first)
     flight.saved = saved
     return flight
+
+
+def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:
+    """Rows of telemetry that the longest flight allowed can fill, from a base cycle on."""
+    return (_last_cycle(loaded) + 1 - first_cycle) // loaded.truth.simulation.log_every + 2
+
+
+def _last_cycle(loaded: LoadedScenario) -> int:
+    return int(np.ceil(loaded.truth.simulation.time_limit_s * loaded.scenario.flight_software.rates.base_hz))
 
 
 def _report(progress: Progress, scenario: Scenario, plant: np.ndarray, fsw: np.ndarray) -> None:

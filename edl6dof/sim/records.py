@@ -6,7 +6,9 @@ nominal configuration and never touch again.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Set
 from math import atan2, cos, radians, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +24,7 @@ from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim.believed_aero import fill_airframe
 from edl6dof.sim.initial import InitialState
-from edl6dof.sim.scenario import LimitParams, Scenario, SimulationParams
+from edl6dof.sim.scenario import LimitParams, LoadedScenario, Scenario, SimulationParams
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
     attitude_from_wind_angles,
@@ -68,6 +70,34 @@ TABLES = np.dtype([("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("ter
 BELIEF_MACH = 15.0
 
 
+#: Parameters that the tables do not depend on: they are applied in flight.
+FLOWN = {
+    "atmosphere": frozenset(["density_factor", "heat_capacity_ratio", "exponential"]),
+    "capsule": frozenset(
+        ["axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor", "molecular_diameter_m", "molecular_mass_kg"]
+    ),
+}
+
+
+def same_tables(first: Scenario, second: Scenario) -> bool:
+    """Whether two scenarios share their tables."""
+    sections = (
+        ("atmosphere", first.atmosphere, second.atmosphere),
+        ("capsule", first.vehicle.aero.capsule, second.vehicle.aero.capsule),
+    )
+    return (
+        first.terrain.model == second.terrain.model
+        and first.vehicle.aero.model == second.vehicle.aero.model
+        and all(
+            getattr(one, field) == getattr(other, field)
+            for name, one, other in sections
+            if one is not other
+            for field in type(one).model_fields
+            if field not in FLOWN[name]
+        )
+    )
+
+
 def build_tables(scenario: Scenario) -> np.ndarray:
     """The shared tables, shape (1,)."""
     tables = np.zeros(1, TABLES)
@@ -79,28 +109,113 @@ def build_tables(scenario: Scenario) -> np.ndarray:
     return tables
 
 
-def build_case(scenario: Scenario, tables: np.ndarray, case_index: int = 0) -> np.ndarray:
+class Part(NamedTuple):
+    """One part of the case record: the sections of the scenario that it follows from, and what fills it in a zeroed record."""
+
+    sections: frozenset[str]
+    fill: Callable[[np.void, Scenario, np.void], None]
+
+
+#: Field of the case record to what fills it.
+PARTS: dict[str, Part] = {}
+
+
+def _part(name: str, sections: str) -> Callable[[Callable[[np.void, Scenario, np.void], None]], None]:
+    """Declare what fills the part ``name`` of the case record."""
+
+    def declare(fill_part: Callable[[np.void, Scenario, np.void], None]) -> None:
+        PARTS[name] = Part(frozenset(sections.split()), fill_part)
+
+    return declare
+
+
+for _name in ("vehicle", "point_mass", "initial", "simulation", "sensors"):
+    _part(_name, _name)(lambda case, s, _, name=_name: fill(case[name], getattr(s, name)))
+
+
+@_part("planet", "planet")
+def _planet(case: np.void, s: Scenario, _: np.void) -> None:
+    fill_planet(case["planet"], s.planet)
+
+
+@_part("atmosphere", "atmosphere seed profile")
+def _atmosphere(case: np.void, s: Scenario, tables: np.void) -> None:
+    fill_atmosphere(case["atmosphere"], s.atmosphere, tables["atmosphere"], s.seed, s.profile)
+
+
+@_part("wind", "wind atmosphere seed profile")
+def _wind(case: np.void, s: Scenario, tables: np.void) -> None:
+    fill_wind(case["wind"], s.wind, tables["atmosphere"], s.seed, s.profile)
+
+
+@_part("terrain", "terrain")
+def _terrain(case: np.void, s: Scenario, tables: np.void) -> None:
+    fill_terrain(case["terrain"], s.terrain, tables["terrain"])
+
+
+@_part("site", "terrain planet")
+def _site(case: np.void, s: Scenario, _: np.void) -> None:
+    _place_site(case["site"], s)
+
+
+@_part("lander", "vehicle")
+def _lander(case: np.void, s: Scenario, _: np.void) -> None:
+    fill_lander(case["lander"], s.vehicle.mass)
+
+
+@_part("dynamics", "dynamics")
+def _dynamics(case: np.void, s: Scenario, _: np.void) -> None:
+    case["dynamics"] = DYNAMICS.index(s.dynamics)
+
+
+@_part("ends_at_deployment", "mission")
+def _ends_at_deployment(case: np.void, s: Scenario, _: np.void) -> None:
+    case["ends_at_deployment"] = s.mission.goal == "deployment"
+
+
+@_part("limits", "limits mission")
+def _limits(case: np.void, s: Scenario, _: np.void) -> None:
+    fill(case["limits"], s.limits)
+    if s.mission.goal == "time":
+        case["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
+
+
+@_part("faults", "faults vehicle mission")
+def _faults(case: np.void, s: Scenario, _: np.void) -> None:
+    fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
+
+
+def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """The truth of one flight, shape (1,)."""
     case = np.zeros(1, CASE)
-    record = case[0]
-    fill_planet(record["planet"], scenario.planet)
-    fill_atmosphere(record["atmosphere"], scenario.atmosphere, tables[0]["atmosphere"], scenario.seed, case_index)
-    fill_wind(record["wind"], scenario.wind, tables[0]["atmosphere"], scenario.seed, case_index)
-    fill_terrain(record["terrain"], scenario.terrain, tables[0]["terrain"])
-    _place_site(record["site"], scenario)
-    fill(record["vehicle"], scenario.vehicle)
-    fill_lander(record["lander"], scenario.vehicle.mass)
-    record["dynamics"] = DYNAMICS.index(scenario.dynamics)
-    record["ends_at_deployment"] = scenario.mission.goal == "deployment"
-    fill(record["point_mass"], scenario.point_mass)
-    fill(record["initial"], scenario.initial)
-    fill(record["simulation"], scenario.simulation)
-    fill(record["limits"], scenario.limits)
-    if scenario.mission.goal == "time":
-        record["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
-    fill(record["sensors"], scenario.sensors)
-    fill_faults(record["faults"], scenario.faults, scenario.thruster_names, scenario.phase_names)
+    for part in PARTS.values():
+        part.fill(case[0], scenario, tables[0])
     return case
+
+
+def changed_case(case: np.ndarray, scenario: Scenario, tables: np.ndarray, sections: Set[str]) -> np.ndarray:
+    """The truth of a scenario that differs from that of ``case`` in some sections only: equal to ``build_case``, and quicker."""
+    case = case.copy()
+    for name, part in PARTS.items():
+        if not part.sections.isdisjoint(sections):
+            case[name] = np.zeros(1, CASE[name])
+            part.fill(case[0], scenario, tables[0])
+    return case
+
+
+class Records(NamedTuple):
+    """What one flight reads, each shape (1,): the truth, the large tables it shares with others, the belief."""
+
+    case: np.ndarray
+    tables: np.ndarray
+    onboard: np.ndarray
+
+
+def build_records(loaded: LoadedScenario) -> Records:
+    """Truth, tables and belief of a scenario."""
+    tables = build_tables(loaded.truth)
+    believed = tables if loaded.truth is loaded.scenario else build_tables(loaded.scenario)
+    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario, believed))
 
 
 def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:

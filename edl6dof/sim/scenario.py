@@ -74,6 +74,7 @@ class Scenario(Params):
     name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
     description: str = param("", "what it shows", record=False)
     seed: int = param(1, "seed of all random profiles", record=False, ge=0)
+    profile: int = param(0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0)
     planet: PlanetParams = section("planet, by name or in full")
     atmosphere: AtmosphereParams = group(AtmosphereParams, "atmosphere")
     wind: WindParams = group(WindParams, "wind")
@@ -111,18 +112,21 @@ class Scenario(Params):
 
     @model_validator(mode="after")
     def _consistent(self) -> Scenario:
-        problems = {
+        problems = {**self.section_problems(), **file_problems(self)}
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def section_problems(self) -> dict[str, str]:
+        """Dotted path to message of values of different sections that do not fit together."""
+        return {
             **self._cycle_problems(),
             **self._sensor_problems(),
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
-            **file_problems(self),
             **fault_problems(self.faults, self.thruster_names, self.phase_names),
         }
-        if problems:
-            raise Inconsistent(problems)
-        return self
 
     def _cycle_problems(self) -> dict[str, str]:
         cycle = 1.0 / self.flight_software.rates.base_hz

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
+from edl6dof.sim.telemetry import Telemetry
 
 #: Seconds after the trim wing opens that count as its transient.
 WING_TRANSIENT_S = 10.0
@@ -59,9 +60,7 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     ]
 
 
-def metrics(
-    telemetry: dict[str, np.ndarray], events: list[dict[str, Any]], phases: list[str], touchdown: dict[str, float]
-) -> dict[str, float]:
+def metrics(telemetry: Telemetry, events: list[dict[str, Any]], phases: list[str], touchdown: dict[str, float]) -> dict[str, float]:
     """All figures of a flight that can be formed from what it flew through."""
     when = {event["key"]: event["t_s"] for event in reversed(events)}
     figures: dict[str, float] = {}
@@ -76,11 +75,31 @@ def metrics(
     return figures
 
 
-def _at(telemetry: dict[str, np.ndarray], name: str, t: float) -> float:
-    return float(np.interp(t, telemetry["t_s"], telemetry[name]))
+def _at(telemetry: Telemetry, name: str, t: float) -> float:
+    """Value of a channel at time ``t``, on the straight line between the rows beside it."""
+    near = around(telemetry, t)
+    return float(np.interp(t, near["t_s"], near[name]))
 
 
-def _event_figures(telemetry: dict[str, np.ndarray], when: dict[str, float]) -> dict[str, float]:
+def around(telemetry: Telemetry, t: float) -> Telemetry:
+    """The two rows before and after time ``t``, or the nearest two."""
+    times = telemetry["t_s"]
+    after = max(1, min(_row(times, t), len(times) - 1))
+    return telemetry.rows(after - 1, after + 1)
+
+
+def _row(rising: np.ndarray, value: float) -> int:
+    """Index of the first element that is not below ``value``."""
+    return int(np.searchsorted(rising, value))
+
+
+def _phase(telemetry: Telemetry, phases: list[str], name: str) -> tuple[int, int]:
+    """First row of a phase, which never comes twice, and the row after its last."""
+    index = phases.index(name)
+    return _row(telemetry["guide.phase"], index), _row(telemetry["guide.phase"], index + 1)
+
+
+def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
     figures: dict[str, float] = {}
     if "phase.lift" in when:
         figures["lift_start_s"] = when["phase.lift"]
@@ -105,29 +124,30 @@ def _event_figures(telemetry: dict[str, np.ndarray], when: dict[str, float]) -> 
     return figures
 
 
-def _entry_figures(telemetry: dict[str, np.ndarray], when: dict[str, float], phases: list[str]) -> dict[str, float]:
+def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
     if "lift" not in phases:
         return {}
-    t = telemetry["t_s"]
-    lift = telemetry["guide.phase"] == phases.index("lift")
-    if not lift.any():
+    first, last = _phase(telemetry, phases, "lift")
+    if first == last:
         return {}
+    lift = telemetry.rows(first, last)
+    t, bank = lift["t_s"], lift["guide.bank_deg"]
     wing = when.get("trim_wing", np.inf)
-    calm = lift & ~((t >= wing) & (t < wing + WING_TRANSIENT_S))
-    bank = telemetry["guide.bank_deg"]
+    calm = ~((t >= wing) & (t < wing + WING_TRANSIENT_S))
+    with_entry = telemetry.rows(max(first - 1, 0), last)["guide.bank_deg"]
     figures = {
-        "bank_reversals": float(np.sum(bank[1:][lift[1:]] * bank[:-1][lift[1:]] < 0.0)),
-        "max_bank_rate_deg_s": _peak(telemetry["truth.rate_p_deg_s"], lift),
-        "max_pitch_rate_lift_deg_s": _peak(_swing(telemetry, "q"), calm),
-        "max_yaw_rate_lift_deg_s": _peak(_swing(telemetry, "r"), calm),
+        "bank_reversals": float(np.sum(with_entry[1:] * with_entry[:-1] < 0.0)),
+        "max_bank_rate_deg_s": _peak(lift["truth.rate_p_deg_s"]),
+        "max_pitch_rate_lift_deg_s": _peak(_swing(lift, "q")[calm]),
+        "max_yaw_rate_lift_deg_s": _peak(_swing(lift, "r")[calm]),
     }
-    zero = np.flatnonzero(lift & (bank == 0.0))
+    zero = np.flatnonzero(bank == 0.0)
     if len(zero):
         figures["bank_zero_s"] = float(t[zero[0]])
     return figures
 
 
-def _swing(telemetry: dict[str, np.ndarray], axis: str) -> np.ndarray:
+def _swing(telemetry: Telemetry, axis: str) -> np.ndarray:
     """Pitch or yaw rate (deg/s) without the part of it that is banking about the velocity.
 
     A bank about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the body (beta: in pitch); S1 counts the rates
@@ -139,40 +159,49 @@ def _swing(telemetry: dict[str, np.ndarray], axis: str) -> np.ndarray:
     return telemetry["truth.rate_r_deg_s"] - p * np.tan(np.radians(telemetry["truth.alpha_deg"]))
 
 
-def _peak(values: np.ndarray, where: np.ndarray) -> float:
-    return float(np.max(np.abs(values[where]))) if where.any() else float("nan")
+def _peak(values: np.ndarray) -> float:
+    return float(np.max(np.abs(values))) if len(values) else float("nan")
 
 
-def _descent_figures(telemetry: dict[str, np.ndarray], when: dict[str, float], phases: list[str]) -> dict[str, float]:
+def _largest(telemetry: Telemetry, name: str, axes: str) -> np.ndarray:
+    """Largest magnitude among the components of a vector, at each row; ``name`` has ``{}`` for the axis."""
+    return np.max(np.abs(np.stack([telemetry[name.format(axis)] for axis in axes])), axis=0)
+
+
+def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
-    t = telemetry["t_s"]
-    rates = np.stack([telemetry[f"truth.rate_{c}_deg_s"] for c in "pqr"])
-    largest = np.max(np.abs(rates), axis=0)
     if "parachute" in phases and "mortar" in when:
-        figures["max_rate_parachute_deg_s"] = _peak(largest, telemetry["guide.phase"] == phases.index("parachute"))
+        hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
+        figures["max_rate_parachute_deg_s"] = _peak(_largest(hanging, "truth.rate_{}_deg_s", "pqr"))
         figures["max_riser_tension_n"] = float(telemetry["truth.riser_tension_n"].max())
     if "ignition" in when:
-        start, end = when["ignition"], when.get("touchdown", np.inf)
-        powered = (t >= start) & (t < end)
-        figures["max_rate_powered_deg_s"] = _peak(largest, powered)
-        error = np.hypot(telemetry["control.error_pitch_deg"], telemetry["control.error_yaw_deg"])
-        figures["max_attitude_error_powered_deg"] = _peak(error, powered)
-        figures["roll_error_at_ignition_deg"] = _at(telemetry, "control.error_roll_deg", start)
-        settled = powered & (t > start + ROLL_TRANSIENT_S)
-        figures["max_roll_error_powered_deg"] = _peak(telemetry["control.error_roll_deg"], settled)
-        moments = np.stack([telemetry[f"truth.disturbance_{c}_nm"] for c in "xyz"])
-        figures["max_disturbance_torque_nm"] = _peak(np.max(np.abs(moments), axis=0), powered)
-        apart = np.sqrt(sum((telemetry[f"truth.site_{c}_m"] - telemetry[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up")))
-        if (separated := powered & (t > start + 5.0)).any():
-            figures["min_backshell_distance_m"] = float(np.nanmin(apart[separated]))
+        figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
     return figures
 
 
-def _overall_figures(telemetry: dict[str, np.ndarray]) -> dict[str, float]:
+def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str, float]:
+    """Figures between the times of ignition and of touchdown."""
+    times = telemetry["t_s"]
+    powered = telemetry.rows(_row(times, start), _row(times, end))
+    t, roll = powered["t_s"], powered["control.error_roll_deg"]
+    figures = {
+        "max_rate_powered_deg_s": _peak(_largest(powered, "truth.rate_{}_deg_s", "pqr")),
+        "max_attitude_error_powered_deg": _peak(np.hypot(powered["control.error_pitch_deg"], powered["control.error_yaw_deg"])),
+        "roll_error_at_ignition_deg": _at(telemetry, "control.error_roll_deg", start),
+        "max_roll_error_powered_deg": _peak(roll[t > start + ROLL_TRANSIENT_S]),
+        "max_disturbance_torque_nm": _peak(_largest(powered, "truth.disturbance_{}_nm", "xyz")),
+    }
+    if (separated := t > start + 5.0).any():
+        apart = sum((powered[f"truth.site_{c}_m"] - powered[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
+        figures["min_backshell_distance_m"] = float(np.nanmin(np.sqrt(apart[separated])))
+    return figures
+
+
+def _overall_figures(telemetry: Telemetry) -> dict[str, float]:
     propellant = telemetry["truth.propellant_kg"]
     before_ground = telemetry["truth.footpads"] == 0
     return {
-        "peak_load_g0": _peak(telemetry["truth.load_g0"], before_ground),
+        "peak_load_g0": _peak(telemetry["truth.load_g0"][before_ground]),
         "peak_dynamic_pressure_pa": float(telemetry["truth.dynamic_pressure_pa"].max()),
         "peak_heat_flux_w_cm2": float(telemetry["truth.heat_flux_w_cm2"].max()),
         "heat_load_j_cm2": float(telemetry["truth.heat_load_j_cm2"][-1]),

@@ -20,6 +20,7 @@ LAYERS = (
     ("sensors",),
     ("fsw", "mission"),
     ("sim",),
+    ("campaign",),
     ("studies", "post", "verify"),
     ("cli", "app", "__init__", "__main__"),
 )

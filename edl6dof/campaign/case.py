@@ -1,0 +1,40 @@
+"""One case of a campaign, study or fault matrix: what differs from the scenario."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+#: Prefixes of the columns that hold what was changed.
+TRUTH, BELIEF = "truth.", "belief."
+
+
+@dataclass(frozen=True)
+class Case:
+    """Changes of one flight, by dotted path.
+
+    Attributes:
+        index: number of the case; rows come in its order.
+        truth: values of which the flight computer is not told.
+        belief: values that the flight computer is told; the truth follows them where ``truth`` does not say otherwise.
+        profile: which random profiles (density, gusts) of the scenario's seed it meets; the scenario's own when ``None``.
+        label: columns to put into the row as they are, such as the name of the law or the failed thruster.
+    """
+
+    index: int
+    truth: Mapping[str, Any] = field(default_factory=dict)
+    belief: Mapping[str, Any] = field(default_factory=dict)
+    profile: int | None = None
+    label: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """Changes of the scenario itself."""
+        return dict(self.belief) if self.profile is None else {**self.belief, "profile": self.profile}
+
+    def overrides(self, truth: Mapping[str, Any]) -> list[str]:
+        """The texts for ``--set`` that turn a scenario with this ``truth`` section into the case."""
+        changes = [f"{path}={json.dumps(value)}" for path, value in self.told.items()]
+        return [*changes, f"truth={json.dumps({**truth, **self.truth})}"]

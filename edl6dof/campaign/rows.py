@@ -1,0 +1,54 @@
+"""One row of the results table for each case, and rows as an Arrow table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import pyarrow as pa
+
+from edl6dof.campaign.case import Case
+from edl6dof.sim.flight import Flight
+
+#: What a caller adds to a row from its flight, which must not be kept: the next case reuses its telemetry.
+Collect = Callable[[Flight], Mapping[str, Any]]
+
+Row = dict[str, Any]
+
+
+def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
+    """Row of a case that has flown: what was changed, how it ended, every figure of the flight, what the caller adds."""
+    row: Row = {"case": case.index, **case.label, **changes}
+    row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
+    for more in (flight.metrics, collect(flight) if collect is not None else {}):
+        if twice := row.keys() & more.keys():
+            raise ValueError(f"column given twice: {', '.join(sorted(twice))}")
+        row.update(more)
+    return row
+
+
+def failed_row(case: Case, reason: str) -> Row:
+    """Row of a case that could not fly."""
+    changes = {**{f"truth.{path}": value for path, value in case.truth.items()}}
+    changes |= {f"belief.{path}": value for path, value in case.belief.items()}
+    if case.profile is not None:
+        changes["profile"] = case.profile
+    cause = f"could not fly: {reason}"
+    return {"case": case.index, **case.label, **changes, "success": False, "cause": cause, "outcome": cause, "end_s": 0.0}
+
+
+def table_of(rows: Iterable[Row]) -> pa.Table:
+    """Rows as a table; columns in the order in which rows bring them, null where a row has none."""
+    rows = list(rows)
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    return pa.table({name: _column([row.get(name) for row in rows]) for name in names})
+
+
+def _column(values: list[Any]) -> pa.Array:
+    """Whole and broken numbers in one column become floats; numbers beside text, or nested values of unlike shape, become text."""
+    kinds = {type(value) for value in values if value is not None}
+    if kinds == {int, float}:
+        values = [None if value is None else float(value) for value in values]
+    elif len(kinds) > 1:
+        values = [None if value is None else str(value) for value in values]
+    return pa.array(values)

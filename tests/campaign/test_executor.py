@@ -1,0 +1,134 @@
+"""The executor: rows are those of single flights, in order, whatever the number of workers."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.campaign.case import Case
+from edl6dof.campaign.executor import Pilot, fly_cases, in_threads
+from edl6dof.campaign.readback import NotApplied, applied
+
+GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed=7"]
+CASES = [
+    Case(0, truth={"vehicle.mass.entry_kg": 1290.0}, profile=0),
+    Case(1, truth={"vehicle.mass.entry_kg": 1280.0}, profile=1),
+    Case(2, truth={"vehicle.parachute.drag_factor": 0.05}, profile=2, label={"what": "canopy torn"}),
+    Case(3, truth={"vehicle.mass.entry_kg": 10.0}),
+    Case(4, truth={"initial.flight_path_angle_deg": -9.0}, profile=4),
+    Case(5, belief={"vehicle.mass.entry_kg": 1290.0}, profile=5),
+]
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return edl6dof.load("tianwen1", GUSTY)
+
+
+@pytest.fixture(scope="module")
+def table(loaded):
+    return fly_cases(loaded, CASES, workers=2, collect=lambda flight: {"rows": len(flight.log)})
+
+
+def test_rows_are_those_of_single_flights(loaded, table):
+    """Every figure equals, to the last bit, that of ``edl6dof fly`` with the same changes."""
+    rows = table.to_pylist()
+    for case in (CASES[1], CASES[2], CASES[5]):
+        flight = edl6dof.fly("tianwen1", [*GUSTY, *case.overrides({})])
+        row = rows[case.index]
+        assert {name: row[name] for name in flight.metrics} == flight.metrics
+        assert (row["outcome"], row["success"], row["rows"]) == (flight.outcome, flight.success, len(flight.log))
+
+
+def test_reused_telemetry_buffer_gives_the_same_log(loaded):
+    """A long flight, then one that ends early, then the first again: nothing of one remains in the next."""
+    logs = []
+    pilot = Pilot(loaded, lambda flight: logs.append(flight.log.tobytes()) or {})
+    for case in (CASES[0], CASES[2], CASES[0], CASES[2]):
+        pilot.fly(case)
+    fresh = edl6dof.fly("tianwen1", [*GUSTY, *CASES[2].overrides({})])
+    assert logs[0] == logs[2]
+    assert logs[1] == logs[3] == fresh.log.tobytes()
+
+
+def test_number_of_workers_does_not_matter(loaded, table):
+    alone = fly_cases(loaded, CASES, workers=1, collect=lambda flight: {"rows": len(flight.log)})
+    assert alone.equals(table)
+
+
+def test_changes_and_ends_are_in_the_table(table):
+    rows = table.to_pylist()
+    assert [row["case"] for row in rows] == [0, 1, 2, 3, 4, 5]
+    assert rows[1]["truth.vehicle.mass.entry_kg"] == 1280.0
+    assert rows[5]["belief.vehicle.mass.entry_kg"] == 1290.0
+    assert rows[2]["what"] == "canopy torn" and not rows[2]["success"]
+    assert rows[3]["cause"].startswith("could not fly: vehicle.mass") and not rows[3]["success"]
+    assert rows[4]["cause"] == "skipped out in phase lift" or rows[4]["cause"]
+
+
+def test_rows_are_small(table):
+    assert table.nbytes / table.num_rows < 1024
+
+
+def test_progress_counts_every_case(loaded):
+    seen = []
+    fly_cases(loaded, CASES[:3], progress=lambda done, row: seen.append((done, row["case"])))
+    assert seen == [(1, 0), (2, 1), (3, 2)]
+
+
+def test_cases_are_read_only_a_little_ahead():
+    read = []
+
+    def cases():
+        for index in range(1000):
+            read.append(index)
+            yield index
+
+    results = in_threads(lambda item: item * item, cases(), workers=2)
+    assert next(results) == 0
+    assert len(read) < 50
+    results.close()
+    assert len(read) < 50
+
+
+def test_caller_may_not_hide_a_figure(loaded):
+    with pytest.raises(ValueError, match="column given twice: touchdown_s"):
+        fly_cases(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0})
+
+
+def test_value_that_did_not_arrive_is_noticed(loaded):
+    """The classic failure: a dispersion that nobody applies."""
+    variant = Pilot(loaded).variants.build(CASES[0])
+    assert applied(variant, CASES[0].truth, CASES[0].told) == {"truth.vehicle.mass.entry_kg": 1290.0, "profile": 0}
+    variant.parts.case["vehicle"]["mass"]["entry"] = 1285.0
+    with pytest.raises(NotApplied, match="its record holds 1285"):
+        applied(variant, CASES[0].truth, CASES[0].told)
+    with pytest.raises(NotApplied, match=r"should be 1200.0 and is 1290.0"):
+        applied(variant, {"vehicle.mass.entry_kg": 1200.0}, {})
+
+
+def test_readback_reaches_list_elements_in_their_units(loaded):
+    case = Case(
+        0,
+        truth={
+            "vehicle.rcs.thrusters.D3.thrust_n": 240.0,
+            "vehicle.mass.entry_centre_m.2": -0.035,
+            "vehicle.engine.misalignment_y_deg": 0.1,
+        },
+    )
+    variant = Pilot(loaded).variants.build(case)
+    assert applied(variant, case.truth, {}) == {f"truth.{path}": value for path, value in case.truth.items()}
+    record = variant.parts.case[0]["vehicle"]
+    assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
+    assert record["engine"]["misalignment_y"] == pytest.approx(np.radians(0.1))
+    record["rcs"]["thrusters"][2]["thrust"] = 250.0
+    with pytest.raises(NotApplied, match="D3"):
+        applied(variant, case.truth, {})
+
+
+def test_overrides_are_exact():
+    case = Case(0, truth={"a.b": 0.1 + 0.2}, belief={"c": 1e-17})
+    assert json.loads(case.overrides({})[1].partition("=")[2])["a.b"] == 0.1 + 0.2
