@@ -12,7 +12,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.reference import NODES
+from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
@@ -81,9 +81,7 @@ def drag_goal(onboard, nav, memory, out):
     u = sqrt(2.0 * max(nav.energy, 0.0))
     if p.update and nav.speed > p.update_stop:
         memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
-    position = clamp((u - reference.first) / reference.spacing, 0.0, NODES - 1.001)
-    i = int(position)
-    f = position - i
+    i, f = node_of(reference, u)
     factor = 1.0 + memory.scale * shape(1.0)
     goal = factor * (reference.drag[i] + f * (reference.drag[i + 1] - reference.drag[i]))
     goal_rate = factor * (reference.drag_rate[i] + f * (reference.drag_rate[i + 1] - reference.drag_rate[i]))

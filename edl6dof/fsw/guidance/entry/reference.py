@@ -51,7 +51,7 @@ REFERENCE = np.dtype(
         ("drag", "f8", (NODES,)),
         ("drag_rate", "f8", (NODES,)),
         ("drag_acceleration", "f8", (NODES,)),
-        ("cos_path", "f8", (NODES,)),
+        ("cos_path", "f8", (NODES,)),  # ground distance per path length: cos(gamma) R/r
         ("range", "f8", (NODES,)),
     ],
     align=True,
@@ -89,8 +89,16 @@ def reference_bank(onboard, shift, speed):
 
 
 @kernel
+def node_of(reference, energy_speed):
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held at both ends."""
+    position = clamp((energy_speed - reference.first) / reference.spacing, 0.0, NODES - 1.001)
+    i = int(position)
+    return i, position - i
+
+
+@kernel
 def fly(onboard, entry, shift, final_speed, dt, history):
-    """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, cos gamma, time). Returns the row count.
+    """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, ground per path, time). Returns the row count.
 
     ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum = 0).
     """
@@ -102,7 +110,7 @@ def fly(onboard, entry, shift, final_speed, dt, history):
         a = point_mass(onboard, h, v, gamma, sigma)
         energy = 0.5 * v * v + planet.mu * (1.0 / planet.equatorial_radius - 1.0 / (planet.equatorial_radius + h))
         row = history[count]
-        row[0], row[1], row[2], row[3], row[4] = sqrt(2.0 * max(energy, 0.0)), s, a[4], cos(gamma), t
+        row[0], row[1], row[2], row[3], row[4] = sqrt(2.0 * max(energy, 0.0)), s, a[4], a[3] / v, t
         count += 1
         b = point_mass(onboard, h + 0.5 * dt * a[0], v + 0.5 * dt * a[1], gamma + 0.5 * dt * a[2], sigma)
         c = point_mass(onboard, h + 0.5 * dt * b[0], v + 0.5 * dt * b[1], gamma + 0.5 * dt * b[2], sigma)

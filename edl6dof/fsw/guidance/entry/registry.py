@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking, npc
+from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking, ehgo_fl, fl, npc
 from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
@@ -22,6 +22,8 @@ ENTRY_LAWS = Family(
         drag_tracking.MEMBER,
         constant_bank.MEMBER,
         npc.MEMBER,
+        fl.MEMBER,
+        ehgo_fl.MEMBER,
     ),
 )
 

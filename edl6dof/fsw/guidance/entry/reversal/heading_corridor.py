@@ -1,0 +1,34 @@
+"""Bank reversal when the heading error leaves a corridor that narrows with the range to go.
+
+The heading error is the angle at the vehicle between its velocity and the great circle to the aim point.
+Source: Wu, Cui & Cui 2013, section 4 and Fig. 2, whose numbers are not printed; those here are a choice.
+"""
+
+from __future__ import annotations
+
+from math import asin, sin
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+
+class HeadingCorridorParams(Params):
+    """Bank-reversal corridor: heading error allowed, linear in the range to go up to a largest one."""
+
+    near_deg: float = param(1.0, "half width at the aim point", ge=0.0, le=90.0)
+    far_deg: float = param(8.0, "half width at far_range_km and beyond", ge=0.0, le=90.0)
+    far_range_km: float = param(300.0, "range to go at which it has widened to far_deg", gt=0.0)
+
+
+@kernel
+def side(onboard, nav, mem, out, wanted, sign):
+    """Side to bank to (+1 right): the other one once the heading leaves the corridor on the side being turned to."""
+    p, radius = onboard.guidance.entry.reversal.heading_corridor, onboard.planet.equatorial_radius
+    error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
+    limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)
+    return -sign if sign * error > limit else sign
+
+
+MEMBER = Member("heading_corridor", HeadingCorridorParams, {"side": side}, "Wu, Cui & Cui 2013, section 4 and Fig. 2")
