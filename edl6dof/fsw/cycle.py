@@ -38,6 +38,7 @@ def note_requests(onboard, nav, fsw):
     vehicle = onboard.vehicle
     if request[R_WING] != 0:
         fsw.wing_out = 1
+        fsw.wing_time = nav.t
     if request[R_HEAT_SHIELD] != 0:
         fsw.configuration = UNDER_CHUTE
         fsw.mass += vehicle.configuration[UNDER_CHUTE].mass - vehicle.configuration[ENTRY].mass

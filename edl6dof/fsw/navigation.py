@@ -58,6 +58,7 @@ NAV = np.dtype(
         ("tilt", "f8"),
         ("roll_to_south", "f8"),
         ("footpad_contact", "i8"),
+        ("wing_open", "i8"),
     ],
     align=True,
 )
@@ -130,4 +131,4 @@ def navigate(onboard, sensed, nav):
     nav.tilt = acos(clamp(-dot(x, up), -1.0, 1.0))
     # roll of y_B about the upward x_C away from south, seen with the thrust axis brought to the vertical
     nav.roll_to_south = atan2(dot(y, east), -dot(y, north))
-    nav.footpad_contact = sensed.footpad_contact
+    nav.footpad_contact, nav.wing_open = sensed.footpad_contact, sensed.wing_open

@@ -206,7 +206,9 @@ FSW = np.dtype(
     [
         *PHASE_MEMORY,
         ("configuration", "i8"),
-        ("wing_out", "i8"),
+        ("wing_out", "i8"),  # the trim wing was commanded open
+        ("wing_time", "f8"),  # when
+        ("wing_failed", "i8"),  # and it did not open
         ("saturated", "i8"),
         ("healthy", "i8", (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
         ("ignited", "i8"),

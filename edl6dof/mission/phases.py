@@ -78,6 +78,7 @@ class Phase(Params):
     thrusters: Annotated[list[Literal["horizontal", "axial", "attitude", "fine"]], Capacity(4)] = param(
         None, "thruster groups that may fire for attitude", factory=list, max_length=4
     )
+    bandwidth: float = param(1.0, "bandwidth of the attitude loop in this phase over that of the controller's gains", gt=0.0, le=3.0)
     events: Annotated[list[Event], Capacity(MAX_EVENTS)] = param(None, "events inside the phase", factory=list, max_length=MAX_EVENTS)
     until: Trigger | None = param(None, "trigger that ends the phase; none for the last")
 

@@ -7,6 +7,9 @@ from edl6dof.jit import kernel
 from edl6dof.sensors.imu import ImuParams, read_imu
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
+#: Opening of the trim wing at which its end switch closes.
+END_SWITCH = 0.95
+
 
 class SensorParams(Params):
     """What the flight computer measures with."""
@@ -29,3 +32,4 @@ def sense(case, plant, sensed):
     sensed.height_above_ground = plant.agl
     sensed.footpad_contact = 1 if plant.out.pads > 0 else 0
     read_imu(case.sensors.imu, plant, sensed)
+    sensed.wing_open = 1 if plant.out.wing_opening > END_SWITCH else 0

@@ -19,6 +19,7 @@ SENSED = np.dtype(
         ("imu_rate_B", "f8", (3,)),
         ("imu_gain_B", "f8", (3,)),  # integral of the specific force, m/s
         ("readings", READINGS),
+        ("wing_open", "i8"),  # end switch of the trim wing
     ],
     align=True,
 )

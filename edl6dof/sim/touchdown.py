@@ -6,7 +6,7 @@ from math import atan2, cos, degrees, hypot, sin
 
 import numpy as np
 
-from edl6dof.fsw.control.frames import thrust_direction_error
+from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
 from edl6dof.spatial.frames import (
     fixed_to_enu,
     fixed_to_ned,
@@ -40,9 +40,8 @@ def touchdown_state(case: np.void, plant: np.void) -> dict[str, float]:
     north, east, down = fixed_to_ned(sl, cl, so, co, rotate_z(c, s, (v[0] + spin * r[1], v[1] - spin * r[0], v[2])))
     to_inertial = [rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, axis)) for axis in ((1.0, 0, 0), (0, 1.0, 0), (0, 0, -1.0))]
     north_I, east_I, up_I = (np.array(axis) for axis in to_inertial)
-    x_axis, y_axis, _ = (np.array(axis) for axis in axes(q))
-    roll = atan2(float(y_axis @ east_I), -float(y_axis @ north_I))
-    _, pitch, yaw = thrust_direction_error(q, tuple(up_I), 0.0)
+    x_axis, _, _ = (np.array(axis) for axis in axes(q))
+    roll, pitch, yaw = decoupled_error(q, goal_attitude(tuple(north_I), tuple(east_I), tuple(up_I), tuple(up_I)))
     lat, lon = float(terrain["site_latitude"]), float(terrain["site_longitude"])
     site = from_geodetic(radius, flattening, lat, lon, float(terrain["site_elevation"]))
     site_east, site_north, _ = fixed_to_enu(site, sin(lat), cos(lat), sin(lon), cos(lon), r_F)

@@ -71,6 +71,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
     extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
+    plant.out.wing_opening = extension
     if extension > 0.0 and plant.attached[BACKSHELL] != 0:
         wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
         wing_f = (wing[0], wing[1], wing[2])

@@ -76,6 +76,7 @@ OUTPUT = np.dtype(
         ("centre", "f8", (3,)),
         ("inertia", "f8", (6,)),
         ("pads", "i8"),
+        ("wing_opening", "f8"),
     ],
     align=True,
 )

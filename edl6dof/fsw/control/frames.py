@@ -1,12 +1,12 @@
-"""Attitude errors, and torques from angular accelerations, shared by the controllers."""
+"""Attitude errors, the velocity frame, and torques from angular accelerations, shared by the controllers."""
 
 from __future__ import annotations
 
-from math import atan2, pi
+from math import atan2, cos, pi, sin
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import attitude_from_wind_angles
-from edl6dof.spatial.quaternion import conjugate, from_frame, multiply, rotation_vector, to_frame
+from edl6dof.spatial.quaternion import conjugate, from_axes, from_frame, multiply, normalise, rotation_vector, to_frame
 from edl6dof.spatial.vector import cross, dot, scale, sub, take3
 
 
@@ -15,6 +15,23 @@ def inertia_torque(onboard, configuration, acceleration):
     """Torque (N m, B) that gives the body ``acceleration`` (rad/s2) with the believed principal inertia of the configuration."""
     inertia = onboard.vehicle.configuration[configuration].inertia
     return inertia[0] * acceleration[0], inertia[1] * acceleration[1], inertia[2] * acceleration[2]
+
+
+@kernel
+def gyroscopic_torque(onboard, configuration, w):
+    """Torque (N m, B) that keeps the rate ``w`` of the believed principal inertia from precessing."""
+    inertia = onboard.vehicle.configuration[configuration].inertia
+    return cross(w, (inertia[0] * w[0], inertia[1] * w[1], inertia[2] * w[2]))
+
+
+@kernel
+def beyond(x, limit):
+    """The part of ``x`` outside the interval [-limit, limit]."""
+    if x > limit:
+        return x - limit
+    if x < -limit:
+        return x + limit
+    return 0.0
 
 
 @kernel
@@ -55,23 +72,62 @@ def wind_attitude_error(nav, guide):
 
 
 @kernel
-def thrust_direction_error(q, direction_I, roll_error):
-    """Decoupled error of the thrust axis (-x of B) and of roll, as a rotation vector in B (goal minus actual, rad).
+def velocity_axes(alpha, beta):
+    """Axes of the velocity frame V in B: along the velocity, and those about which angle of attack and (minus) sideslip turn.
 
-    Pitch and yaw components turn the thrust axis straight to ``direction_I``; the roll component is passed in.
-    Source: Hu et al. 2022, eqs. 5-7.  The print takes the arccosine of one component of S_d (eq. 7), which holds because S_d is
-    given in the body frame there; here the angle comes from the cross and scalar product, which keeps its accuracy near zero.
+    They are the columns of the matrix C_cv of Hu et al. 2022, eq. 1, written for B instead of the paper's frame c (x and z reversed).
     """
-    wanted = to_frame(q, direction_I)
+    ca, sa, cb, sb = cos(alpha), sin(alpha), cos(beta), sin(beta)
+    return (ca * cb, sb, sa * cb), (-ca * sb, cb, -sa * sb), (-sa, 0.0, ca)
+
+
+@kernel
+def shortest_arc(a, b):
+    """Unit quaternion of the shortest rotation that carries the unit vector ``a`` onto ``b``.
+
+    Exactly opposite vectors leave the axis open: it is then one across ``a``.
+    """
+    s = 1.0 + dot(a, b)
+    if s < 1e-12:
+        across = cross(a, (0.0, 1.0, 0.0)) if abs(a[1]) < 0.9 else cross(a, (1.0, 0.0, 0.0))
+        return normalise((0.0, across[0], across[1], across[2]))
+    v = cross(a, b)
+    return normalise((s, v[0], v[1], v[2]))
+
+
+@kernel
+def goal_attitude(north_I, east_I, up_I, direction_I):
+    """Goal attitude ``q_I2B``: the local geographic frame turned by the shortest path until its thrust axis is along ``direction_I``.
+
+    The geographic frame has x of the paper's c up (B: down), y south.  Source: Hu et al. 2022, eqs. 2 and 3.
+    """
+    upright = from_axes(scale(-1.0, up_I), scale(-1.0, north_I), scale(-1.0, east_I))
+    return multiply(shortest_arc(up_I, direction_I), upright)
+
+
+@kernel
+def shortest_path_error(q, goal):
+    """Rotation vector in B from the attitude ``q`` straight to ``goal`` (goal minus actual, rad).  Source: Hu et al. 2022, eq. 4."""
+    return rotation_vector(multiply(conjugate(q), goal))
+
+
+@kernel
+def decoupled_error(q, goal):
+    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed, as (roll, pitch, yaw) in B, goal minus actual, rad.
+
+    The first rotation carries the thrust axis by the shortest path onto the goal's; the second, about the thrust axis, does the rest
+    and is the roll error.  Source: Hu et al. 2022, Fig. 6 and eqs. 5-7.
+    Against the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal; here the error is goal minus
+    actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is used, which agrees below 30 deg to 1.2 %.  Eq. 5 leaves
+    no pitch and yaw error when the thrust points exactly the wrong way; here some axis across it is turned about.
+    """
     thrust_axis = (-1.0, 0.0, 0.0)
-    axis = cross(thrust_axis, wanted)
-    sine = dot(axis, axis) ** 0.5
-    cosine = dot(thrust_axis, wanted)
-    if sine < 1e-9:
-        angle_over_sine = 0.0 if cosine > 0.0 else 1.0
-        # exactly opposite: any axis across the thrust will do
-        axis = (0.0, 0.0, 0.0) if cosine > 0.0 else (0.0, pi, 0.0)
-    else:
-        angle_over_sine = atan2(sine, cosine) / sine
-    error = scale(angle_over_sine, axis)
-    return roll_error, error[1], error[2]
+    turn = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))
+    left = multiply(conjugate(multiply(q, turn)), goal)
+    roll = 2.0 * atan2(left[1], left[0])
+    if roll > pi:
+        roll -= 2.0 * pi
+    elif roll <= -pi:
+        roll += 2.0 * pi
+    tilt = rotation_vector(turn)
+    return roll, tilt[1], tilt[2]

@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.bank_to_steer import beyond
-from edl6dof.fsw.control.frames import body_rate, inertia_torque
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration
+from edl6dof.fsw.control.frames import beyond, body_rate, inertia_torque
+from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -36,7 +35,7 @@ def control(onboard, nav, guide, dt, fsw):
     if nav.t - fsw.phase_start < p.rest:
         return
     w = body_rate(nav)
-    roll = axis_acceleration(p.roll, fsw.control.rate_damping.roll, nav.roll_to_south, w[0], dt, fsw.saturated != 0)
+    roll = follow(p.roll, fsw.control.rate_damping.roll, nav.roll_to_south, w[0], dt, fsw.saturated != 0)
     acceleration = (roll, -p.damping * beyond(w[1], p.rate_deadband), -p.damping * beyond(w[2], p.rate_deadband))
     torque = inertia_torque(onboard, fsw.configuration, acceleration)
     for i in range(3):

@@ -1,30 +1,70 @@
 """Powered descent: thrust axis to the commanded direction, roll to the local geographic frame, each axis in its own zones.
 
-The two are decoupled (Hu et al. 2022, eqs. 5-8), so a roll error does not slow the thrust axis.  The estimated disturbance torque takes
-the place of the integral term (eq. 9).
+Two formulations of the attitude error (Hu et al. 2022, section 6.2): along the shortest path to the goal attitude (eqs. 2-4), or
+decoupled (eqs. 5-8), where pitch and yaw see the thrust direction alone, so that a roll error does not lead the thrust astray.
+Decoupled, a slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but the rate they
+are driven to is one vector along the shortest rotation (eq. 8; the print has S_1 x S_d with a minus sign, which would turn the thrust
+away; the direction follows from the error).
+
+The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse modulation gave beyond its orders
+(:mod:`edl6dof.fsw.estimation.shortfall`).  With the pole lambda of the estimator the torque per inertia on an error e becomes
+
+    (P + lambda D) e + lambda P int e dt + (D + lambda) e',
+
+a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.
 """
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
-from edl6dof.config.base import Params, group
-from edl6dof.fsw.control.frames import attitude, body_rate, inertia_torque, thrust_direction_error
-from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration
+from edl6dof.config.base import Params, group, param
+from edl6dof.fsw.control.frames import attitude, body_rate, decoupled_error, goal_attitude, inertia_torque, shortest_path_error
+from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
+from edl6dof.fsw.estimation.shortfall import SHORTFALL, shortfall
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, scale, sub, take3
 
+DECOUPLED, SHORTEST_PATH = range(2)
+ESTIMATOR, INTEGRAL = range(2)
+
 
 class ThrustVectorParams(Params):
     """Thrust-direction and roll control of the lander."""
 
+    error: Literal["decoupled", "shortest_path"] = param(
+        "decoupled", "attitude error: thrust direction and roll apart, or the shortest path", status="published", source="S1 6.2"
+    )
+    against_disturbance: Literal["estimator", "integral"] = param(
+        "estimator", "what works against disturbance torques: their estimate, or the integral terms", status="published", source="S1 6.2"
+    )
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")
 
 
-MEMORY = np.dtype([("axis", AXIS, (3,))], align=True)
+MEMORY = np.dtype([("axis", AXIS, (3,)), ("shortfall", SHORTFALL)], align=True)
+
+
+@kernel
+def thrust_direction(nav, guide):
+    """Commanded thrust direction, unit vector in I."""
+    north, east = scale(guide.thrust_direction_N[0], take3(nav.north_I, 0)), scale(guide.thrust_direction_N[1], take3(nav.east_I, 0))
+    return sub(add(north, east), scale(guide.thrust_direction_N[2], take3(nav.up_I, 0)))
+
+
+@kernel
+def slew_rates(p, error, bandwidth):
+    """Rates wanted outside the PID zones; pitch and yaw as one rotation of the thrust axis where it is decoupled (eq. 8)."""
+    roll = target_rate(p.roll, error[0], bandwidth)
+    if p.error == SHORTEST_PATH:
+        return roll, target_rate(p.pitch_yaw, error[1], bandwidth), target_rate(p.pitch_yaw, error[2], bandwidth)
+    angle = (error[1] * error[1] + error[2] * error[2]) ** 0.5
+    share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
+    return roll, share * error[1], share * error[2]
 
 
 @kernel
@@ -32,25 +72,35 @@ def control(onboard, nav, guide, dt, fsw):
     """Demand the torque towards the commanded thrust direction and roll; pass the lateral force on."""
     p = onboard.control.thrust_vector
     memory = fsw.control.thrust_vector
-    q = attitude(nav)
-    direction = take3(guide.thrust_direction_N, 0)
-    north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)
-    direction_I = sub(add(scale(direction[0], north), scale(direction[1], east)), scale(direction[2], up))
-    error = thrust_direction_error(q, direction_I, nav.roll_to_south)
-    w = body_rate(nav)
-    saturated = fsw.saturated != 0
+    bandwidth = onboard.mission.phases[fsw.phase].bandwidth
+    q, w = attitude(nav), body_rate(nav)
+    goal = goal_attitude(take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, guide))
+    error = shortest_path_error(q, goal) if p.error == SHORTEST_PATH else decoupled_error(q, goal)
+    wanted = slew_rates(p, error, bandwidth)
+    frozen = fsw.saturated != 0 or p.against_disturbance == ESTIMATOR
     acceleration = (
-        axis_acceleration(p.roll, memory.axis[0], error[0], w[0], dt, saturated),
-        axis_acceleration(p.pitch_yaw, memory.axis[1], error[1], w[1], dt, saturated),
-        axis_acceleration(p.pitch_yaw, memory.axis[2], error[2], w[2], dt, saturated),
+        axis_acceleration(p.roll, memory.axis[0], error[0], wanted[0], w[0], dt, frozen, bandwidth),
+        axis_acceleration(p.pitch_yaw, memory.axis[1], error[1], wanted[1], w[1], dt, frozen, bandwidth),
+        axis_acceleration(p.pitch_yaw, memory.axis[2], error[2], wanted[2], w[2], dt, frozen, bandwidth),
     )
     torque = inertia_torque(onboard, fsw.configuration, acceleration)
+    owed = shortfall(
+        onboard.estimation.disturbance.torque_pole,
+        fsw.allocator.effect,
+        onboard.vehicle.n_thrusters,
+        fsw.command.opens,
+        fsw.command.closes,
+        fsw.allocator.duty,
+        dt,
+        memory.shortfall,
+    )
     for i in range(3):
-        fsw.demand[3 + i] = torque[i] - fsw.disturbance.torque[i]
+        fsw.demand[3 + i] = torque[i] - (fsw.disturbance.torque[i] + owed[i] if p.against_disturbance == ESTIMATOR else 0.0)
         fsw.attitude_error[i] = error[i]
     if guide.translating != 0:
+        north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
         force = to_frame(q, add(scale(guide.force_N[0], north), scale(guide.force_N[1], east)))
         fsw.demand[1], fsw.demand[2] = force[1], force[2]
 
 
-MEMBER = Member("thrust_vector", ThrustVectorParams, {"control": control}, "Hu et al. 2022, section 6.1 and eqs. 5-8", MEMORY)
+MEMBER = Member("thrust_vector", ThrustVectorParams, {"control": control}, "Hu et al. 2022, section 6.1 and eqs. 2-9", MEMORY)

@@ -35,13 +35,13 @@ PID, PARABOLA, CONSTANT, LIMITER = range(4)
 
 
 @kernel
-def target_rate(zone, error):
+def target_rate(zone, error, bandwidth):
     """Signed rate wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone, rad/s.
 
     The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is continuous.
     """
     size = abs(error)
-    inner = zone.proportional / max(zone.derivative, 1e-9) * zone.near
+    inner = bandwidth * zone.proportional / max(zone.derivative, 1e-9) * zone.near
     wanted = sqrt(inner * inner + 2.0 * zone.deceleration * max(size - zone.near, 0.0))
     if size > zone.far:
         wanted = zone.rate
@@ -49,25 +49,35 @@ def target_rate(zone, error):
 
 
 @kernel
-def axis_acceleration(zone, memory, error, rate, dt, saturated):
+def axis_acceleration(zone, memory, error, wanted, rate, dt, frozen, bandwidth):
     """Demanded angular acceleration (rad/s2) of one axis.
 
     Args:
         zone: ``ZoneParams`` record.
         memory: ``AXIS`` record.
         error: goal minus actual angle, rad.
+        wanted: rate wanted outside the PID zone, rad/s: :func:`target_rate`, or this axis' part of a slew about another axis.
         rate: actual minus goal rate, rad/s.
         dt: control cycle, s.
-        saturated: whether the thrusters could not deliver the last demand (stops the integral).
+        frozen: whether the integral stands still (the thrusters could not deliver the last demand, or something else takes its place).
+        bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
     if abs(rate) > 1.15 * zone.rate:
         memory.zone = LIMITER
         return zone.rate_gain * (copysign(zone.rate, rate) - rate)
     if abs(error) > zone.near:
         memory.zone = CONSTANT if abs(error) > zone.far else PARABOLA
-        return zone.rate_gain * (target_rate(zone, error) - rate)
+        return zone.rate_gain * (wanted - rate)
     memory.zone = PID
-    if zone.integral > 0.0 and not saturated:
+    if zone.integral > 0.0 and not frozen:
         limit = zone.integral_limit / zone.integral
         memory.integral = clamp(memory.integral + error * dt, -limit, limit)
-    return zone.proportional * error + zone.integral * memory.integral - zone.derivative * rate
+    stiffness = bandwidth * bandwidth
+    integral = stiffness * bandwidth * zone.integral * memory.integral
+    return stiffness * zone.proportional * error + integral - bandwidth * zone.derivative * rate
+
+
+@kernel
+def follow(zone, memory, error, rate, dt, frozen):
+    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains."""
+    return axis_acceleration(zone, memory, error, target_rate(zone, error, 1.0), rate, dt, frozen, 1.0)

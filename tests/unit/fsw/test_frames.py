@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
-from edl6dof.fsw.control.frames import path_rate, thrust_direction_error, wind_attitude_error
+from edl6dof.fsw.control.frames import (
+    decoupled_error,
+    goal_attitude,
+    path_rate,
+    shortest_path_error,
+    velocity_axes,
+    wind_attitude_error,
+)
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation import NAV
 
@@ -28,31 +36,84 @@ def turned(q, rotation_vector_B):
     return q * (Quaternion(axis=rotation_vector_B, radians=angle) if angle > 0.0 else Quaternion())
 
 
-@pytest.mark.parametrize("angle_deg", [1e-7, 1e-3, 0.5, 30.0, 89.0, 90.0, 135.0, 179.0, 179.9999])
-def test_thrust_direction_error_is_the_shortest_rotation_of_the_thrust_axis(angle_deg):
+def towards(q, wanted, roll=0.0):
+    """A goal attitude whose thrust axis is ``wanted``: the shortest rotation of the thrust axis, then ``roll`` about it."""
+    thrust = q.rotate(-X)
+    across = np.cross(thrust, wanted)
+    angle = np.arctan2(np.linalg.norm(across), thrust @ wanted)
+    turn = Quaternion(axis=across, radians=angle) if np.linalg.norm(across) > 0.0 else Quaternion()
+    return turn * q * Quaternion(axis=X, radians=roll)
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 1e-3, -75.0, 179.0])
+@pytest.mark.parametrize("angle_deg", [1e-5, 1e-3, 0.5, 30.0, 89.0, 90.0, 135.0, 179.0, 179.99])
+def test_decoupled_error_is_the_shortest_rotation_of_the_thrust_axis_and_the_roll_that_is_left(angle_deg, roll_deg):
     rng = np.random.default_rng(1)
     for _ in range(20):
         q = any_attitude(rng)
         thrust = q.rotate(-X)
         across = unit(np.cross(thrust, rng.normal(size=3)))
         wanted = Quaternion(axis=across, degrees=angle_deg).rotate(thrust)
-        error = np.array(thrust_direction_error(tuple(q.elements), tuple(wanted), 0.0))
-        assert np.linalg.norm(error) == pytest.approx(radians(angle_deg), rel=1e-6, abs=1e-12)
-        assert error[0] == 0.0
-        assert turned(q, error).rotate(-X) == pytest.approx(wanted, abs=1e-9)
-        assert np.allclose(q.rotate(error), radians(angle_deg) * across, atol=1e-8)  # the axis itself, in I
+        goal = towards(q, wanted, radians(roll_deg))
+        error = np.array(decoupled_error(tuple(q.elements), tuple(goal.elements)))
+        lateral = np.array([0.0, error[1], error[2]])
+        assert np.linalg.norm(lateral) == pytest.approx(radians(angle_deg), rel=1e-5, abs=1e-9)
+        assert np.allclose(q.rotate(lateral), radians(angle_deg) * across, atol=1e-6)  # the axis itself, in I
+        assert error[0] == pytest.approx(radians(roll_deg), abs=1e-6)
+        reached = turned(turned(q, lateral), error[0] * X)
+        assert abs(reached.elements @ goal.elements) == pytest.approx(1.0, abs=1e-9)
 
 
-def test_thrust_axis_exactly_opposite_turns_nearly_half_a_revolution_about_a_lateral_axis():
+def test_thrust_axis_exactly_opposite_turns_half_a_revolution_about_a_lateral_axis():
     for q in (Quaternion(), Quaternion(axis=[1, 2, 3], degrees=77.0)):
-        error = np.array(thrust_direction_error(tuple(q.elements), tuple(q.rotate(X)), 0.0))
-        assert error[0] == 0.0
-        assert pi - 0.15 < np.linalg.norm(error) < pi + 1e-9
+        goal = q * Quaternion(axis=Y, degrees=180.0)
+        error = np.array(decoupled_error(tuple(q.elements), tuple(goal.elements)))
+        assert np.hypot(error[1], error[2]) == pytest.approx(pi, abs=1e-5)
 
 
-def test_thrust_axis_on_target_leaves_only_the_roll_error_it_is_given():
-    q = any_attitude(np.random.default_rng(8))
-    assert thrust_direction_error(tuple(q.elements), tuple(q.rotate(-X)), 0.3) == pytest.approx((0.3, 0.0, 0.0), abs=1e-9)
+def test_decoupled_error_follows_equations_5_to_7_of_the_paper_for_small_angles():
+    """S1 writes actual minus goal in frame c (x and z of B reversed), with 2 sin(phi / 2) for the angle."""
+    rng = np.random.default_rng(4)
+    to_c = np.diag([-1.0, 1.0, -1.0])
+    for angle in (0.01, 0.2, 0.5):
+        q = any_attitude(rng)
+        wanted = Quaternion(axis=unit(np.cross(q.rotate(X), rng.normal(size=3))), radians=angle).rotate(q.rotate(-X))
+        s_1, s_d = X, to_c @ q.inverse.rotate(wanted)
+        s_v = unit(np.cross(s_d, s_1))
+        phi = np.arccos(s_d[0])
+        printed = 2.0 * s_v * np.sin(phi / 2.0)
+        own = to_c @ np.array(decoupled_error(tuple(q.elements), tuple(towards(q, wanted).elements)))
+        assert -own == pytest.approx(printed, abs=angle**3 / 24.0 * 1.01 + 1e-9)
+
+
+def test_goal_attitude_has_the_thrust_axis_along_the_command_and_no_roll_but_that_of_the_shortest_path():
+    """S1 eqs. 2 and 3; q_g has x of c up and y south."""
+    rng = np.random.default_rng(5)
+    north, east, up = X, Y, -Z
+    for _ in range(50):
+        wanted = unit(rng.normal(size=3) + np.array([0.0, 0.0, -2.0]))
+        goal = Quaternion(goal_attitude(tuple(north), tuple(east), tuple(up), tuple(wanted)))
+        assert goal.rotate(-X) == pytest.approx(wanted, abs=1e-12)
+        phi = np.arccos(np.clip(up @ wanted, -1.0, 1.0))
+        turn = Quaternion(axis=unit(np.cross(up, wanted)), radians=phi)
+        assert goal.rotate(Y) == pytest.approx(turn.rotate(-north), abs=1e-9)
+
+
+def test_shortest_path_error_is_the_whole_rotation():
+    rng = np.random.default_rng(6)
+    for _ in range(50):
+        q, goal = any_attitude(rng), any_attitude(rng)
+        error = np.array(shortest_path_error(tuple(q.elements), tuple(goal.elements)))
+        assert np.linalg.norm(error) <= pi + 1e-12
+        assert abs(turned(q, error).elements @ goal.elements) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_velocity_axes_are_the_direction_cosines_of_the_wind_angles():
+    """Columns of C_cv (S1 eq. 1) against scipy's rotations: V to B is -beta about z, then alpha about y."""
+    rng = np.random.default_rng(7)
+    for alpha, beta in rng.uniform(-1.2, 1.2, (30, 2)):
+        v_to_b = Rotation.from_euler("y", alpha).inv().as_matrix() @ Rotation.from_euler("z", -beta).inv().as_matrix()
+        assert np.column_stack(velocity_axes(alpha, beta)) == pytest.approx(v_to_b, abs=1e-12)
 
 
 def state(rng, speed=3000.0):

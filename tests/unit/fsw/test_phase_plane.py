@@ -6,16 +6,21 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.control import phase_plane
 from edl6dof.fsw.control.phase_plane import PhasePlaneParams, switch_axis
 
 DT = 0.04
 
 
+def settings(**changes):
+    record = np.zeros(1, dtype_of(PhasePlaneParams))
+    fill(record[0], PhasePlaneParams(**changes))
+    return record[0]
+
+
 @pytest.fixture(scope="module")
 def params():
-    record = np.zeros(1, dtype_of(PhasePlaneParams))
-    fill(record[0], PhasePlaneParams())
-    return record[0]
+    return settings()
 
 
 def drive(p, error, rate, duration, disturbance=0.0, dt=DT):
@@ -47,22 +52,59 @@ def test_limit_cycle_under_a_disturbance_stays_within_the_deadband_and_balances_
     assert np.mean(firing[late]) * params["acceleration"] == pytest.approx(-push, abs=2.0 * radians(1.0) / 400.0)
 
 
-def test_free_limit_cycle_is_slow():
-    """Without disturbance a deadband controller should drift between the edges with about the rate of its rate deadband."""
-    p = np.zeros(1, dtype_of(PhasePlaneParams))
-    fill(p[0], PhasePlaneParams())
-    _, rate, firing = drive(p[0], radians(5.0), 0.0, 600.0)
-    late = slice(int(200.0 / DT), None)
-    assert np.max(np.abs(rate[late])) <= 2.0 * p[0]["rate_deadband"]
-    assert np.mean(np.abs(firing[late])) < 0.02
+def predicted_rate(p):
+    """Positive root of 2 T w + w^2 / a = (1 - h) d, derived in the module's docstring."""
+    lead, a = p["lead"], p["acceleration"]
+    return a * (np.sqrt(lead**2 + (1.0 - p["hysteresis"]) * p["deadband"] / a) - lead)
+
+
+@pytest.mark.parametrize("deadband_deg, hysteresis, lead", [(2.0, 0.96, 0.5), (2.0, 0.9, 1.0), (4.0, 0.95, 1.0), (1.0, 0.9, 0.5)])
+def test_free_limit_cycle_has_the_amplitude_rate_and_period_of_the_switching_lines(deadband_deg, hysteresis, lead):
+    p = settings(deadband_deg=deadband_deg, hysteresis=hysteresis, lead_s=lead)
+    dt, d, a = 0.001, p["deadband"], p["acceleration"]
+    w = predicted_rate(p)
+    period = 4.0 * (d - lead * w) / w + 4.0 * w / a
+    error, rate, firing = drive(p, 0.0, w, 3.2 * period, dt=dt)
+    assert np.ptp(rate) == pytest.approx(2.0 * w, rel=0.05)
+    assert np.max(np.abs(error)) == pytest.approx(d - lead * w, rel=0.005)
+    begins = np.flatnonzero((firing[1:] > 0) & (firing[:-1] <= 0)) * dt
+    assert np.diff(begins) == pytest.approx(period, rel=0.06)
+
+
+def test_the_defaults_cycle_as_the_docstring_says(params):
+    w = predicted_rate(params)
+    text = phase_plane.__doc__
+    assert f"w = {np.degrees(w):.3f} deg/s" in text
+    assert f"amplitude {np.degrees(params['deadband'] - params['lead'] * w):.2f} deg" in text
+    assert f"period {4.0 * (params['deadband'] - params['lead'] * w) / w + 4.0 * w / params['acceleration']:.0f} s" in text
+
+
+@pytest.mark.parametrize("pulse", [0.2, 0.4])
+def test_a_coarse_minimum_pulse_sets_the_rates_of_the_limit_cycle(params, pulse):
+    """A pulse that changes the rate by more than the switching lines do: the rates before and after it differ by just that."""
+    p, dt = params, 0.004
+    error, rate, left, firing, rates = 0.0, radians(0.08), 0, 0, []
+    for _ in range(int(600.0 / dt)):
+        if left == 0:
+            firing = switch_axis(p, 0, error, rate)
+            left = round(pulse / dt) if firing else 0
+        a = (firing if left else 0) * p["acceleration"]
+        left = max(left - 1, 0)
+        error -= rate * dt + 0.5 * a * dt * dt
+        rate += a * dt
+        rates.append(rate)
+        assert abs(error) < 1.02 * p["deadband"]
+    quantum = p["acceleration"] * pulse
+    assert quantum > 2.0 * predicted_rate(p)
+    assert np.ptp(rates) == pytest.approx(quantum, rel=0.03)
 
 
 def test_firing_goes_on_below_the_threshold_that_starts_it(params):
     threshold, lower = params["deadband"], params["hysteresis"] * params["deadband"]
     between = 0.5 * (threshold + lower)
     for sign in (1.0, -1.0):
-        fast = -sign * 2.0 * params["rate_deadband"]  # outside the rate deadband, moving away
-        gap = 0.5 * fast + fast * abs(fast) / (2.0 * params["acceleration"])
+        fast = -sign * radians(0.3)  # moving away
+        gap = params["lead"] * fast + fast * abs(fast) / (2.0 * params["acceleration"])
         assert switch_axis(params, 0, sign * between + gap, fast) == 0
         assert switch_axis(params, int(sign), sign * between + gap, fast) == sign
         assert switch_axis(params, 0, sign * 1.01 * threshold + gap, fast) == sign

@@ -1,0 +1,77 @@
+"""Verifies: what the attitude control promises in flight (Hu et al. 2022, sections 4 and 6).
+
+Bank reversal at peak dynamic pressure, trim-wing failure, roll in the powered descent.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.sim.flight import continue_from, fly
+
+PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
+HELD_BANK = ["mission.phases.1.guidance=hold_bank", "flight_software.guidance.entry.preset_bank_deg=60"]
+
+
+@pytest.fixture(scope="module")
+def reversal():
+    """A bank held at 60 deg whose command changes sign 3 s before peak dynamic pressure: (time, bank error, flight)."""
+    scouted = edl6dof.fly("tianwen1", [*HELD_BANK, "simulation.time_limit_s=180"]).telemetry
+    peak = scouted["t_s"][np.argmax(scouted["truth.dynamic_pressure_pa"])]
+    saved = edl6dof.fly("tianwen1", HELD_BANK, save_at_s=peak - 3.0).saved
+    saved.fsw["guide"]["bank"] *= -1.0
+    flight = fly(continue_from(saved, (f"simulation.time_limit_s={peak + 12.0}",)), start=saved)
+    table = flight.telemetry
+    goal = np.degrees(saved.fsw["guide"]["bank"][0])
+    return table["t_s"] - table["t_s"][0], np.sign(goal) * (table["truth.bank_deg"] - goal), flight
+
+
+def test_bank_reversal_of_120_degrees_at_peak_dynamic_pressure_settles_within_nine_seconds(reversal):
+    t, error, flight = reversal
+    assert error[0] == pytest.approx(-120.0, abs=0.5)
+    assert flight.telemetry["truth.dynamic_pressure_pa"].max() > 5000.0
+    assert t[np.flatnonzero(np.abs(error) > 1.0)[-1]] < 9.0
+    assert np.max(error) < 3.0
+
+
+def test_reversal_takes_the_time_of_its_rate_limit(reversal):
+    """120 deg at 20 deg/s with the spin-up lag 1/k of the rate loop and the parabola down to the PID zone; see test_zones."""
+    t, error, flight = reversal
+    bank = flight.scenario.flight_software.control.bank_to_steer.bank
+    inner = bank.proportional / bank.derivative * bank.near_deg
+    parabola = (bank.rate_deg_s - inner) / bank.deceleration_deg_s2
+    start = bank.near_deg + (bank.rate_deg_s**2 - inner**2) / (2.0 * bank.deceleration_deg_s2)
+    predicted = (120.0 - start) / bank.rate_deg_s + parabola
+    assert t[np.argmax(np.abs(error) < bank.near_deg)] == pytest.approx(predicted, abs=0.25)
+    assert np.max(np.abs(flight.telemetry["truth.rate_p_deg_s"])) < 1.02 * bank.rate_deg_s
+
+
+def test_angle_of_attack_and_sideslip_stay_put_in_a_reversal(reversal):
+    """The velocity-frame control (S1 eq. 1) banks about the velocity: it does not drive sideslip."""
+    table = reversal[2].telemetry
+    assert np.max(np.abs(table["truth.beta_deg"])) < 1.0
+    assert np.ptp(table["truth.alpha_deg"]) < 2.0
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(seed):
+    fault = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
+    flight = edl6dof.fly("tianwen1", [fault, f"seed={seed}", *PERTURBED])
+    assert flight.fsw["wing_failed"][0] == 1
+    assert flight.metrics["parachute_total_alpha_deg"] < 7.0
+    assert flight.success, flight.outcome
+
+
+def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle(nominal):
+    """What the loop is for: with thrusters that do nothing about it, the total angle of attack stays near the trim angle."""
+    fault = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
+    deaf = "flight_software.control.bank_to_steer.wing_patience_s=1000"
+    flight = edl6dof.fly("tianwen1", [fault, deaf])
+    assert flight.metrics["parachute_total_alpha_deg"] > 8.0
+    assert nominal.fsw["wing_failed"][0] == 0
+
+
+def test_roll_keeps_within_half_a_degree_in_the_powered_descent(nominal):
+    assert nominal.metrics["max_roll_error_powered_deg"] < 0.5
