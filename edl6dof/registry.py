@@ -29,6 +29,8 @@ class Member:
         kernels: compiled functions by role; the family decides the roles and signatures.
         source: paper or report it implements.
         memory: record layout of what it remembers between calls.
+        tables: record layout of what is planned for it on the ground.
+        plan: fills those tables, before a flight in which the member is chosen; the family decides the arguments.
     """
 
     name: str
@@ -36,6 +38,8 @@ class Member:
     kernels: dict[str, Callable[..., Any]]
     source: str
     memory: np.dtype = field(default=EMPTY_MEMORY)
+    tables: np.dtype = field(default=EMPTY_MEMORY)
+    plan: Callable[..., None] | None = None
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,10 @@ class Family:
         """Names that YAML may use, in registration order (the order is the integer in records)."""
         return tuple(member.name for member in self.members)
 
+    def member(self, name: str) -> Member:
+        """The member called ``name``."""
+        return self.members[self.names.index(name)]
+
     def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
         """Parameter model with one section for each member, and the choice of one unless it is made elsewhere (``choice`` None)."""
         fields: dict[str, Any] = {}
@@ -63,6 +71,11 @@ class Family:
     def memory(self) -> np.dtype:
         """Record with the memory of every member."""
         return np.dtype([(member.name, member.memory) for member in self.members], align=True)
+
+    @property
+    def tables(self) -> np.dtype:
+        """Record with the planned tables of every member."""
+        return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
     def switch(self, role: str, arity: int) -> Callable[..., Any]:
         """Function ``f(index, a1 .. a_arity)`` that calls the ``role`` kernel of member ``index``, from Python and from kernels."""

@@ -179,6 +179,7 @@ ONBOARD = np.dtype(
         ("modulation", dtype_of(ModulationParams)),
         ("mission", MISSION),
         ("reference", REFERENCE),
+        ("plan", ENTRY_LAWS.tables),
     ],
     align=True,
 )

@@ -19,6 +19,7 @@ from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.guidance.entry.reference import fill_reference
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
 from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sensors.sensed import SENSED
@@ -318,13 +319,16 @@ def _set_site(record: np.void, scenario: Scenario) -> None:
 
 
 def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
-    """Solve the reference trajectory from entry interface to the aim point."""
+    """Solve the reference trajectory from entry interface to the aim point, and what the chosen law plans from it."""
     initial, entry = scenario.initial, scenario.flight_software.guidance.entry
     site = onboard["site"][0]
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
     arc, _ = great_circle(sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"]))
     start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
     fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
+    law = ENTRY_LAWS.member(entry.law)
+    if law.plan is not None:
+        law.plan(onboard, start)
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:

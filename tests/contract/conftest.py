@@ -2,6 +2,7 @@
 
 import pytest
 
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.sim.records import build_onboard, build_tables
 from edl6dof.sim.scenario import load_scenario
 
@@ -13,4 +14,9 @@ def scenario():
 
 @pytest.fixture(scope="session")
 def shared_onboard(scenario):
-    return build_onboard(scenario, build_tables(scenario))
+    onboard = build_onboard(scenario, build_tables(scenario))
+    initial = scenario.initial
+    for law in ENTRY_LAWS.members:  # a flight plans for its own law only
+        if law.plan is not None:
+            law.plan(onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle))
+    return onboard

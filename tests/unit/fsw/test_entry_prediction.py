@@ -208,12 +208,13 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
 # ---- closed loop ---------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("law", ["npc", "etpc"])
 @pytest.mark.parametrize(
     "truth", [{}, {"atmosphere.density_factor": 1.2}, {"atmosphere.density_factor": 0.85}, {"initial.flight_path_angle_deg": -11.9}]
 )
-def test_npc_brings_the_rigid_body_to_the_parachute_target(truth):
+def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
     """Miss within the drift that no bank angle answers: the last 16 km are flown with level wings in an unknown wind."""
-    sets = ["mission.goal=deployment", "flight_software.guidance.entry.law=npc", f"truth={truth}".replace("'", '"')]
+    sets = ["mission.goal=deployment", f"flight_software.guidance.entry.law={law}", f"truth={truth}".replace("'", '"')]
     flight = edl6dof.fly("tianwen1", sets)
     assert flight.success
     assert flight.metrics["parachute_miss_m"] < 2500.0

@@ -3,13 +3,14 @@
 A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go, crossrange and the
 measured drag and lift ratios are in ``out`` before it is called; limits, side, heading alignment and rate come after it, in
 :mod:`~edl6dof.fsw.guidance.entry.steering`.  ``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
+What a law plans on the ground, by its member's ``plan(onboard, entry)``, it finds in ``onboard.plan.<name>``.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry import constant_bank, drag_tracking, ehgo_fl, fl, npc
+from edl6dof.fsw.guidance.entry import bank_profile, constant_bank, drag_tracking, ehgo_fl, etpc, fl, npc
 from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
@@ -24,6 +25,8 @@ ENTRY_LAWS = Family(
         npc.MEMBER,
         fl.MEMBER,
         ehgo_fl.MEMBER,
+        etpc.MEMBER,
+        bank_profile.MEMBER,
     ),
 )
 

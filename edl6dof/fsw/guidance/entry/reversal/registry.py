@@ -7,7 +7,7 @@ that the law wants (rad), the present side, and range and crossrange in ``out``.
 
 from __future__ import annotations
 
-from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, heading_corridor, own_sign
+from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, heading_corridor, own_sign, predictive
 from edl6dof.registry import Family
 
 REVERSALS = Family(
@@ -16,6 +16,7 @@ REVERSALS = Family(
         crossrange_corridor.MEMBER,
         heading_corridor.MEMBER,
         own_sign.MEMBER,
+        predictive.MEMBER,
     ),
 )
 

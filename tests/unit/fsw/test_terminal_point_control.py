@@ -1,0 +1,139 @@
+"""Influence coefficients against the adjoint equations, and the linear range law against its own formula."""
+
+from math import acos, cos, degrees, exp, pi, radians, sin
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.etpc import guide, plan
+from edl6dof.fsw.guidance.entry.influence import INFLUENCE, fill_influence
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.navigation import NAV
+
+START = (125e3, 4800.0, radians(-11.58))
+
+
+@pytest.fixture(scope="module")
+def plain(shared_onboard):
+    """One airframe for all Mach numbers and no trim wing, so that only the bank angle jumps, at a set speed."""
+    onboard = shared_onboard.copy()
+    for name in ("drag", "lift", "drag_with_wing"):
+        onboard[0]["vehicle"]["airframe"][name] = 1.0
+    onboard[0]["vehicle"]["airframe"]["wing_mach"] = 0.0
+    return onboard
+
+
+@pytest.fixture(scope="module")
+def table(plain):
+    influence = np.zeros(1, INFLUENCE)[0]
+    fill_influence(plain, START, influence)
+    return influence
+
+
+def motion(record):
+    """d(altitude, path angle, range)/d(speed) of the reference flight with ``u`` added to its vertical L/D."""
+    planet, vehicle, air, entry = record["planet"], record["vehicle"], record["atmosphere"], record["guidance"]["entry"]
+    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    radius, mu = float(planet["equatorial_radius"]), float(planet["mu"])
+    bank = acos(cos(entry["reference_bank"]["fast_bank"]) + record["reference"]["shift"])
+
+    def by_speed(v, x, u):
+        h, gamma, _ = x
+        r = radius + h
+        g = mu / r**2
+        drag = 0.5 * exp(np.interp(h, nodes, air["ln_density"])) * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        steered = v > entry["align_speed"]
+        lift = drag * (vehicle["lift_to_drag"] * (cos(bank) if steered else 1.0) + (u if steered else 0.0))
+        slowing = -drag - g * sin(gamma)
+        turn = lift / v + (v / r - g / v) * cos(gamma)
+        return np.array([v * sin(gamma), turn, v * cos(gamma) * radius / r]) / slowing
+
+    return by_speed
+
+
+@pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
+def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, speed):
+    """Adjoint of J = range to go, speed as independent variable: l' = -(f_x l + s_x), m' = -(f_u l + s_u), both zero at the end.
+
+    Source: Bryson & Ho 1975, section 2.3.  The Jacobians are differences of the rates, the reference comes from scipy.
+    """
+    record = plain[0]
+    f = motion(record)
+    final = float(record["guidance"]["entry"]["final_speed"])
+    i = (speed - table["first"]) / table["spacing"]
+    k = round(i)
+    v0 = float(table["first"] + k * table["spacing"])
+    # the state of the table at this node, from its own drag and altitude rate
+    air, vehicle = record["atmosphere"], record["vehicle"]
+    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    density = table["drag"][k] / (0.5 * v0**2 * vehicle["drag_area"] / vehicle["entry_mass"])
+    h0 = float(np.interp(-np.log(density), -air["ln_density"], nodes))
+    gamma0 = float(np.arcsin(table["climb"][k] / v0))
+
+    flight = solve_ivp(lambda v, x: f(v, x, 0.0), (v0, final), [h0, gamma0, 0.0], rtol=1e-9, atol=1e-9, max_step=10.0, dense_output=True)
+    assert flight.y[2, -1] == pytest.approx(table["range"][k], abs=100.0)
+
+    def adjoint(v, y):
+        x = flight.sol(v)
+        by_h = (f(v, x + [50.0, 0, 0], 0.0) - f(v, x - [50.0, 0, 0], 0.0)) / 100.0
+        by_gamma = (f(v, x + [0, 1e-5, 0], 0.0) - f(v, x - [0, 1e-5, 0], 0.0)) / 2e-5
+        by_u = (f(v, x, 1e-4) - f(v, x, -1e-4)) / 2e-4
+        costate = np.array([y[0], y[1], 1.0])
+        return [-by_h @ costate, -by_gamma @ costate, -by_u @ costate]
+
+    out = solve_ivp(adjoint, (final, v0), [0.0, 0.0, 0.0], rtol=1e-7, atol=1e-7, max_step=10.0)
+    by_altitude, by_path, by_lift = out.y[:, -1]
+    scale_height = -(nodes[1] - nodes[0]) / np.diff(air["ln_density"])[int((h0 - nodes[0]) / (nodes[1] - nodes[0]))]
+    assert table["by_drag"][k] == pytest.approx(-by_altitude * scale_height / table["drag"][k], rel=0.03)
+    assert table["by_climb"][k] == pytest.approx(by_path / (v0 * cos(gamma0)), rel=0.03)
+    assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.03)
+
+
+def test_more_drag_shortens_and_more_lift_or_climb_lengthens_the_range(table):
+    controlled = table["first"] + table["spacing"] * np.arange(len(table["drag"])) > 800.0
+    assert np.all(table["by_drag"][controlled] < 0.0)
+    assert np.all(table["by_climb"][controlled] > 0.0)
+    assert np.all(np.diff(table["by_lift"][controlled]) > 0.0)  # authority is used up on the way
+
+
+def wanted(onboard, speed, drag_error=0.0, climb_error=0.0, range_error=0.0):
+    """Wanted cos(bank) at a node of the plan with measured departures."""
+    influence = onboard[0]["plan"]["etpc"]
+    k = round((speed - influence["first"]) / influence["spacing"])
+    nav, out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
+    nav["speed"] = influence["first"] + k * influence["spacing"]
+    nav["drag"] = influence["drag"][k] + drag_error
+    nav["flight_path_angle"] = np.arcsin((influence["climb"][k] + climb_error) / nav["speed"])
+    nav["mach"], out["lift_ratio"] = 15.0, 1.0
+    out["range_to_go"] = influence["range"][k] + range_error
+    return cos(guide(onboard[0], nav, np.zeros(1, ENTRY_LAWS.memory)[0], out)), influence, k
+
+
+@pytest.fixture(scope="module")
+def planned(plain):
+    onboard = plain.copy()
+    plan(onboard, START)
+    return onboard
+
+
+def test_on_the_reference_the_reference_lift_is_wanted(planned):
+    cosine, influence, k = wanted(planned, 3000.0)
+    assert cosine == pytest.approx(influence["lift"][k] / planned[0]["vehicle"]["lift_to_drag"], rel=1e-6)
+    bank = acos(cos(pi / 2) + planned[0]["reference"]["shift"])
+    assert degrees(acos(cosine)) == pytest.approx(degrees(bank), abs=0.05)
+
+
+@pytest.mark.parametrize("departure", [{"range_error": 500.0}, {"drag_error": -0.3}, {"climb_error": 2.0}])
+def test_departures_change_the_lift_by_the_predicted_miss_over_its_authority(planned, departure):
+    base, influence, k = wanted(planned, 3000.0)
+    cosine, _, _ = wanted(planned, 3000.0, **departure)
+    miss = (
+        departure.get("range_error", 0.0)
+        - influence["by_drag"][k] * departure.get("drag_error", 0.0)
+        - influence["by_climb"][k] * departure.get("climb_error", 0.0)
+    )
+    gain = planned[0]["guidance"]["entry"]["etpc"]["overcontrol"]
+    change = gain * miss / influence["by_lift"][k] / planned[0]["vehicle"]["lift_to_drag"]
+    assert cosine - base == pytest.approx(change, rel=1e-3)
