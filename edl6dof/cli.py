@@ -80,6 +80,22 @@ def replay(run: Annotated[Path, typer.Argument(help="Run folder.")]) -> None:
 
 
 @app.command()
+def report(
+    run: Annotated[Path, typer.Argument(help="Run folder.")],
+    out: Annotated[Path | None, typer.Option(help="File to write; RUN/report.html if not given.")] = None,
+    pdf: Annotated[
+        bool, typer.Option("--pdf", help="Write report.pdf instead: verdict, tables, and each figure as a vector page.")
+    ] = False,
+    png: Annotated[bool, typer.Option("--png", help="Write report/FIGURE.png instead, each figure for print.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+) -> None:
+    """Write the report of a run: one page that opens offline, with interactive plots."""
+    from edl6dof.app.report import run_report
+
+    raise typer.Exit(run_report(run, out, pdf, png, force))
+
+
+@app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Run folder.")],
     file: Annotated[Path | None, typer.Argument(help="File to write; RUN/nesc.csv if not given, - for standard output.")] = None,

@@ -6,7 +6,6 @@ import json
 import sys
 import time
 from collections.abc import Sequence
-from importlib.util import find_spec
 from itertools import groupby
 from pathlib import Path
 
@@ -31,8 +30,6 @@ def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
         hint = f"; did you mean {near!r}?" if near else ""
         return _refuse(f"{unknown[0]}: no such check case{hint} (cases: {', '.join(CASES)})")
     if plots is not None:
-        if find_spec("matplotlib") is None:
-            return _refuse("--plots needs matplotlib: pip install 'edl6dof[plots]'")
         try:
             plots.mkdir(parents=True, exist_ok=True)
         except OSError as error:

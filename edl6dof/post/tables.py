@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -46,17 +47,17 @@ def timeline_table(flight: Flight) -> Table:
 def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     table = _table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
-    for row in comparison(flight):
+    for row in comparison(flight.metrics, flight.scenario.published):
         table.add_row(*row)
     return table
 
 
-def comparison(flight: Flight) -> list[tuple[str, str, str, str, str]]:
+def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[tuple[str, str, str, str, str]]:
     """Rows (figure, unit, this flight, published, difference) in words and rounded numbers."""
     rows = []
-    for name, published in flight.scenario.published.items():
+    for name, published in published_figures.items():
         base, unit = split_unit(name)
-        own = flight.metrics.get(name)
+        own = figures.get(name)
         relation = _relation(name)
         places = _published_places(published)
         shown = f"{relation}{published:,.{places}f}"
@@ -73,7 +74,7 @@ def limits_table(flight: Flight) -> Table:
     table = _table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
         mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
-        value, limit = _pair(check.value, check.limit, check.ok)
+        value, limit = aligned_pair(check.value, check.limit, check.ok)
         table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
     return table
 
@@ -112,7 +113,7 @@ def _published_places(value: float) -> int:
     return min(len(repr(float(value)).rstrip("0").partition(".")[2]), 6) if abs(value) >= 1e-4 else 0
 
 
-def _pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
+def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
     """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look kept."""
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":

@@ -55,6 +55,9 @@ class LimitParams(Params):
     landing_distance_m: float = param(
         28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0
     )
+    entry_load_g0: float | None = param(None, "peak load before the ground", status="estimate", record=False, gt=0.0)
+    entry_dynamic_pressure_pa: float | None = param(None, "peak dynamic pressure", status="estimate", record=False, gt=0.0)
+    entry_heat_flux_w_cm2: float | None = param(None, "peak heat flux at the stagnation point", status="estimate", record=False, gt=0.0)
     parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
     parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
     parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)

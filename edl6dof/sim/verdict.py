@@ -37,6 +37,9 @@ class Check:
 
 #: Limit name in the scenario, figure it bounds, label.
 _LIMITS = (
+    ("entry_load_g0", "peak_load_g0", "peak load"),
+    ("entry_dynamic_pressure_pa", "peak_dynamic_pressure_pa", "peak dynamic pressure"),
+    ("entry_heat_flux_w_cm2", "peak_heat_flux_w_cm2", "peak heat flux"),
     ("parachute_mach_max", "parachute_mach", "Mach at mortar fire"),
     ("parachute_dynamic_pressure_pa", "parachute_dynamic_pressure_pa", "dynamic pressure at mortar fire"),
     ("parachute_total_alpha_deg", "parachute_total_alpha_deg", "total angle of attack at mortar fire"),
@@ -52,11 +55,11 @@ _LIMITS = (
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that this flight reached the point to be judged by."""
+    """Every limit that is set and that this flight reached the point to be judged by."""
     return [
-        Check(label, figures[figure], getattr(limits, name), split_unit(name)[1].label)
+        Check(label, figures[figure], limit, split_unit(name)[1].label)
         for name, figure, label in _LIMITS
-        if figure in figures
+        if figure in figures and (limit := getattr(limits, name)) is not None
     ]
 
 

@@ -8,11 +8,7 @@ from edl6dof.verify.outcome import History
 
 
 def save_plot(history: History, path: Path) -> None:
-    """Draw the curves; what was expected is dashed on top.
-
-    Raises:
-        ImportError: matplotlib is not installed.
-    """
+    """Draw the curves; what was expected is dashed on top."""
     import matplotlib
 
     matplotlib.use("Agg")

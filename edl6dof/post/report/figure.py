@@ -1,0 +1,201 @@
+"""What a figure shows, apart from who draws it: one description becomes plotly in a page and matplotlib on paper.
+
+>>> t = np.linspace(0.0, 1.0, 11)
+>>> panel = Panel(Axis("time (s)"), Axis("height (m)"), (Trace(t, 1.0 - t**2, "fall"),), marks=(Mark("x", 1.0, "ground"),))
+>>> figure = Figure("fall", "A fall", (panel,), "Height of a falling stone.")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+Kind = Literal["line", "points", "steps", "bars", "region"]
+Dash = Literal["solid", "dash", "dot", "dashdot"]
+
+#: Okabe and Ito's palette, which stays apart for every kind of colour vision; its yellow is left out, which paper swallows.
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1b1b",
+)  # fmt: skip
+GREY = "#8a8f98"
+GOOD, WARN, BAD = "#00795a", "#a86700", "#b3261e"
+#: Colours of mission phases, in their order; light enough to lie behind lines.
+PHASES = ("#cfe3f3", "#f6d9c4", "#cdeadd", "#f1dcea", "#fbe7c0", "#d8effb", "#e6e6e6", "#dcd9f2")
+#: Sequential scale with even lightness steps (cividis), from 0 to 1.
+SEQUENTIAL = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: title with unit, range if it is not that of the data, and names in the place of numbers."""
+
+    title: str
+    range: tuple[float, float] | None = None
+    log: bool = False
+    names: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One curve, set of points or of bars, or filled outline (region); ``x`` and ``y`` have shape (n,), NaN is a gap.
+
+    Attributes:
+        labels: words at the points, n of them.
+        colour: of the palette by order when empty.
+        legend: whether the name is shown in the legend; traces of one name share an entry.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    name: str = ""
+    kind: Kind = "line"
+    colour: str = ""
+    dash: Dash = "solid"
+    width: float = 1.6
+    symbol: str = "circle"
+    labels: Sequence[str] = ()
+    legend: bool = True
+
+
+@dataclass(frozen=True)
+class Heat:
+    """A field of cells: ``values`` has shape (len(y), len(x)); its colour scale runs from ``low`` to ``high``."""
+
+    x: np.ndarray
+    y: np.ndarray
+    values: np.ndarray
+    title: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Band:
+    """A shaded rectangle; a bound of ``None`` is the edge of the panel."""
+
+    colour: str
+    x: tuple[float | None, float | None] = (None, None)
+    y: tuple[float | None, float | None] = (None, None)
+    label: str = ""
+    opacity: float = 0.5
+    outline: bool = False
+
+    def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
+        """Ends along an axis of a panel with the range ``span``; ``None`` for a band across the whole panel."""
+        low, high = self.x if axis == "x" else self.y
+        if low is None and high is None:
+            return None
+        return span[0] if low is None else low, span[1] if high is None else high
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A straight line across the panel at one value of an axis, with words beside it."""
+
+    axis: Literal["x", "y"]
+    at: float
+    label: str = ""
+    colour: str = GREY
+    dash: Dash = "dot"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes and what is drawn on it; ``equal`` gives both axes the same scale."""
+
+    x: Axis
+    y: Axis
+    traces: Sequence[Trace] = ()
+    bands: Sequence[Band] = ()
+    marks: Sequence[Mark] = ()
+    heat: Heat | None = None
+    title: str = ""
+    equal: bool = False
+    weight: float = 1.0
+
+    def span(self, axis: Literal["x", "y"]) -> tuple[float, float]:
+        """Range of an axis: the one asked for, or that of traces and marks with a little room."""
+        mine = self.x if axis == "x" else self.y
+        if mine.range is not None:
+            return mine.range
+        if mine.names:
+            return -0.5, len(mine.names) - 0.5
+        every = [np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))]
+        every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
+        values = np.concatenate([np.empty(0), *every])
+        values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]
+        if not len(values):
+            return (1.0, 10.0) if mine.log else (0.0, 1.0)
+        low, high = float(values.min()), float(values.max())
+        if mine.log:
+            return low / 1.2, high * 1.2
+        room = (
+            0.05 * (high - low)
+            if axis == "y" or any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
+            else 0.0
+        )
+        room = room if high > low else max(abs(high), 1.0) * 0.1
+        return low - room, high + room
+
+    def coloured(self) -> list[Trace]:
+        """The traces, those without a colour given the next one of the palette."""
+        free = iter(colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces})
+        return [trace if trace.colour else replace(trace, colour=next(free)) for trace in self.traces]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Panels in rows of ``columns``, under one title.
+
+    Attributes:
+        key: file name and anchor: letters, digits and ``_``.
+        caption: what to see in it.
+        share_x: whether the panels of a column have one x axis, written under the last.
+        height: of a row of panels, in px on a page 1000 px wide.
+    """
+
+    key: str
+    title: str
+    panels: Sequence[Panel]
+    caption: str = ""
+    columns: int = 1
+    share_x: bool = False
+    height: int = 300
+
+    @property
+    def rows(self) -> int:
+        """Rows of panels."""
+        return -(-len(self.panels) // self.columns)
+
+    def spans(self, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Ranges of x and y of one panel; a shared x axis covers all panels of its column."""
+        panel = self.panels[index]
+        column = self.panels[index % self.columns :: self.columns] if self.share_x else (panel,)
+        x = [other.span("x") for other in column]
+        return (min(low for low, _ in x), max(high for _, high in x)), panel.span("y")
+
+
+def thinned(trace: Trace, buckets: int = 400) -> Trace:
+    """The trace without points that no one would see: of each bucket of rows the first and the extremes of x and y stay, and all gaps.
+
+    A peak keeps its height and its place, whatever the length of the flight.
+    """
+    n = len(trace.x)
+    if trace.kind not in ("line", "steps") or n <= 4 * buckets or trace.labels:
+        return trace
+    size = -(-n // buckets)
+    whole = np.arange(n - n % size).reshape(-1, size)
+    x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
+    keep = np.zeros(n, bool)
+    keep[::size] = keep[n - n % size :: max(size // 4, 1)] = keep[-1] = True
+    for values in (y,) if np.all(np.diff(x) > 0.0) else (x, y):
+        rows = values[whole]
+        for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
+            keep[whole[np.arange(len(whole)), pick(np.where(np.isnan(rows), fill, rows), axis=1)]] = True
+    gap = np.isnan(x) | np.isnan(y)
+    edge = np.flatnonzero(gap[1:] != gap[:-1])
+    keep[edge] = keep[edge + 1] = True
+    return replace(trace, x=x[keep], y=y[keep])

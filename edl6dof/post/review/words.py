@@ -1,0 +1,130 @@
+"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration and software."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from edl6dof.config.base import STATUS_MARKS
+from edl6dof.config.yamltree import parse_yaml
+from edl6dof.post.report.document import Block, Cell, Fact, Listing, Mood, Table, Text
+from edl6dof.post.run import Run
+from edl6dof.post.tables import aligned_pair, comparison
+
+#: Figure, label, format and unit of what is shown at a glance.
+_FACTS = (
+    ("touchdown_s", "touchdown after", "{:.1f} s"),
+    ("landing_distance_m", "from the landing site", "{:,.0f} m"),
+    ("touchdown_vertical_m_s", "vertical speed at touchdown", "{:.2f} m/s"),
+    ("touchdown_tilt_deg", "tilt at touchdown", "{:.2f} deg"),
+    ("peak_load_g0", "peak load", "{:.2f} g"),
+    ("peak_dynamic_pressure_pa", "peak dynamic pressure", "{:,.0f} Pa"),
+    ("peak_heat_flux_w_cm2", "peak heat flux", "{:.1f} W/cm²"),
+    ("parachute_mach", "Mach at mortar fire", "{:.2f}"),
+    ("propellant_used_kg", "propellant used", "{:.1f} kg"),
+)
+
+
+def mood(summary: Mapping[str, Any]) -> Mood:
+    """Good within limits, a warning when landed outside them, bad otherwise."""
+    if summary["success"]:
+        return "good"
+    return "warn" if str(summary["outcome"]).startswith("landed") else "bad"
+
+
+def verdict(run: Run) -> str:
+    """How the flight ended."""
+    return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
+
+
+def facts(run: Run) -> list[Fact]:
+    """Figures at a glance; those under a limit take its colour."""
+    figures = run.summary["figures"]
+    missed = {float(limit["value"]) for limit in run.summary["limits"] if not limit["ok"] and limit["value"] is not None}
+    return [
+        Fact(label, form.format(figures[name]), "bad" if float(figures[name]) in missed else "plain")
+        for name, label, form in _FACTS
+        if figures.get(name) is not None
+    ]
+
+
+def limits(run: Run) -> Table:
+    """Each limit with the share of it that was used."""
+    rows = []
+    for limit in run.summary["limits"]:
+        value = math.nan if limit["value"] is None else float(limit["value"])
+        shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
+        share = value / float(limit["limit"])
+        used = Cell(
+            "-" if math.isnan(share) else f"{100.0 * share:.0f} %", "good" if limit["ok"] else "bad", share if share == share else None
+        )
+        rows.append(
+            [limit["name"], limit["unit"], shown, f"<= {allowed}", used, Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad")))]
+        )
+    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
+
+
+def published(run: Run) -> Table:
+    """This flight's figures beside the published ones, whatever the difference."""
+    rows = comparison(run.summary["figures"], run.summary["published"])
+    return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
+
+
+def timeline(run: Run) -> Table:
+    """Events in order of time."""
+    rows = []
+    for event in run.events:
+        height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
+        name = event["name"].removeprefix("phase ").replace("_", " ") if event["key"].startswith("phase.") else f"\u2003{event['name']}"
+        state = (
+            f"{height:,.0f}" if height is not None else "",
+            f"{speed:,.1f}" if speed is not None else "",
+            f"{mach:.2f}" if mach is not None else "",
+        )
+        rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
+    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows, "Timeline")
+
+
+def configuration(run: Run) -> Iterator[Block]:
+    """The resolved scenario by its sections, each with the count of its status marks."""
+    tree = parse_yaml(run.scenario_text, "scenario.yaml")
+    counts: dict[str, Counter[str]] = {}
+    for path, status in tree.status.items():
+        counts.setdefault(path.partition(".")[0], Counter())[status] += 1
+    total = sum(counts.values(), Counter())
+    letters = {status: letter for letter, status in STATUS_MARKS.items()}
+    yield Text(
+        "The scenario as it was flown, every default written out. Marks say what kind of claim a number is: "
+        + ", ".join(f"[{letters[status]}] {status} ({total[status]})" for status in letters if total[status])
+        + "."
+    )
+    lines = run.scenario_text.splitlines()
+    starts = [i for i, line in enumerate(lines) if line and line[0] not in " #-"] + [len(lines)]
+    loose: list[str] = []
+    for start, end in zip(starts, starts[1:], strict=False):
+        key, text = lines[start].partition(":")[0], "\n".join(lines[start:end])
+        if end - start == 1:
+            loose.append(text)
+            continue
+        count = counts.get(key, Counter())
+        note = ", ".join(f"{count[status]} {status}" for status in letters if count[status])
+        yield Listing(key.replace("_", " "), text, note)
+    if loose:
+        yield Listing("name and seed", "\n".join(loose))
+
+
+def software(run: Run) -> Table:
+    """What flew it and what wrote this."""
+    from edl6dof import __version__
+
+    rows = [
+        ["flown by", f"edl6dof {run.summary['edl6dof_version']}"],
+        ["report by", f"edl6dof {__version__}, Python {platform.python_version()}"],
+        ["scenario", f"{run.name}, seed {run.summary['seed']}"],
+        ["SHA-256 of the resolved scenario", run.summary["scenario_sha256"]],
+        ["telemetry", f"{len(run.t):,} rows, {len(run) - 1} channels, {run.t[0]:.2f} to {run.t[-1]:.2f} s"],
+    ]
+    return Table(["what", "which"], rows, "Software and data")

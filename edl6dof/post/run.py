@@ -1,0 +1,132 @@
+"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.source import parse_document
+
+TELEMETRY = "telemetry.parquet"
+
+
+def refusal(place: Path | str, message: str) -> ConfigError:
+    """The error of a file or folder that cannot be used."""
+    return ConfigError([Problem(str(place), 0, 0, "", " ".join(message.split())[:300])])
+
+
+class Run(Mapping[str, np.ndarray]):
+    """The telemetry columns of a run by name, read when they are asked for; and its events, summary and scenario.
+
+    Raises:
+        ConfigError: the folder is no run, or one of its files cannot be read.
+    """
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        for name in (TELEMETRY, "events.json", "summary.json", "scenario.yaml"):
+            if not (folder / name).is_file():
+                raise refusal(folder / name, "no such file; name the folder of a run")
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """Outcome, figures, limits and published figures."""
+        return self._json("summary.json", dict)
+
+    @cached_property
+    def events(self) -> list[dict[str, Any]]:
+        """The timeline."""
+        return self._json("events.json", list)
+
+    @cached_property
+    def scenario_text(self) -> str:
+        """The resolved scenario as YAML."""
+        return (self.folder / "scenario.yaml").read_text(encoding="utf-8")
+
+    @cached_property
+    def scenario(self) -> dict[str, Any]:
+        """The resolved scenario as plain data: every default is in it."""
+        return parse_document(self.scenario_text, str(self.folder / "scenario.yaml")).data
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return str(self.summary["name"])
+
+    @cached_property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases; ``guide.phase`` is the index."""
+        return [str(phase["name"]) for phase in self.scenario["mission"]["phases"]]
+
+    @cached_property
+    def when(self) -> dict[str, float]:
+        """Time (s) of the first event of each key."""
+        return {event["key"]: float(event["t_s"]) for event in reversed(self.events)}
+
+    @property
+    def t(self) -> np.ndarray:
+        """Time of the rows, s."""
+        return self["t_s"]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._columns:
+            if name not in self._file.schema_arrow.names:
+                raise KeyError(name)
+            self._columns[name] = self._file.read([name]).column(0).to_numpy()
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._file.schema_arrow.names)
+
+    def __len__(self) -> int:
+        return len(self._file.schema_arrow.names)
+
+    def unit(self, name: str) -> str:
+        """Printed unit of a column."""
+        return self._described(name, b"unit")
+
+    def meaning(self, name: str) -> str:
+        """What a column means."""
+        return self._described(name, b"meaning")
+
+    def at(self, name: str, t: float) -> float:
+        """A column at a time (s), interpolated."""
+        return float(np.interp(t, self.t, self[name]))
+
+    def between(self, since: str = "", until: str = "") -> np.ndarray:
+        """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is empty or did not happen."""
+        return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
+
+    def _described(self, name: str, key: bytes) -> str:
+        return (self._file.schema_arrow.field(name).metadata or {}).get(key, b"").decode()
+
+    @cached_property
+    def _columns(self) -> dict[str, np.ndarray]:
+        return {}
+
+    @cached_property
+    def _file(self) -> Any:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        path = self.folder / TELEMETRY
+        try:
+            return pq.ParquetFile(path)
+        except (OSError, pa.ArrowException) as error:
+            raise refusal(path, f"cannot be read: {error}") from None
+
+    def _json(self, name: str, kind: type) -> Any:
+        path = self.folder / name
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise refusal(path, f"cannot be read: {error}") from None
+        if not isinstance(content, kind):
+            raise refusal(path, "is not the file of a run")
+        return content

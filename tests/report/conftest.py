@@ -1,0 +1,17 @@
+"""One run folder of the nominal flight for all tests of reports."""
+
+from __future__ import annotations
+
+import pytest
+
+from edl6dof.post.results import write_run
+from edl6dof.post.run import Run
+
+
+@pytest.fixture(scope="session")
+def run(nominal, tmp_path_factory):
+    """The nominal flight, read back from its files."""
+    folder = tmp_path_factory.mktemp("runs") / "nominal"
+    folder.mkdir()
+    write_run(nominal, folder, replay=False)
+    return Run(folder)

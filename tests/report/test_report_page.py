@@ -1,0 +1,111 @@
+"""The report as a file: what a browser is given, against the telemetry it was made from."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+
+from edl6dof.config.errors import ConfigError
+from edl6dof.post.files import atomic_file
+from edl6dof.post.report.document import Report, Section, Table, Text
+from edl6dof.post.report.drawing import drawing
+from edl6dof.post.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
+from edl6dof.post.report.page import page
+from edl6dof.post.review.build import flight_report
+
+
+@pytest.fixture(scope="module")
+def report(run):
+    return flight_report(run)
+
+
+@pytest.fixture(scope="module")
+def html(report):
+    return page(report)
+
+
+def unpacked(values) -> np.ndarray:
+    if isinstance(values, dict):
+        return np.frombuffer(base64.b64decode(values["bdata"]), "<f4").astype(float)
+    return np.array([np.nan if value is None else value for value in values], float)
+
+
+def test_every_figure_obeys_plotlys_own_schema(report):
+    for figure in report.figures():
+        go.Figure(drawing(figure))  # raises for any property plotly does not know
+
+
+def test_page_carries_the_drawings_unharmed(report, html):
+    found = re.search(r"<script type='application/json' id='figures'>(.*?)</script>", html, re.DOTALL)
+    assert json.loads(found[1]) == {figure.key: drawing(figure) for figure in report.figures()}
+
+
+def test_page_refers_to_nothing_outside_itself(html):
+    own = html.replace(html[html.index("/**\n* plotly.js") : html.index('<script>\n"use strict"')], "")
+    assert not re.findall(r"(?:src|href)\s*=\s*['\"](?!#)", own)
+    assert "default-src 'none'" in own
+
+
+def test_page_is_small_enough_to_be_mailed(html):
+    assert len(html.encode()) < 6_000_000
+
+
+def test_verdict_limits_and_published_figures_are_on_the_page(run, html):
+    assert run.summary["outcome"] in html
+    for limit in run.summary["limits"]:
+        assert limit["name"] in html
+    for event in run.events[:-1]:
+        assert f"{event['t_s']:.2f}" in html
+
+
+def test_altitude_is_drawn_as_telemetry_has_it(run, report):
+    overview = drawing(next(figure for figure in report.figures() if figure.key == "overview"))
+    curve = next(trace for trace in overview["data"] if trace["name"] == "above the ellipsoid")
+    t, altitude = unpacked(curve["x"]), unpacked(curve["y"])
+    assert altitude == pytest.approx(np.interp(t, run.t, run["truth.altitude_m"]) / 1e3, abs=0.02)
+    assert t[0] == run.t[0] and t[-1] == pytest.approx(run.t[-1], abs=1e-3)
+
+
+def test_thinning_keeps_a_lone_peak_and_the_gaps():
+    t = np.linspace(0.0, 100.0, 50_001)
+    y = np.sin(t)
+    y[31_234] = 7.5
+    y[10_000:20_000] = np.nan
+    few = thinned(Trace(t, y))
+    assert len(few.x) < 3000
+    assert np.nanmax(few.y) == 7.5 and t[31_234] in few.x
+    assert not np.any((few.x > t[10_000]) & (few.x < t[19_999]) & np.isfinite(few.y))
+    rest = few.x[np.isfinite(few.y)]
+    assert np.max(np.abs(np.interp(t[20_000:], rest, few.y[np.isfinite(few.y)]) - y[20_000:])[: 31_000 - 20_000]) < 0.05
+
+
+def test_words_cannot_break_out_of_the_page():
+    nasty = "</script><script>alert(1)</script>"
+    panel = Panel(
+        Axis(nasty), Axis("y"), [Trace(np.arange(3.0), np.arange(3.0), nasty)], [Band("#fff", label=nasty)], [Mark("x", 1.0, nasty)]
+    )
+    sections = [Section("a", nasty, [Text(nasty), Table([nasty], [[nasty]]), Figure("f", nasty, [panel], nasty)])]
+    text = page(Report(nasty, nasty, "bad", nasty, sections=sections))
+    assert "<script>alert" not in text
+    assert text.count("</script>") == 3
+
+
+def test_a_file_appears_whole_or_not_at_all(tmp_path):
+    target = tmp_path / "deep" / "a.html"
+    with pytest.raises(RuntimeError), atomic_file(target, force=False) as partial:
+        partial.write_text("half")
+        raise RuntimeError
+    assert list(tmp_path.rglob("*.html")) == []
+    with atomic_file(target, force=False) as partial:
+        partial.write_text("one")
+    with pytest.raises(ConfigError, match="--force"), atomic_file(target, force=False):
+        pass
+    with atomic_file(target, force=True) as partial:
+        partial.write_text("two")
+    assert [path.name for path in target.parent.iterdir()] == ["a.html"]
+    assert target.read_text() == "two"
