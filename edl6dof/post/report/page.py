@@ -53,8 +53,8 @@ def plotly_js() -> str:
 
 
 def _drawings(report: Report) -> str:
-    """Figures by key as JSON; ``</`` would end the script element."""
-    return json.dumps({figure.key: drawing(figure) for figure in report.figures()}, separators=(",", ":")).replace("</", "<\\/")
+    """Figures by key as JSON, without ``<``, which could end the script element."""
+    return json.dumps({figure.key: drawing(figure) for figure in report.figures()}, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _head(report: Report) -> str:
