@@ -24,8 +24,8 @@ GREY = "#8a8f98"
 GOOD, WARN, BAD = "#00795a", "#a86700", "#b3261e"
 #: Colours of mission phases, in their order; light enough to lie behind lines.
 PHASES = ("#cfe3f3", "#f6d9c4", "#cdeadd", "#f1dcea", "#fbe7c0", "#d8effb", "#e6e6e6", "#dcd9f2")
-#: Sequential scale with even lightness steps (cividis), from 0 to 1.
-SEQUENTIAL = ("#00224e", "#35456c", "#666970", "#948e77", "#c8b866", "#fee838")
+#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.
+SEQUENTIAL = ("#f7f9fb", "#cfe1f2", "#93c4de", "#4a97c9", "#1764ab", "#08306b")
 
 
 @dataclass(frozen=True)

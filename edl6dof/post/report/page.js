@@ -7,7 +7,6 @@
   const config = (key) => ({
     responsive: true,
     displaylogo: false,
-    displayModeBar: "hover",
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
     toImageButtonOptions: { format: "svg", filename: key },
   });

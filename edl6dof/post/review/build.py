@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 from edl6dof.post.report.document import Report, Section
-from edl6dof.post.review import trajectory, words
+from edl6dof.post.review import actuators, attitude, descent, disturbance, guidance, phase_planes, site, trajectory, words
 from edl6dof.post.run import Run
 
 
 def flight_report(run: Run) -> Report:
-    """The review of a run."""
+    """The review of a run; a section about what the flight did not have is left out."""
     sections = [
         Section("verdict", "Verdict and limits", [words.limits(run), words.published(run)]),
-        Section("timeline", "Timeline", [words.timeline(run)]),
+        Section("events", "Timeline", [words.timeline(run)]),
         Section("trajectory", "Trajectory", list(trajectory.figures(run))),
+        Section("guidance", "Entry guidance", list(guidance.figures(run))),
+        Section("attitude", "Attitude", list(attitude.figures(run))),
+        Section("phase_planes", "Phase planes", list(phase_planes.figures(run))),
+        Section("actuators", "Thrusters and propellant", list(actuators.figures(run))),
+        Section("disturbances", "Disturbances", list(disturbance.figures(run))),
+        Section("chute", "Parachute", list(descent.parachute(run))),
+        Section("landing", "Powered descent", list(descent.powered(run))),
+        Section("site", "Ground track and landing site", list(site.figures(run))),
         Section("configuration", "Configuration", list(words.configuration(run))),
-        Section("software", "Software", [words.software(run)]),
+        Section("software", "Software and data", [words.software(run)]),
     ]
     return Report(
         title=run.name,

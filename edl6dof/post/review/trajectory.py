@@ -86,9 +86,10 @@ def entry_state(run: Run) -> Entry | None:
     air = run["truth.density_kg_m3"] > 0.0
     rising = np.flatnonzero(air)[np.argsort(run["truth.density_kg_m3"][air], kind="stable")][::10]
     planet = run.scenario["planet"]
+    glide = np.where(run.t[order] < run.when.get("trim_wing", np.inf), lift / drag, np.nan)
     radius = float(planet["equatorial_radius_m"])
     return Entry(
-        speed, drag, lift / drag, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
+        speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
         run["truth.density_kg_m3"][rising], run["truth.altitude_m"][rising], radius, float(planet["gravity"]["mu_m3_s2"]) / radius**2,
     )  # fmt: skip
 
@@ -136,7 +137,7 @@ def borders(run: Run, entry: Entry) -> list[Border]:
 def equilibrium_glide(entry: Entry) -> np.ndarray:
     """Drag (m/s2) at which full lift up just holds the flight-path angle, near the ground; NaN above circular speed and without lift."""
     need = entry.gravity - entry.speed**2 / entry.radius
-    return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / np.maximum(entry.lift_to_drag, LEAST_LIFT), np.nan)
+    return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / entry.lift_to_drag, np.nan)
 
 
 def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:

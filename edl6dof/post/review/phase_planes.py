@@ -1,0 +1,190 @@
+"""Phase planes: attitude error against rate, with the zones of the controller that flew.
+
+Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first and third quadrants towards
+the origin.  The borders of the zones are asked from the flight software's own functions with the gains of the scenario.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from edl6dof.post.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.post.run import Run
+
+AXES = ("roll", "pitch", "yaw")
+RATES = ("p", "q", "r")
+COLOURS = (BLUE, VERMILION, PURPLE, ORANGE, SKY)
+TITLES = {
+    "phase_plane": "trim angle of attack (three-axis phase plane)",
+    "bank_to_steer": "lift control (bank to steer)",
+    "rate_damping": "under the parachute (rate damping)",
+    "thrust_vector": "powered descent (thrust vector)",
+}
+
+#: Lines and marks of the zones in one panel.
+Border = tuple[list[Trace], list[Mark]]
+
+
+def figures(run: Run) -> Iterator[Figure]:
+    """One figure for each controller that flew."""
+    phases = run.scenario["mission"]["phases"]
+    flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
+    for name in dict.fromkeys(phase["control"] for phase in phases):
+        indices = [i for i, phase in enumerate(phases) if phase["control"] == name and np.any(flown == i)]
+        if indices and name != "off":
+            yield phase_plane(run, name, [(phases[i]["name"], flown == i) for i in indices])
+
+
+def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
+    """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
+    gains = run.scenario["flight_software"]["control"].get(control, {})
+    rates = control_rates(run, control)
+    panels = []
+    for axis, name in enumerate(AXES):
+        if axis > 0 and not any(np.any(run[f"control.error_{name}_deg"][rows]) for _, rows in phases):
+            continue  # damped only: shown in the plane of the two rates below
+        traces = [
+            Trace(run[f"control.error_{name}_deg"][rows], rates[axis][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+            for k, (phase, rows) in enumerate(phases)
+        ]
+        word = "bank" if control == "bank_to_steer" and axis == 0 else name
+        panels.append(_panel(word, traces, *borders(control, gains, axis)))
+    if len(panels) == 1:
+        panels.append(_damped(control, gains, rates, phases))
+    caption = "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part and the nearest borders."
+    title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
+    return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
+
+
+def _damped(control: str, gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]) -> Panel:
+    """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it leaves alone."""
+    traces = [
+        Trace(rates[1][rows], rates[2][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+        for k, (phase, rows) in enumerate(phases)
+    ]
+    marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(control, gains, 1)[1] for axis in ("x", "y")]
+    x, y = (_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy")
+    return Panel(Axis("pitch rate (deg/s)", x), Axis("yaw rate (deg/s)", y), traces, marks=marks)
+
+
+def _panel(word: str, traces: list[Trace], lines: list[Trace], marks: list[Mark]) -> Panel:
+    spans = [_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy"]
+    x, y = Axis(f"{word} error (deg)", spans[0]), Axis(f"{word} rate (deg/s)", spans[1])
+    zero = [Mark(axis, 0.0, colour="#c3c8cf", dash="solid") for axis in ("x", "y")]
+    return Panel(x, y, [*lines, *traces], marks=[*zero, *marks])
+
+
+def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, float]:
+    """A symmetric range over what was flown and the nearest border beyond it."""
+    size = float(np.nanmax(np.abs(values), initial=0.1))
+    beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
+    reach = 1.12 * max(size, min(beyond, default=0.0))
+    return -reach, reach
+
+
+def control_rates(run: Run, control: str) -> list[np.ndarray]:
+    """The rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
+
+    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest into that about the velocity
+    and the swing of the air angles.
+    """
+    body = np.stack([run[f"truth.rate_{axis}_deg_s"] for axis in RATES])
+    if control not in ("phase_plane", "bank_to_steer"):
+        return list(body)
+    rate = body - path_rate(run)
+    if control == "phase_plane":
+        return list(rate)
+    alpha, beta = (np.radians(run[f"truth.{angle}_deg"]) for angle in ("alpha", "beta"))
+    along = np.stack([np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)])
+    bank = np.sum(rate * along, axis=0)
+    swing = rate - bank * along
+    return [bank, swing[1], swing[2]]
+
+
+def path_rate(run: Run) -> np.ndarray:
+    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the telemetry."""
+    from scipy.spatial.transform import Rotation
+
+    spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
+    position, velocity = (
+        np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1) for name, unit in (("r", "m"), ("v", "m_s"))
+    )
+    velocity = velocity - np.cross([0.0, 0.0, spin], position)
+    acceleration = np.gradient(velocity, run.t, axis=0)
+    turning = np.cross(velocity, acceleration) / np.maximum(np.sum(velocity**2, axis=1), 1.0)[:, None]
+    to_body = Rotation.from_quat(np.stack([run[f"truth.q_I2B_{c}"] for c in "xyzw"], 1)).inv()
+    return np.degrees(to_body.apply(turning)).T
+
+
+def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:
+    """Zone borders of one axis of a controller; none for a controller that is not known here."""
+    found = BORDERS.get(control)
+    try:
+        return found(gains, axis) if found is not None else ([], [])
+    except KeyError:  # other gains under a known name: no borders rather than wrong ones
+        return [], []
+
+
+def zones(gains: Mapping[str, Any]) -> Border:
+    """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
+    from edl6dof.fsw.control.zones import target_rate
+
+    record = SimpleNamespace(
+        near=np.radians(gains["near_deg"]), far=np.radians(gains["far_deg"]), rate=np.radians(gains["rate_deg_s"]),
+        deceleration=np.radians(gains["deceleration_deg_s2"]), proportional=gains["proportional"], derivative=gains["derivative"],
+    )  # fmt: skip
+    reach = 180.0
+    outside = np.concatenate([np.linspace(record.near * 1.0001, record.far, 60), [record.far * 1.0001, np.radians(reach)]])
+    wanted = np.degrees([target_rate.py_func(record, error) for error in outside])
+    error = np.degrees(outside)
+    x, y = np.concatenate([-error[::-1], [np.nan], error]), np.concatenate([-wanted[::-1], [np.nan], wanted])
+    line = Trace(x, y, "rate aimed for", colour=GREEN, width=2.0, legend=True)
+    marks = [Mark("x", sign * gains[name], colour=GREY) for name in ("near_deg", "far_deg") for sign in (-1, 1)]
+    return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
+
+
+def switching(gains: Mapping[str, Any]) -> Border:
+    """Where the phase-plane law begins to fire: the least error for each rate, from the law itself."""
+    from edl6dof.fsw.control.phase_plane import switch_axis
+
+    record = SimpleNamespace(
+        deadband=np.radians(gains["deadband_deg"]), hysteresis=gains["hysteresis"], rate_deadband=np.radians(gains["rate_deadband_deg_s"]),
+        rate_limit=np.radians(gains["rate_limit_deg_s"]), acceleration=np.radians(gains["acceleration_deg_s2"]),
+    )  # fmt: skip
+    rates = np.linspace(-1.1 * gains["rate_limit_deg_s"], 1.1 * gains["rate_limit_deg_s"], 89)
+    errors = np.linspace(-25.0, 25.0, 501)
+    least = np.full(len(rates), np.nan)
+    for k, rate in enumerate(np.radians(rates)):
+        firing = [switch_axis.py_func(record, 0, error, rate) > 0 for error in np.radians(errors)]
+        if any(firing):
+            least[k] = errors[int(np.argmax(firing))]
+    right = Trace(least, rates, "firing begins", colour=GREEN, width=2.0)
+    left = Trace(-least, -rates, "firing begins", colour=GREEN, width=2.0)
+    return [right, left], [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
+
+
+def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
+    if axis == 0:
+        return zones(gains["bank"])
+    return [], [*_pair("x", gains["angle_limit_deg"]), *_pair("y", gains["rate_deadband_deg_s"])]
+
+
+def _rate_damping(gains: Mapping[str, Any], axis: int) -> Border:
+    return zones(gains["roll"]) if axis == 0 else ([], _pair("y", gains["rate_deadband_deg_s"]))
+
+
+def _pair(axis: str, at: float) -> list[Mark]:
+    return [Mark("x" if axis == "x" else "y", sign * at, colour=GREY) for sign in (-1.0, 1.0)]
+
+
+#: Borders by the name of the controller.
+BORDERS: dict[str, Callable[[Mapping[str, Any], int], Border]] = {
+    "phase_plane": lambda gains, axis: switching(gains),
+    "bank_to_steer": _bank_to_steer,
+    "rate_damping": _rate_damping,
+    "thrust_vector": lambda gains, axis: zones(gains["roll" if axis == 0 else "pitch_yaw"]),
+}
