@@ -13,5 +13,5 @@ def run(nominal, tmp_path_factory):
     """The nominal flight, read back from its files."""
     folder = tmp_path_factory.mktemp("runs") / "nominal"
     folder.mkdir()
-    write_run(nominal, folder, replay=False)
+    write_run(nominal, folder)
     return Run(folder)

@@ -134,7 +134,7 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         "name": trace.name,
         "legendgroup": trace.name,
         "showlegend": shown,
-        "line": {"color": trace.colour, "width": trace.width, "dash": _DASHES[trace.dash]},
+        "line": {"color": trace.colour, "width": trace.width, "dash": _DASHES[trace.dash], "simplify": False},
     }
     if trace.kind == "bars":
         del found["mode"], found["line"]

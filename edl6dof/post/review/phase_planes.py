@@ -1,13 +1,12 @@
 """Phase planes: attitude error against rate, with the zones of the controller that flew.
 
 Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first and third quadrants towards
-the origin.  The borders of the zones are asked from the flight software's own functions with the gains of the scenario.
+the origin.  The borders of the zones follow from the gains of the scenario.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -131,40 +130,35 @@ def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:
 
 def zones(gains: Mapping[str, Any]) -> Border:
     """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
-    from edl6dof.fsw.control.zones import target_rate
-
-    record = SimpleNamespace(
-        near=np.radians(gains["near_deg"]), far=np.radians(gains["far_deg"]), rate=np.radians(gains["rate_deg_s"]),
-        deceleration=np.radians(gains["deceleration_deg_s2"]), proportional=gains["proportional"], derivative=gains["derivative"],
-    )  # fmt: skip
-    reach = 180.0
-    outside = np.concatenate([np.linspace(record.near * 1.0001, record.far, 60), [record.far * 1.0001, np.radians(reach)]])
-    wanted = np.degrees([target_rate.py_func(record, error) for error in outside])
-    error = np.degrees(outside)
-    x, y = np.concatenate([-error[::-1], [np.nan], error]), np.concatenate([-wanted[::-1], [np.nan], wanted])
-    line = Trace(x, y, "rate aimed for", colour=GREEN, width=2.0, legend=True)
-    marks = [Mark("x", sign * gains[name], colour=GREY) for name in ("near_deg", "far_deg") for sign in (-1, 1)]
+    error = np.concatenate([np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]])
+    wanted = aimed_rate(gains, error)
+    line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0)
+    marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
     return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
 
 
-def switching(gains: Mapping[str, Any]) -> Border:
-    """Where the phase-plane law begins to fire: the least error for each rate, from the law itself."""
-    from edl6dof.fsw.control.phase_plane import switch_axis
+def aimed_rate(gains: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
+    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et al. 2022, section 4.1.
 
-    record = SimpleNamespace(
-        deadband=np.radians(gains["deadband_deg"]), hysteresis=gains["hysteresis"], rate_deadband=np.radians(gains["rate_deadband_deg_s"]),
-        rate_limit=np.radians(gains["rate_limit_deg_s"]), acceleration=np.radians(gains["acceleration_deg_s2"]),
-    )  # fmt: skip
-    rates = np.linspace(-1.1 * gains["rate_limit_deg_s"], 1.1 * gains["rate_limit_deg_s"], 89)
-    errors = np.linspace(-25.0, 25.0, 501)
-    least = np.full(len(rates), np.nan)
-    for k, rate in enumerate(np.radians(rates)):
-        firing = [switch_axis.py_func(record, 0, error, rate) > 0 for error in np.radians(errors)]
-        if any(firing):
-            least[k] = errors[int(np.argmax(firing))]
-    right = Trace(least, rates, "firing begins", colour=GREEN, width=2.0)
-    left = Trace(-least, -rates, "firing begins", colour=GREEN, width=2.0)
-    return [right, left], [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
+    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant deceleration.
+    """
+    inner = gains["proportional"] / gains["derivative"] * gains["near_deg"]
+    parabola = np.sqrt(inner**2 + 2.0 * gains["deceleration_deg_s2"] * (error - gains["near_deg"]))
+    return np.minimum(np.where(error > gains["far_deg"], gains["rate_deg_s"], parabola), gains["rate_deg_s"])
+
+
+def switching(gains: Mapping[str, Any]) -> Border:
+    """Where the phase-plane law begins to fire, on both sides."""
+    rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
+    error = firing_error(gains, rate)
+    lines = [Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0) for sign in (1.0, -1.0)]
+    return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
+
+
+def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
+    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source: Hu et al. 2022, section 3."""
+    curve = gains["deadband_deg"] + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"]) + 0.5 * rate
+    return np.where(np.abs(rate) < gains["rate_deadband_deg_s"], np.maximum(curve, gains["deadband_deg"]), curve)
 
 
 def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
@@ -175,6 +169,11 @@ def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
 
 def _rate_damping(gains: Mapping[str, Any], axis: int) -> Border:
     return zones(gains["roll"]) if axis == 0 else ([], _pair("y", gains["rate_deadband_deg_s"]))
+
+
+def _mirrored(values: np.ndarray) -> np.ndarray:
+    """A curve and its image through the origin, with a gap between them."""
+    return np.concatenate([-values[::-1], [np.nan], values])
 
 
 def _pair(axis: str, at: float) -> list[Mark]:
