@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from pydantic import model_validator
-
 from edl6dof.config.base import Params, Vec3, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.config.errors import Inconsistent
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, cross
 
@@ -32,15 +29,6 @@ class EngineParams(Params):
     misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)
     thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
     specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)
-
-    @model_validator(mode="after")
-    def _band_is_in_order(self) -> EngineParams:
-        if self.throttle_min_n > self.throttle_max_n:
-            message = f"must not be above throttle_max_n {self.throttle_max_n:g} (got {self.throttle_min_n:g})"
-            raise Inconsistent({"throttle_min_n": message})
-        if self.throttle_max_n > self.full_thrust_n:
-            raise Inconsistent({"throttle_max_n": f"must not be above full_thrust_n {self.full_thrust_n:g} (got {self.throttle_max_n:g})"})
-        return self
 
 
 ENGINE = dtype_of(EngineParams)
