@@ -126,6 +126,24 @@ def verify(
 
 
 @app.command()
+def study(
+    name: Annotated[str | None, typer.Argument(help="Study; without one, they are listed.")] = None,
+    runs: Annotated[int | None, typer.Option("-n", "--runs", help="Flights; as many as published if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder; runs/study-<name> if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fly few runs, to see that it works.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
+) -> None:
+    """Repeat a paper's experiment: its table computed here, beside the published one.
+
+    Exit status: 0 every published bound is kept, 1 not, 2 bad input, 130 interrupted.
+    """
+    from edl6dof.app.study import StudyOptions, run_study
+
+    raise typer.Exit(run_study(StudyOptions(name, runs, out, force, quick, as_json)))
+
+
+@app.command()
 def version() -> None:
     """Print the version."""
     from edl6dof import __version__

@@ -33,6 +33,7 @@ UNITS: dict[str, Unit] = {
     "m_s": Unit("m/s", 1.0),
     "m_s2": Unit("m/s2", 1.0),
     "m_s3": Unit("m/s3", 1.0),
+    "m_s4": Unit("m/s4", 1.0),
     "m3_s2": Unit("m3/s2", 1.0),
     "g0": Unit("g", 9.80665),
     "s": Unit("s", 1.0),

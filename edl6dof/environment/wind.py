@@ -16,8 +16,9 @@ from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, held, row_at
 from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import GUST_STREAM, gauss_markov, smooth, stream
+from edl6dof.environment.profiles import GUST_STREAM, gauss_markov, stream
 from edl6dof.jit import kernel
+from edl6dof.spatial.interpolation import smooth
 
 TABLE, CONSTANT, SHEAR, NONE = range(4)
 

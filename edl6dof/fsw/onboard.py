@@ -47,7 +47,7 @@ class EntryGuidanceParams(_EntryLaws):
     )
     bank_min_deg: float = param(15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0)
     bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
-    bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1000.0)
+    bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1e5)
     reference_bank: ReferenceBankParams = group(ReferenceBankParams, "open-loop bank of the reference trajectory")
     tracking: TrackingParams = group(TrackingParams, "following the reference drag")
     reversal: ReversalParams = group(ReversalParams, "bank reversals")

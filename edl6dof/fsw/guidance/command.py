@@ -22,6 +22,11 @@ GUIDE = np.dtype(
         ("drag_ratio", "f8"),  # measured over believed drag
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
+        # inner quantities of the laws that have them
+        ("surface", "f8"),  # sliding surface, m/s3
+        ("virtual", "f8"),  # virtual state of saturation, m/s3
+        ("drag_disturbance", "f8"),  # estimated disturbance of the second derivative of drag, m/s4
+        ("path_disturbance", "f8"),  # estimated disturbance of the flight-path rate, rad/s
     ],
     align=True,
 )

@@ -10,9 +10,10 @@ Differences from the prints: Zheng & Cui eq. 14 has a D-dot where D belongs (-D 
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import acos, cos, sin
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
 
 
 @kernel
@@ -37,3 +38,9 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height):
     )
     per_u = -(speed * c / scale_height + 2.0 * gravity * c / speed) * lift / speed
     return drag_rate, drag * per_u, drag * def_free + drag_rate * relative
+
+
+@kernel
+def bank_for(wanted, free, authority):
+    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority is negative, zero in no air."""
+    return acos(clamp((wanted - free) / min(authority, -1e-12), -1.0, 1.0))

@@ -10,18 +10,15 @@ gives a nearly undamped pair.
 
 from __future__ import annotations
 
-from math import acos
-
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import clamp
 
 
 class DragTrackingParams(Params):
@@ -46,7 +43,7 @@ def guide(onboard, nav, mem, out):
     rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
     omega = p.frequency
     wanted_acceleration = goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
-    return acos(clamp((wanted_acceleration - b) / a, -1.0, 1.0))
+    return bank_for(wanted_acceleration, b, a)
 
 
 MEMBER = Member("drag_tracking", DragTrackingParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY)

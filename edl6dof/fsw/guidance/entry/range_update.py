@@ -14,6 +14,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.jit import kernel
+from edl6dof.spatial.interpolation import smooth
 from edl6dof.spatial.vector import clamp
 
 
@@ -58,8 +59,9 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
             slope -= piece * f / (1.0 + scale * f)
         # the piece between the last node and the present energy
         edge = energy_speed - (reference.first + last * reference.spacing)
-        here = reference.drag[last] * (1.0 + scale * shape(1.0))
-        total = total * reference.spacing + edge * reference.cos_path[last] * energy_speed / here
+        here = smooth(reference.drag, NODES, last, edge / reference.spacing) if last < NODES - 1 else reference.drag[last]
+        end = reference.cos_path[last] * energy_speed / (here * (1.0 + scale * shape(1.0)))
+        total = total * reference.spacing + 0.5 * edge * (2.0 * piece + end)
         scale = clamp(scale - (total - wanted) / (slope * reference.spacing), -limit, limit)
     return scale
 
@@ -83,9 +85,6 @@ def drag_goal(onboard, nav, memory, out):
         memory.scale = range_scale(reference, u, out.range_to_go, memory.scale, p.scale_limit)
     i, f = node_of(reference, u)
     factor = 1.0 + memory.scale * shape(1.0)
-    goal = factor * (reference.drag[i] + f * (reference.drag[i + 1] - reference.drag[i]))
-    goal_rate = factor * (reference.drag_rate[i] + f * (reference.drag_rate[i + 1] - reference.drag_rate[i]))
-    step = reference.drag_acceleration[i + 1] - reference.drag_acceleration[i]
-    goal_acceleration = factor * (reference.drag_acceleration[i] + f * step)
-    out.reference_drag = goal
-    return goal, goal_rate, goal_acceleration
+    out.reference_drag = factor * smooth(reference.drag, NODES, i, f)
+    goal_rate = factor * smooth(reference.drag_rate, NODES, i, f)
+    return out.reference_drag, goal_rate, factor * smooth(reference.drag_acceleration, NODES, i, f)

@@ -28,7 +28,7 @@ LEAST_COSINE = -0.5
 
 
 class ReferenceBankParams(Params):
-    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero below the alignment speed."""
+    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero in alignment."""
 
     fast_bank_deg: float = param(90.0, "bank above fast_speed_m_s", ge=0.0, le=180.0)
     fast_speed_m_s: float = param(3500.0, "speed above which the bank is constant", status="published", source="Yan 2016", gt=0.0)
@@ -79,9 +79,12 @@ def point_mass(onboard, h, v, gamma, bank):
 
 @kernel
 def reference_bank(onboard, shift, speed):
-    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above -0.5."""
+    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above -0.5.
+
+    Heading alignment banks to either side of zero: from there on the reference flies with wings level.
+    """
     entry = onboard.guidance.entry
-    if speed <= entry.align_speed:
+    if speed <= max(entry.align_speed, entry.heading.speed):
         return 0.0
     p = entry.reference_bank
     share = clamp((speed - p.slow_speed) / (p.fast_speed - p.slow_speed), 0.0, 1.0)

@@ -10,7 +10,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry import bank_profile, constant_bank, drag_tracking, ehgo_fl, etpc, fl, npc
+from edl6dof.fsw.guidance.entry import (
+    bank_profile,
+    constant_bank,
+    dob_sliding,
+    drag_tracking,
+    ehgo_fl,
+    etpc,
+    fl,
+    ftc_dob,
+    npc,
+    pd_dob,
+)
 from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
@@ -27,6 +38,9 @@ ENTRY_LAWS = Family(
         ehgo_fl.MEMBER,
         etpc.MEMBER,
         bank_profile.MEMBER,
+        dob_sliding.MEMBER,
+        ftc_dob.MEMBER,
+        pd_dob.MEMBER,
     ),
 )
 

@@ -1,0 +1,133 @@
+"""``edl6dof study``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from edl6dof.config.wording import nearest
+from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.studies.registry import STUDIES
+from edl6dof.studies.study import Finding, Progress, Report, Study
+from edl6dof.studies.write import to_json, write_study
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+@dataclass(frozen=True)
+class StudyOptions:
+    """Options of ``edl6dof study``."""
+
+    name: str | None
+    runs: int | None
+    out: Path | None
+    force: bool
+    quick: bool
+    as_json: bool
+
+
+def run_study(options: StudyOptions) -> int:
+    """Fly a study, write its folder, show what it found; returns the exit status.  Without a name, list the studies."""
+    if options.name is None:
+        return _list()
+    study = STUDIES.get(options.name)
+    if study is None:
+        near = nearest(options.name, list(STUDIES))
+        hint = f"; did you mean {near!r}?" if near else ""
+        return _refuse(f"{options.name}: no such study{hint} (studies: {', '.join(STUDIES)})")
+    if find_spec("matplotlib") is None:
+        return _refuse("a study draws its figures with matplotlib: pip install 'edl6dof[plots]'")
+    if options.runs is not None and (options.runs < 1 or not study.counted):
+        reason = "must be 1 or more" if study.counted else f"{study.name} is a fixed set of flights"
+        return _refuse(f"-n {options.runs}: {reason}")
+    target = options.out or Path("runs") / f"study-{study.name}"
+    runs = options.runs or (study.quick_runs if options.quick else study.runs)
+    try:
+        refuse_existing(target, options.force)
+        with atomic_folder(target, options.force) as folder:
+            with _progress(study, quiet=options.as_json) as progress:
+                report = study.run(runs, progress)
+            write_study(study, report, folder)
+    except FolderExists as error:
+        return _refuse(str(error))
+    except OSError as error:
+        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    if options.as_json:
+        print(to_json(study, report), end="")
+    else:
+        _show(study, report, target)
+    return 0 if report.ok else 1
+
+
+def _list() -> int:
+    width = max(len(name) for name in STUDIES)
+    for name, study in STUDIES.items():
+        print(f"{name:<{width}}  {study.title} ({study.source})")
+    return 0
+
+
+def _show(study: Study, report: Report, target: Path) -> None:
+    console = Console(highlight=False, soft_wrap=True)
+    count = f", {report.runs} runs" if study.counted else ""
+    table = Table(title=f"{study.title}{count}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    for heading, right in (("figure", 0), ("unit", 0), ("computed", 1), ("published", 1), ("", 0), ("note", 0)):
+        table.add_column(heading, justify="right" if right else "left", header_style="")
+    for finding in report.findings:
+        table.add_row(finding.label, finding.unit, *_numbers(finding), _mark(finding), finding.note)
+    console.print(table)
+    for remark in report.remarks:
+        console.print(remark, markup=False)
+    console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
+    missed = [finding.label for finding in report.findings if not finding.ok]
+    verdict = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
+    console.print(Text(f"{study.name}: {verdict}", style="bold red" if missed else "bold green"))
+
+
+def _numbers(finding: Finding) -> tuple[str, str]:
+    published = "" if finding.published is None else f"{finding.bound} {finding.published:.4g}".strip()
+    return f"{finding.computed:.4g}", published
+
+
+def _mark(finding: Finding) -> Text:
+    if not finding.bound:
+        return Text("")
+    return Text("kept", style="green") if finding.ok else Text("MISSED", style="bold red")
+
+
+@contextmanager
+def _progress(study: Study, quiet: bool) -> Iterator[Progress]:
+    """A line on stderr that counts runs, if that is a terminal; a word before the first flight has to be compiled."""
+    from edl6dof.jit import is_cached
+    from edl6dof.sim.loop import fly as compiled_loop
+
+    if not quiet and not is_cached(compiled_loop):
+        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
+        print(message, file=sys.stderr, flush=True)
+    console = Console(stderr=True)
+    talk = console.is_terminal and not quiet
+
+    def report(done: int, total: int) -> None:
+        if talk:
+            console.print(f"{study.name}: {done}/{total}", end="\r", highlight=False)
+
+    yield report
+    if talk:
+        console.print(" " * 60, end="\r")
+
+
+def _refuse(message: str) -> int:
+    print(" ".join(message.split()), file=sys.stderr)
+    return BAD_INPUT

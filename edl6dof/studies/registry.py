@@ -1,0 +1,13 @@
+"""All studies, in the order they are listed; a new one is a file here and a line below."""
+
+from __future__ import annotations
+
+from edl6dof.studies import zheng2015
+from edl6dof.studies.study import Study
+
+STUDIES: dict[str, Study] = {
+    module.STUDY.name: module.STUDY
+    for module in (
+        zheng2015,
+    )
+}  # fmt: skip

@@ -1,0 +1,131 @@
+"""What a study is, and what it hands back: findings beside published figures, drawings, and a table with a row for each run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+#: Called with (runs done, runs in all).
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One figure of a study.
+
+    Attributes:
+        label: what it is.
+        unit: printed unit; empty for a pure number.
+        computed: found by this run of the study.
+        published: printed by the source; ``None`` where it prints none.
+        bound: how the computed figure must lie to the published one; empty to set them side by side only.
+        note: what a reader must know to compare them.
+    """
+
+    label: str
+    unit: str
+    computed: float
+    published: float | None = None
+    bound: Literal["", "<=", ">="] = ""
+    note: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether the bound is kept; a figure that could not be formed does not keep it."""
+        if not self.bound or self.published is None:
+            return True
+        return bool(self.computed <= self.published if self.bound == "<=" else self.computed >= self.published)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A curve, or dots, of a panel.
+
+    Attributes:
+        x: values along the axis; for ``kind`` histogram the sample itself.
+        y: values up the axis; unused by a histogram.
+        label: entry of the legend; empty for none.
+        kind: how it is drawn; ``reference`` is a thin dashed line on top, ``filled`` an area down to zero.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    label: str = ""
+    kind: Literal["line", "reference", "dots", "histogram", "filled"] = "line"
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes; ``x_range`` and ``y_range`` narrow it to where something is to be seen."""
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    equal: bool = False
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """One PNG: a name for its file, and panels side by side."""
+
+    name: str
+    panels: tuple[Panel, ...]
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a study found.
+
+    Attributes:
+        findings: computed beside published.
+        drawings: the source's figures, redrawn.
+        table: columns of equal length named with unit suffixes, a row for each run.
+        runs: how many flights were flown.
+        remarks: sentences under the table.
+    """
+
+    findings: tuple[Finding, ...]
+    drawings: tuple[Drawing, ...]
+    table: dict[str, np.ndarray]
+    runs: int
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether every bound is kept."""
+        return all(finding.ok for finding in self.findings)
+
+
+@dataclass(frozen=True)
+class Study:
+    """One published experiment.
+
+    Attributes:
+        name: as typed on the command line.
+        title: one line.
+        source: the paper.
+        run: flies it, given the number of runs and a progress callback.
+        runs: how many runs the source publishes.
+        quick_runs: how many ``--quick`` flies.
+        counted: whether the number of runs can be chosen at all.
+    """
+
+    name: str
+    title: str
+    source: str
+    run: Callable[[int, Progress], Report]
+    runs: int = 1
+    quick_runs: int = 1
+    counted: bool = field(default=False)
+
+    def as_dict(self, report: Report) -> dict[str, Any]:
+        """Plain values for JSON."""
+        findings = [{**vars(finding), "ok": finding.ok} for finding in report.findings]
+        head = {"study": self.name, "title": self.title, "source": self.source, "runs": report.runs, "ok": report.ok}
+        return {**head, "findings": findings, "remarks": list(report.remarks)}

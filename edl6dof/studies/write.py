@@ -1,0 +1,47 @@
+"""The folder of a study: findings as JSON, the table as Parquet, drawings as PNG."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from edl6dof import __version__
+from edl6dof.config.units import split_unit
+from edl6dof.studies.draw import save_drawing
+from edl6dof.studies.study import Report, Study
+
+
+def write_study(study: Study, report: Report, folder: Path) -> None:
+    """Write every file of a study into ``folder``, which exists."""
+    (folder / "summary.json").write_text(to_json(study, report), encoding="utf-8")
+    write_table(study, report, folder / "runs.parquet")
+    for drawing in report.drawings:
+        save_drawing(drawing, folder)
+
+
+def to_json(study: Study, report: Report) -> str:
+    """Findings as JSON text; what could not be formed is null."""
+    return json.dumps(_finite({**study.as_dict(report), "edl6dof_version": __version__}), indent=1, allow_nan=False) + "\n"
+
+
+def write_table(study: Study, report: Report, path: Path) -> None:
+    """Write the table of runs as Parquet, the unit of each column in its metadata."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    arrays = {name: pa.array(values) for name, values in report.table.items()}
+    fields = [pa.field(name, array.type, metadata={"unit": split_unit(name)[1].label}) for name, array in arrays.items()]
+    schema = pa.schema(fields, metadata={"study": study.name, "source": study.source, "edl6dof_version": __version__})
+    pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), path, compression="zstd")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
