@@ -153,66 +153,39 @@ def _ends(shown: Flight, table: dict[str, np.ndarray]) -> tuple[Finding, ...]:
 
 
 def _drawings(history: dict[str, np.ndarray], table: dict[str, np.ndarray]) -> tuple[Drawing, ...]:
-    h, t = history, history["t_s"]
-    error = h["drag"] - h["reference"]
+    h, t, time = history, history["t_s"], "time (s)"
     boundary = np.full_like(t, 0.1)
-    kilometres = [table[name] / 1e3 for name in ("downrange_m", "crossrange_m", "altitude_m")]
-    circle = np.linspace(0.0, 2.0 * np.pi, 200)
+    drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
+    bank = Curve(t, h["bank_deg"], "commanded"), Curve(t, h["planned_deg"], "reference", "reference")
+    surface = Curve(t, h["surface"]), Curve(t, boundary, "c_s", "reference"), Curve(t, -boundary, "", "reference")
+    disturbance = Curve(t, h["estimate"], "estimate"), Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")
+    down, cross, altitude = (table[name] / 1e3 for name in ("downrange_m", "crossrange_m", "altitude_m"))
+    altitude = altitude + HEIGHT_OFFSET_M / 1e3
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    circles = (Curve(r * np.cos(angle), r * np.sin(angle), f"{r:g} km", "reference") for r in (3.0, 5.0))
+    misses = Curve(down, cross, "runs", "dots"), *circles
+    heights = (Curve(altitude, altitude, "", "histogram"),)
     return (
-        Drawing(
-            "fig3_drag_and_bank",
-            (
-                Panel(
-                    "Drag", "time (s)", "drag (m/s2)", (Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference"))
-                ),
-                Panel(
-                    "Bank angle",
-                    "time (s)",
-                    "|bank| (deg)",
-                    (Curve(t, h["bank_deg"], "commanded"), Curve(t, h["planned_deg"], "reference", "reference")),
-                ),
-            ),
-        ),
+        Drawing("fig3_drag_and_bank", (Panel("Drag", time, "drag (m/s2)", drag), Panel("Bank angle", time, "|bank| (deg)", bank))),
         Drawing(
             "fig4_error_and_surface",
             (
-                Panel("Drag tracking error", "time (s)", "D - D_r (m/s2)", (Curve(t, error),)),
-                Panel(
-                    "Sliding surface",
-                    "time (s)",
-                    "s (m/s3)",
-                    (Curve(t, h["surface"]), Curve(t, boundary, "c_s", "reference"), Curve(t, -boundary, "", "reference")),
-                ),
+                Panel("Drag tracking error", time, "D - D_r (m/s2)", (Curve(t, h["drag"] - h["reference"]),)),
+                Panel("Sliding surface", time, "s (m/s3)", surface),
             ),
         ),
         Drawing(
             "fig5_disturbance",
             (
-                Panel(
-                    "Lumped disturbance",
-                    "time (s)",
-                    "d (m/s4)",
-                    (Curve(t, h["estimate"], "estimate"), Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")),
-                ),
-                Panel("Virtual state", "time (s)", "zeta (m/s3)", (Curve(t, h["virtual"]),)),
+                Panel("Lumped disturbance", time, "d (m/s4)", disturbance),
+                Panel("Virtual state", time, "zeta (m/s3)", (Curve(t, h["virtual"]),)),
             ),
         ),
         Drawing(
             "fig6_miss_and_altitude",
             (
-                Panel(
-                    "Miss at 400 m/s",
-                    "downrange (km)",
-                    "crossrange (km)",
-                    (
-                        Curve(kilometres[0], kilometres[1], "runs", "dots"),
-                        *(Curve(r * np.cos(circle), r * np.sin(circle), f"{r:g} km", "reference") for r in (3.0, 5.0)),
-                    ),
-                    equal=True,
-                ),
-                Panel(
-                    "Terminal altitude", "altitude above 3389.5 km (km)", "runs", (Curve(kilometres[2] + HEIGHT_OFFSET_M / 1e3, kilometres[2], "", "histogram"),)
-                ),
+                Panel("Miss at 400 m/s", "downrange (km)", "crossrange (km)", misses, equal=True),
+                Panel("Terminal altitude", "altitude above 3389.5 km (km)", "runs", heights),
             ),
         ),
     )

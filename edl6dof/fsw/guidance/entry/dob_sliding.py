@@ -68,9 +68,9 @@ def observe(p, memory, dt, error, error_rate, applied):
 
     Source: eqs. 19, 23, 26, 28 and Fig. 1.  ``error`` and ``error_rate`` belong to the end of the interval.
     """
-    if memory.started == 0:
+    if memory.started == 0 or dt <= 0.0:
         memory.started = 1
-        memory.surface = error_rate + p.error_gain * error
+        memory.surface = error_rate + p.error_gain * error - memory.virtual
         return
     kept = exp(-memory.decay * dt)
     memory.virtual = kept * memory.virtual + (1.0 - kept) / memory.decay * memory.authority * (applied - memory.input)

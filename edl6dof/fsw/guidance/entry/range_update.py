@@ -70,7 +70,7 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
 def tracking(onboard, nav):
     """Whether there is drag enough to follow the reference."""
     p = onboard.guidance.entry.tracking
-    return nav.drag >= p.start_drag or nav.speed <= p.update_stop
+    return nav.drag >= p.start_drag or (nav.speed <= p.update_stop and nav.drag > 0.0)
 
 
 @kernel
