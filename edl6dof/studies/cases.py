@@ -1,16 +1,12 @@
-"""Dispersed flights of one scenario: Gaussian draws of its parameters, and a row of figures from each flight."""
+"""Dispersed flights of one scenario: Gaussian draws of its parameters, flown by the campaign's executor."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from edl6dof.sim.flight import Flight, fly
-from edl6dof.sim.scenario import load_scenario
-from edl6dof.studies.study import Progress
+import pyarrow as pa
 
 
 @dataclass(frozen=True)
@@ -28,24 +24,6 @@ def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, floa
     return [{s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)} for row in normal]
 
 
-def fly_true(scenario: str, truth: Mapping[str, float], overrides: Sequence[str] = ()) -> Flight:
-    """Fly a shipped scenario whose true values the flight computer is not told."""
-    return fly(load_scenario(scenario, [*overrides, f"truth={json.dumps(dict(truth))}"]))
-
-
-def fly_each(
-    scenario: str,
-    truths: Sequence[Mapping[str, float]],
-    figures: Callable[[Flight], dict[str, float]],
-    progress: Progress,
-    overrides: Sequence[str] = (),
-) -> dict[str, np.ndarray]:
-    """Fly every draw and keep ``figures`` of each: columns of equal length, the true values first.
-
-    Telemetry is dropped flight by flight, so memory does not grow with the number of runs.
-    """
-    rows = []
-    for done, truth in enumerate(truths, 1):
-        rows.append({**{path.rpartition(".")[2]: value for path, value in truth.items()}, **figures(fly_true(scenario, truth, overrides))})
-        progress(done, len(truths))
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+def values(table: pa.Table, name: str) -> np.ndarray:
+    """A column as floats; what a flight did not reach is NaN, so that no bound on it is kept."""
+    return np.array([np.nan if x is None else x for x in table[name].to_pylist()], dtype=float)

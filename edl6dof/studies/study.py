@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
+import pyarrow as pa
 
 #: Called with (runs done, runs in all).
 Progress = Callable[[int, int], None]
@@ -85,14 +86,14 @@ class Report:
     Attributes:
         findings: computed beside published.
         drawings: the source's figures, redrawn.
-        table: columns of equal length named with unit suffixes, a row for each run.
+        table: a row for each run, columns named with unit suffixes.
         runs: how many flights were flown.
         remarks: sentences under the table.
     """
 
     findings: tuple[Finding, ...]
     drawings: tuple[Drawing, ...]
-    table: dict[str, np.ndarray]
+    table: pa.Table
     runs: int
     remarks: tuple[str, ...] = ()
 

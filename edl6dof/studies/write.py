@@ -28,13 +28,13 @@ def to_json(study: Study, report: Report) -> str:
 
 def write_table(study: Study, report: Report, path: Path) -> None:
     """Write the table of runs as Parquet, the unit of each column in its metadata."""
-    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    arrays = {name: pa.array(values) for name, values in report.table.items()}
-    fields = [pa.field(name, array.type, metadata={"unit": split_unit(name)[1].label}) for name, array in arrays.items()]
-    schema = pa.schema(fields, metadata={"study": study.name, "source": study.source, "edl6dof_version": __version__})
-    pq.write_table(pa.Table.from_arrays(list(arrays.values()), schema=schema), path, compression="zstd")
+    schema = report.table.schema
+    for index, column in enumerate(schema):
+        schema = schema.set(index, column.with_metadata({"unit": split_unit(column.name.rpartition(".")[2])[1].label}))
+    schema = schema.with_metadata({"study": study.name, "source": study.source, "edl6dof_version": __version__})
+    pq.write_table(report.table.cast(schema), path, compression="zstd")
 
 
 def _finite(value: Any) -> Any:

@@ -7,11 +7,17 @@ of 1 +- 7 % cannot give.  The bank profile of the reference trajectory is not pr
 
 from __future__ import annotations
 
-import numpy as np
+from itertools import product
 
+import numpy as np
+import pyarrow as pa
+
+from edl6dof.campaign.case import Case
+from edl6dof.campaign.executor import fly_cases
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
-from edl6dof.sim.flight import Flight
-from edl6dof.studies.cases import Spread, draw, fly_each, fly_true
+from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.scenario import load_scenario
+from edl6dof.studies.cases import Spread, draw, values
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
 
 SCENARIO = "zheng2015"
@@ -24,8 +30,8 @@ SPREADS = (
     Spread("initial.azimuth_deg", 90.0, 0.01),
     Spread("atmosphere.density_factor", 1.0, 0.2),
 )
-#: The same law without its outer loop: the reference drag as planned.
-FIXED = ("flight_software.guidance.entry.tracking.update=false",)
+#: Whether the law has its outer loop, or follows the reference drag as planned.
+UPDATE = "flight_software.guidance.entry.tracking.update"
 #: Virtual state (m/s3) below which saturation counts as over.
 CONVERGED = 0.01
 #: and for how long it must stay there.
@@ -36,37 +42,35 @@ HEIGHT_OFFSET_M = 5000.0
 
 def run(runs: int, progress: Progress) -> Report:
     """Fly the dispersed entries, with the outer loop and without, and one entry in full for the figures."""
-    truths = draw(SPREADS, runs, SEED)
-    table = fly_each(SCENARIO, truths, _figures, lambda done, total: progress(done, 2 * total))
-    fixed = fly_each(SCENARIO, truths, _figures, lambda done, total: progress(total + done, 2 * total), FIXED)
-    shown = fly_true(SCENARIO, truths[0], FIXED)
+    truths, loaded = draw(SPREADS, runs, SEED), load_scenario(SCENARIO)
+    cases = [
+        Case(number, truth=truth, belief={UPDATE: update}, label={"outer_loop": update})
+        for number, (update, truth) in enumerate(product((True, False), truths))
+    ]
+    table = fly_cases(loaded, cases, collect=_figures, progress=lambda done, row: progress(done, len(cases)))
+    updated, fixed = table[:runs], table[runs:]
+    shown = fly(load_scenario(SCENARIO, cases[runs].overrides({})))
     history = _history(shown)
-    findings = (*_accuracy(table, fixed), *_tracking(table, _figures(shown), history), *_ends(shown, table))
-    merged = {**table, **{f"fixed_{name}": fixed[name] for name in ("miss_m", "downrange_m", "crossrange_m", "altitude_m")}}
+    findings = (*_accuracy(updated, fixed), *_tracking(updated, _figures(shown), history), *_ends(shown, updated))
     remarks = (
         "The outer loop (eq. 12) scales the reference drag to the range to go; 'fixed' follows the reference as planned.",
         "Density is one factor for each flight, 3 sigma 20 %; figures 3 to 5 and 'run shown' are the first run, fixed.",
     )
-    return Report(findings, _drawings(history, table), merged, 2 * runs + 1, remarks)
+    return Report(findings, _drawings(history, updated), table, len(table), remarks)
 
 
 def _figures(flight: Flight) -> dict[str, float]:
-    """Miss and tracking quality of one flight."""
+    """Tracking quality of one flight."""
     rows = flight.telemetry
     control = _range_control(flight)
     t, error = rows["t_s"][control], (rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"])[control]
     virtual, surface = np.abs(rows["guide.virtual_m_s3"][control]), np.abs(rows["guide.surface_m_s3"][control])
     settled = _first_calm(t, virtual)
     return {
-        "miss_m": flight.metrics["parachute_miss_m"],
-        "downrange_m": flight.metrics["parachute_downrange_m"],
-        "crossrange_m": flight.metrics["parachute_crossrange_m"],
-        "altitude_m": flight.metrics["parachute_altitude_m"],
         "saturation_end_s": float(t[settled]),
         "peak_error_m_s2": float(np.max(np.abs(error))),
         "peak_error_settled_m_s2": float(np.max(np.abs(error[settled:]))),
         "peak_surface_settled_m_s3": float(np.max(surface[settled:])),
-        "bank_reversals": flight.metrics["bank_reversals"],
     }
 
 
@@ -117,8 +121,8 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     return {name: values[control] for name, values in columns.items()} | {"planned_deg": np.interp(speed[control], speeds, banks)}
 
 
-def _accuracy(table: dict[str, np.ndarray], fixed: dict[str, np.ndarray]) -> tuple[Finding, ...]:
-    miss, without = table["miss_m"] / 1e3, fixed["miss_m"] / 1e3
+def _accuracy(table: pa.Table, fixed: pa.Table) -> tuple[Finding, ...]:
+    miss, without = (values(rows, "parachute_miss_m") / 1e3 for rows in (table, fixed))
     return (
         Finding("within 3 km of the target", "%", _share(miss, 3.0), 79.2, ">="),
         Finding("within 5 km of the target", "%", _share(miss, 5.0), 98.2, ">="),
@@ -129,21 +133,21 @@ def _accuracy(table: dict[str, np.ndarray], fixed: dict[str, np.ndarray]) -> tup
     )
 
 
-def _tracking(table: dict[str, np.ndarray], shown: dict[str, float], history: dict[str, np.ndarray]) -> tuple[Finding, ...]:
+def _tracking(table: pa.Table, shown: dict[str, float], history: dict[str, np.ndarray]) -> tuple[Finding, ...]:
     calm = slice(int(np.searchsorted(history["t_s"], shown["saturation_end_s"])), -2)
     true, off = history["disturbance"][calm], (history["estimate"] - history["disturbance"])[calm]
     return (
-        Finding("peak drag error, saturation over", "m/s2", float(table["peak_error_settled_m_s2"].max()), 0.2, "<=", "worst run"),
-        Finding("peak |s|, saturation over", "m/s3", float(table["peak_surface_settled_m_s3"].max()), 0.1, "<=", "worst run; c_s"),
+        Finding("peak drag error, saturation over", "m/s2", float(values(table, "peak_error_settled_m_s2").max()), 0.2, "<=", "worst run"),
+        Finding("peak |s|, saturation over", "m/s3", float(values(table, "peak_surface_settled_m_s3").max()), 0.1, "<=", "worst run; c_s"),
         Finding("peak |s|, run shown", "m/s3", shown["peak_surface_settled_m_s3"], 0.05),
         Finding("saturation over, run shown", "s", shown["saturation_end_s"], 75.0),
         Finding("disturbance estimate, RMS error over RMS", "%", 100.0 * _rms(off) / _rms(true), note="run shown, saturation over"),
     )
 
 
-def _ends(shown: Flight, table: dict[str, np.ndarray]) -> tuple[Finding, ...]:
+def _ends(shown: Flight, table: pa.Table) -> tuple[Finding, ...]:
     t = shown.telemetry["t_s"][_range_control(shown)]
-    altitude = (table["altitude_m"] + HEIGHT_OFFSET_M) / 1e3
+    altitude = (values(table, "parachute_altitude_m") + HEIGHT_OFFSET_M) / 1e3
     return (
         Finding("range control begins", "s", float(t[0]), 42.0),
         Finding("range control ends", "s", float(t[-1]), 136.0),
@@ -152,14 +156,14 @@ def _ends(shown: Flight, table: dict[str, np.ndarray]) -> tuple[Finding, ...]:
     )
 
 
-def _drawings(history: dict[str, np.ndarray], table: dict[str, np.ndarray]) -> tuple[Drawing, ...]:
+def _drawings(history: dict[str, np.ndarray], table: pa.Table) -> tuple[Drawing, ...]:
     h, t, time = history, history["t_s"], "time (s)"
     boundary = np.full_like(t, 0.1)
     drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
     bank = Curve(t, h["bank_deg"], "commanded"), Curve(t, h["planned_deg"], "reference", "reference")
     surface = Curve(t, h["surface"]), Curve(t, boundary, "c_s", "reference"), Curve(t, -boundary, "", "reference")
     disturbance = Curve(t, h["estimate"], "estimate"), Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")
-    down, cross, altitude = (table[name] / 1e3 for name in ("downrange_m", "crossrange_m", "altitude_m"))
+    down, cross, altitude = (values(table, f"parachute_{name}_m") / 1e3 for name in ("downrange", "crossrange", "altitude"))
     altitude = altitude + HEIGHT_OFFSET_M / 1e3
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     circles = (Curve(r * np.cos(angle), r * np.sin(angle), f"{r:g} km", "reference") for r in (3.0, 5.0))
