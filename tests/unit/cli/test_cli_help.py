@@ -10,6 +10,8 @@ import pytest
 from cli_run import environment, run
 
 HEAVY = ("numpy", "scipy", "numba", "yaml", "pyarrow", "rerun", "rich.progress", "edl6dof.config.base", "edl6dof.sim")
+#: What a flight has no use for.
+UNUSED_BY_A_FLIGHT = ("scipy.linalg", "scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask")
 
 IMPORTS = f"""
 import sys
@@ -37,6 +39,17 @@ def test_help_does_not_import_pydantic(tmp_path):
         [sys.executable, "-c", code, "--help"], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=30
     )
     assert done.stderr.splitlines()[-1] == "[]"
+
+
+def test_a_flight_without_replay_imports_only_what_it_flies_with(tmp_path):
+    """Each of these costs tens of megabytes and tenths of a second of every flight."""
+    code = IMPORTS.replace(repr(HEAVY), repr(UNUSED_BY_A_FLIGHT))
+    words = ["fly", "tianwen1", "--no-replay", "--quiet", "--set", "simulation.time_limit_s=5"]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *words], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=300
+    )
+    assert done.stdout.startswith("tianwen1: time limit"), done.stderr
+    assert done.stderr.splitlines()[-1] == "[]", done.stderr
 
 
 def test_help_names_every_command(capsys, monkeypatch):
