@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.fsw.allocation import allocate, effects
+from edl6dof.fsw.check_out import check_out
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.observe import observe
@@ -111,6 +112,9 @@ def steer(onboard, phase, dt, fsw):
         fsw.demand[i] = 0.0
     effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
     observe(onboard, dt, fsw)
+    if check_out(onboard, dt, fsw):
+        remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)
+        return
     attitude_control(phase.control, onboard, nav, guide, dt, fsw)
     duty = fsw.allocator.duty
     boosting = guide.engine_mode == ENGINE_FULL and fsw.ignited != 0

@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
+from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE
@@ -91,6 +92,7 @@ class FlightSoftwareParams(Params):
 
     rates: RateParams = group(RateParams, "rate table")
     guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
+    check_out: CheckOutParams = group(CheckOutParams, "check-out of thrusters")
     control: ControlParams = group(ControlParams, "attitude controllers")
     estimation: EstimationParams = group(EstimationParams, "disturbance estimation")
     allocation: AllocationParams = group(AllocationParams, "thruster allocation")
@@ -172,6 +174,7 @@ ONBOARD = np.dtype(
         ),
         ("rates", dtype_of(RateParams)),
         ("guidance", dtype_of(GuidanceParams)),
+        ("check_out", CHECK_OUT),
         ("control", dtype_of(ControlParams)),
         ("estimation", dtype_of(EstimationParams)),
         ("imu_delay", "f8"),
@@ -224,6 +227,7 @@ FSW = np.dtype(
         ("entry", ENTRY_MEMORY),
         ("powered", POWERED_LAWS.memory),
         ("terminal", TERMINAL),
+        ("check_out", CHECK_OUT_MEMORY),
         ("control", CONTROLLERS.memory),
         ("allocator", ALLOCATOR),
         ("modulator", MODULATOR),

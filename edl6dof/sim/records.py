@@ -18,6 +18,7 @@ from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
 from edl6dof.environment.wind import WIND, fill_wind
+from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
@@ -233,6 +234,7 @@ def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     software = scenario.flight_software
     for name in ("rates", "guidance", "control", "estimation", "allocation", "modulation"):
         fill(record[name], getattr(software, name))
+    fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
     fill(record["mission"], scenario.mission)
     _set_site(record["site"], scenario)

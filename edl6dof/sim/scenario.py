@@ -21,6 +21,7 @@ from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
+from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.mission.phases import MissionParams
@@ -129,6 +130,7 @@ class Scenario(Params):
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
+            **check_out_problems(self.flight_software.check_out, self.thruster_names),
             **fault_problems(self.faults, self.thruster_names, self.phase_names),
         }
 

@@ -16,6 +16,8 @@ from edl6dof.sim.telemetry import Telemetry
 
 #: Seconds after the trim wing opens that count as its transient.
 WING_TRANSIENT_S = 10.0
+#: Last seconds of the trim phase, in which its limit cycle is looked at.
+LIMIT_CYCLE_S = 30.0
 #: Seconds after engine ignition that count as the initial transient of roll.
 ROLL_TRANSIENT_S = 8.0
 
@@ -68,6 +70,7 @@ def metrics(telemetry: Telemetry, events: list[dict[str, Any]], phases: list[str
     when = {event["key"]: event["t_s"] for event in reversed(events)}
     figures: dict[str, float] = {}
     figures.update(_event_figures(telemetry, when))
+    figures.update(_trim_figures(telemetry, phases))
     figures.update(_entry_figures(telemetry, when, phases))
     figures.update(_descent_figures(telemetry, when, phases))
     figures.update(_overall_figures(telemetry))
@@ -125,6 +128,20 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
     if "backshell" in when and "phase.hover_imaging" in when:
         figures["powered_deceleration_s"] = when["phase.hover_imaging"] - when["backshell"]
     return figures
+
+
+def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
+    """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
+    if "trim_aoa" not in phases:
+        return {}
+    first, last = _phase(telemetry, phases, "trim_aoa")
+    if last - first < 2 or last == len(telemetry["t_s"]):
+        return {}
+    phase = telemetry.rows(first, last)
+    late = phase["t_s"] > phase["t_s"][-1] - LIMIT_CYCLE_S
+    errors = np.stack([phase[f"control.error_{axis}_deg"][late] for axis in ("roll", "pitch", "yaw")])
+    propellant = phase["truth.propellant_kg"]
+    return {"trim_aoa_limit_cycle_deg": _peak(errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
 
 
 def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:

@@ -73,5 +73,11 @@ def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle(nominal):
     assert nominal.fsw["wing_failed"][0] == 0
 
 
+def test_limit_cycle_of_the_trim_phase_stays_within_its_deadband(nominal):
+    deadband = nominal.scenario.flight_software.control.phase_plane.deadband_deg
+    assert 0.5 * deadband < nominal.metrics["trim_aoa_limit_cycle_deg"] < 1.05 * deadband < 5.0
+    assert 0.0 < nominal.metrics["trim_aoa_propellant_kg"] < 0.2
+
+
 def test_roll_keeps_within_half_a_degree_in_the_powered_descent(nominal):
     assert nominal.metrics["max_roll_error_powered_deg"] < 0.5
