@@ -27,14 +27,14 @@ def test_zone_border_is_the_rate_the_controller_steers_for(run):
     plain = {name: gains[name] for name in ("proportional", "derivative")}
     zone = SimpleNamespace(**plain, **radians(gains, "near_deg", "far_deg", "rate_deg_s", "deceleration_deg_s2"))
     for error in (7.0, 10.0, 20.0, 24.9, 25.1, 90.0):
-        own = np.degrees(target_rate.py_func(zone, np.radians(error)))
+        own = np.degrees(target_rate.py_func(zone, np.radians(error), 1.0))
         assert phase_planes.aimed_rate(gains, np.array([error]))[0] == pytest.approx(own, rel=1e-12)
 
 
 def test_firing_border_is_where_the_law_begins_to_fire(run):
     gains = run.scenario["flight_software"]["control"]["phase_plane"]
-    names = ("deadband_deg", "rate_deadband_deg_s", "rate_limit_deg_s", "acceleration_deg_s2")
-    law = SimpleNamespace(hysteresis=gains["hysteresis"], **radians(gains, *names))
+    names = ("deadband_deg", "rate_limit_deg_s", "acceleration_deg_s2")
+    law = SimpleNamespace(hysteresis=gains["hysteresis"], lead=gains["lead_s"], **radians(gains, *names))
     for rate in np.linspace(-4.3, 3.9, 23):
         border = float(phase_planes.firing_error(gains, np.array([rate]))[0])
         before, after = (switch_axis.py_func(law, 0, np.radians(border + d), np.radians(rate)) for d in (-1e-6, 1e-6))

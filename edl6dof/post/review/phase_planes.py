@@ -157,8 +157,7 @@ def switching(gains: Mapping[str, Any]) -> Border:
 
 def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
     """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source: Hu et al. 2022, section 3."""
-    curve = gains["deadband_deg"] + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"]) + 0.5 * rate
-    return np.where(np.abs(rate) < gains["rate_deadband_deg_s"], np.maximum(curve, gains["deadband_deg"]), curve)
+    return gains["deadband_deg"] + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"]) + gains["lead_s"] * rate
 
 
 def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
