@@ -21,6 +21,7 @@ from edl6dof.fsw.estimation.observe import EstimationParams
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
+from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
 from edl6dof.fsw.guidance.entry.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
@@ -51,6 +52,7 @@ class EntryGuidanceParams(_EntryLaws):
     bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1e5)
     reference_bank: ReferenceBankParams = group(ReferenceBankParams, "open-loop bank of the reference trajectory")
     tracking: TrackingParams = group(TrackingParams, "following the reference drag")
+    limits: EntryLimitParams = group(EntryLimitParams, "entry flight corridor")
     reversal: ReversalParams = group(ReversalParams, "bank reversals")
     air_data: AirDataParams = group(AirDataParams, "measured drag and lift ratios")
     heading: HeadingAlignmentParams = group(HeadingAlignmentParams, "heading alignment")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.guidance.entry import (
+    adaptive_hinf,
     bank_profile,
     constant_bank,
     dob_sliding,
@@ -41,6 +42,7 @@ ENTRY_LAWS = Family(
         dob_sliding.MEMBER,
         ftc_dob.MEMBER,
         pd_dob.MEMBER,
+        adaptive_hinf.MEMBER,
     ),
 )
 
