@@ -81,3 +81,27 @@ def test_limit_cycle_of_the_trim_phase_stays_within_its_deadband(nominal):
 
 def test_roll_keeps_within_half_a_degree_in_the_powered_descent(nominal):
     assert nominal.metrics["max_roll_error_powered_deg"] < 0.5
+
+
+def test_thrusters_rest_for_thirteen_seconds_under_the_parachute_then_roll_at_the_commanded_rate(nominal):
+    """S1 section 5: nothing for 13 s, then about 0.5 deg/s towards the local geographic frame."""
+    table, law = nominal.telemetry, nominal.scenario.flight_software.control.rate_damping
+    start = table["t_s"][np.argmax(table["guide.phase"] == nominal.phase_names.index("parachute"))]
+    t = table["t_s"] - start
+    fired = sum(table[f"rcs.{name}"] for name in nominal.scenario.thruster_names)
+    assert np.all(fired[(t > 0.3) & (t < law.rest_s)] == 0.0)
+    steady = (t > 40.0) & (t < 100.0)
+    # the error that is steered for is a heading, so the swinging of the vehicle averages out of it
+    slope = np.polyfit(t[steady], np.abs(table["control.error_roll_deg"][steady]), 1)[0]
+    assert -slope == pytest.approx(law.roll.rate_deg_s, rel=0.15)
+
+
+def test_free_swing_of_the_angle_of_attack_dies_out_faster_with_the_larger_gain_after_the_trim_wing():
+    """S1 section 4.2: the channel is weakly damped then; the derivative gain is there to suppress its vibration."""
+    peak = {}
+    for gain in (0.0, 2.0):
+        table = edl6dof.fly("tianwen1", [f"flight_software.control.bank_to_steer.damping_after_wing={gain}"]).telemetry
+        wing = table["t_s"][np.argmax(table["truth.trim_wing"] > 0.0)]
+        late = (table["t_s"] > wing + 6.0) & (table["t_s"] < wing + 15.0)
+        peak[gain] = np.max(np.abs(table["truth.rate_q_deg_s"][late]))
+    assert peak[2.0] < 0.5 * peak[0.0]

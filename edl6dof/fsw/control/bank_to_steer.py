@@ -8,6 +8,9 @@ gain on the angle of attack, which is weakly damped then.
 Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit of error.  When the wing
 does not report that it has opened, the angle of attack is closed around zero at once: the thrusters then hold it against the trim
 moment of the centre-of-mass offset, so that the parachute can open.
+
+Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`): crossover 2.8 rad/s,
+phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 """
 
 from __future__ import annotations

@@ -11,11 +11,14 @@ The estimated disturbance torque takes the place of the integral term (eq. 9), a
 
     (P + lambda D) e + lambda P int e dt + (D + lambda) e',
 
-a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.
+a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.  Margins with the gains of the Tianwen-1 scenario and the
+sampled, delayed estimator (:mod:`edl6dof.studies.attitude_loops`): crossover 7.4 rad/s, phase margin 62 deg, gain margin 16 dB up and
+20 dB down.
 """
 
 from __future__ import annotations
 
+from math import exp
 from typing import Literal
 
 import numpy as np
@@ -46,7 +49,7 @@ class ThrustVectorParams(Params):
     roll: ZoneParams = group(ZoneParams, "roll channel")
 
 
-MEMORY = np.dtype([("axis", AXIS, (3,)), ("shortfall", SHORTFALL)], align=True)
+MEMORY = np.dtype([("axis", AXIS, (3,)), ("shortfall", SHORTFALL), ("compensation", "f8", (3,))], align=True)
 
 
 @kernel
@@ -68,6 +71,23 @@ def slew_rates(p, error, bandwidth):
 
 
 @kernel
+def compensation(onboard, dt, bandwidth, fsw):
+    """Torque (N m, B) to take off the demand: disturbance and modulation shortfall.
+
+    In a phase of low bandwidth it is smoothed, so that estimator and filter together lag by 1 / (bandwidth lambda).
+    """
+    memory = fsw.control.thrust_vector
+    pole = onboard.estimation.disturbance.torque_pole
+    command, count = fsw.command, onboard.vehicle.n_thrusters
+    owed = shortfall(pole, fsw.allocator.effect, count, command.opens, command.closes, fsw.allocator.duty, dt, memory.shortfall)
+    found = add(take3(fsw.disturbance.torque, 0), owed)
+    step = 1.0 - exp(-dt * pole * bandwidth / (1.0 - bandwidth)) if bandwidth < 1.0 else 1.0
+    for i in range(3):
+        memory.compensation[i] += step * (found[i] - memory.compensation[i])
+    return take3(memory.compensation, 0)
+
+
+@kernel
 def control(onboard, nav, guide, dt, fsw):
     """Demand the torque towards the commanded thrust direction and roll; pass the lateral force on."""
     p = onboard.control.thrust_vector
@@ -84,18 +104,9 @@ def control(onboard, nav, guide, dt, fsw):
         axis_acceleration(p.pitch_yaw, memory.axis[2], error[2], wanted[2], w[2], dt, frozen, bandwidth),
     )
     torque = inertia_torque(onboard, fsw.configuration, acceleration)
-    owed = shortfall(
-        onboard.estimation.disturbance.torque_pole,
-        fsw.allocator.effect,
-        onboard.vehicle.n_thrusters,
-        fsw.command.opens,
-        fsw.command.closes,
-        fsw.allocator.duty,
-        dt,
-        memory.shortfall,
-    )
+    against = compensation(onboard, dt, bandwidth, fsw)
     for i in range(3):
-        fsw.demand[3 + i] = torque[i] - (fsw.disturbance.torque[i] + owed[i] if p.against_disturbance == ESTIMATOR else 0.0)
+        fsw.demand[3 + i] = torque[i] - (against[i] if p.against_disturbance == ESTIMATOR else 0.0)
         fsw.attitude_error[i] = error[i]
     if guide.translating != 0:
         north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
