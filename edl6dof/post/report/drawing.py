@@ -14,7 +14,9 @@ INK, RULE = "#1f2933", "#e3e6ea"
 #: Pixels around and between panels.
 TOP, BOTTOM, GAP_SHARED, GAP = 34, 52, 26, 84
 #: Share of the width between columns.
-COLUMN_GAP = 0.09
+COLUMN_GAP = 0.11
+#: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
+_BESIDE = ("top center", "middle right", "bottom center", "middle left")
 _DASHES = {"solid": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 
 
@@ -109,7 +111,7 @@ def _axis(axis: Axis, span: tuple[float, float], domain: list[float], anchor: st
         "tickcolor": GREY,
         "gridcolor": RULE,
         "zerolinecolor": "#c3c8cf",
-        "title": {"text": axis.title if show_title else "", "standoff": 6},
+        "title": {"text": axis.title.replace("\n", "<br>") if show_title else "", "standoff": 6},
         "automargin": True,
         "exponentformat": "power",
     }
@@ -149,7 +151,8 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         found.update(fill="toself", fillcolor=f"{trace.colour}22", hoverinfo="skip")
         found["line"]["width"] = 0
     if trace.labels:
-        found.update(text=list(trace.labels), textposition="top center", textfont={"size": 11, "color": trace.colour})
+        places = [_BESIDE[i % len(_BESIDE)] for i in range(len(trace.labels))]
+        found.update(text=list(trace.labels), textposition=places, textfont={"size": 11, "color": trace.colour})
         if "mode" in found:
             found["mode"] += "+text"
     if not trace.name:

@@ -132,12 +132,10 @@ class Panel:
         low, high = float(values.min()), float(values.max())
         if mine.log:
             return low / 1.2, high * 1.2
-        room = (
-            0.05 * (high - low)
-            if axis == "y" or any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
-            else 0.0
-        )
-        room = room if high > low else max(abs(high), 1.0) * 0.1
+        if axis == "x" and not any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces):
+            return (low, high) if high > low else (low - 0.5, high + 0.5)
+        share = 0.12 if any(trace.labels for trace in self.traces) else 0.05
+        room = share * (high - low) if high > low else 0.1 * max(abs(high), 1.0)
         return low - room, high + room
 
     def coloured(self) -> list[Trace]:
@@ -178,7 +176,7 @@ class Figure:
         return (min(low for low, _ in x), max(high for _, high in x)), panel.span("y")
 
 
-def thinned(trace: Trace, buckets: int = 400) -> Trace:
+def thinned(trace: Trace, buckets: int = 250) -> Trace:
     """The trace without points that no one would see: of each bucket of rows the first and the extremes of x and y stay, and all gaps.
 
     A peak keeps its height and its place, whatever the length of the flight.

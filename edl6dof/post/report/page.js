@@ -3,7 +3,9 @@
 (() => {
   const figures = JSON.parse(document.getElementById("figures").textContent);
   const places = [...document.querySelectorAll("div.plot")];
-  const PAPER_WIDTH = 700;
+  const PAPER_WIDTH = 686; // px, the text of an A4 page
+  const SHRINK = 0.76;
+  const SIZES = new Set(["size", "height", "l", "r", "t", "b", "standoff"]);
   const config = (key) => ({
     responsive: true,
     displaylogo: false,
@@ -22,9 +24,15 @@
     document.documentElement.dataset.drawn = places.length;
   };
   for (const place of places) place.style.minHeight = `${figures[place.dataset.figure].layout.height}px`;
-  const fit = (width) => places.forEach((place) => place.data && Plotly.relayout(place, { width, autosize: width === null }));
+  const shrunk = (layout) => JSON.parse(JSON.stringify(layout), (key, value) =>
+    (typeof value === "number" && SIZES.has(key) ? value * SHRINK : value));
+  const forPaper = (place) => {
+    const { data, layout } = figures[place.dataset.figure];
+    place.style.minHeight = 0;
+    Plotly.react(place, data, { ...shrunk(layout), width: PAPER_WIDTH }, { staticPlot: true });
+  };
   const unfold = (open) => document.querySelectorAll("details").forEach((part) => { part.open = open; });
-  addEventListener("beforeprint", () => { fit(PAPER_WIDTH); unfold(true); });
-  addEventListener("afterprint", () => { fit(null); unfold(false); });
+  addEventListener("beforeprint", () => { places.forEach(forPaper); unfold(true); });
+  addEventListener("afterprint", () => { places.forEach(draw); unfold(false); });
   drawAll();
 })();

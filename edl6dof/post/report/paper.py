@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from edl6dof.post.report.document import Cell, Report, Table
 from edl6dof.post.report.figure import BAD, GOOD, GREY, SEQUENTIAL, WARN, Axis, Figure, Panel, Trace, thinned
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
@@ -42,6 +44,13 @@ STYLE: dict[str, Any] = {
 }
 _DASHES: dict[str, Any] = {"solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2))}
 _SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^", "triangle-down": "v"}
+#: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
+_BESIDE: tuple[dict[str, Any], ...] = (
+    {"xytext": (0, 4), "ha": "center", "va": "bottom"},
+    {"xytext": (5, 0), "ha": "left", "va": "center"},
+    {"xytext": (0, -4), "ha": "center", "va": "top"},
+    {"xytext": (-5, 0), "ha": "right", "va": "center"},
+)
 _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
 
 
@@ -76,7 +85,7 @@ def draw(figure: Figure) -> Canvas:
     canvas = Canvas(figsize=(WIDTH, height), layout="constrained")
     canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     grid = canvas.add_gridspec(figure.rows, figure.columns, height_ratios=weights)
-    named: set[str] = set()
+    named: dict[str, Artist] = {}
     for index, panel in enumerate(figure.panels):
         axes = canvas.add_subplot(grid[divmod(index, figure.columns)])
         x, y = figure.spans(index)
@@ -85,15 +94,19 @@ def draw(figure: Figure) -> Canvas:
             axes.set_xlabel(panel.x.title)
         else:
             axes.tick_params(labelbottom=False)
+    if len(named) > 1:
+        widest = max(len(name) for name in named)
+        canvas.legend(named.values(), named.keys(), loc="outside lower left", ncols=max(min(len(named), 110 // (widest + 9)), 1))
     return canvas
 
 
-def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: set[str]) -> None:
+def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Artist]) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
-    _scale(axes, "x", panel.x, x)
-    _scale(axes, "y", panel.y, y)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
+    else:
+        _scale(axes, "x", panel.x, x)
+        _scale(axes, "y", panel.y, y)
     for band in panel.bands:
         (left, right), (low, high) = (band.bounds("x", x) or x), (band.bounds("y", y) or y)
         edge = band.colour if band.outline else "none"
@@ -113,11 +126,9 @@ def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, flo
     if panel.heat is not None:
         _heat(axes, panel)
     for trace in panel.coloured():
-        label = trace.name if trace.legend and trace.name not in named else ""
-        named.add(trace.name)
-        _trace(axes, thinned(trace, 1500), label)
-    if len(axes.get_legend_handles_labels()[1]) > 0:
-        axes.legend(loc="best", ncols=2 if len(panel.traces) > 3 else 1)
+        artist = _trace(axes, thinned(trace, 1500))
+        if trace.name and trace.legend:
+            named.setdefault(trace.name, artist)
 
 
 def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> None:
@@ -129,20 +140,22 @@ def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> Non
         axes.grid(False, axis=which)
 
 
-def _trace(axes: Axes, trace: Trace, label: str) -> None:
-    style: dict[str, Any] = {"color": trace.colour, "label": label or None}
-    if trace.kind == "bars":
-        axes.bar(trace.x, trace.y, width=0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8, **style)
-    elif trace.kind == "points":
-        axes.scatter(trace.x, trace.y, s=(2.4 + 1.3 * trace.width) ** 2, marker=_SYMBOLS.get(trace.symbol, "o"), linewidths=0.3,
-                     edgecolors="white", zorder=3, **style)  # fmt: skip
-    elif trace.kind == "region":
-        axes.fill(trace.x, trace.y, facecolor=trace.colour, alpha=0.13, linewidth=0.0, label=label or None)
-    else:
-        line = {"linewidth": 0.62 * trace.width, "linestyle": _DASHES[trace.dash], **style}
-        axes.plot(trace.x, trace.y, drawstyle="steps-post" if trace.kind == "steps" else "default", **line)
+def _trace(axes: Axes, trace: Trace) -> Artist:
+    beside = cycle(_BESIDE)
     for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
-        axes.annotate(words, (x, y), (0, 4), textcoords="offset points", ha="center", fontsize=6.5, color=trace.colour)
+        axes.annotate(words, (x, y), fontsize=6.5, color=trace.colour, textcoords="offset points", **next(beside))
+    if trace.kind == "bars":
+        width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
+        return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
+    if trace.kind == "points":
+        size = (2.4 + 1.3 * trace.width) ** 2
+        style = {"marker": _SYMBOLS.get(trace.symbol, "o"), "linewidths": 0.3, "edgecolors": "white", "zorder": 3}
+        return axes.scatter(trace.x, trace.y, s=size, color=trace.colour, **style)
+    if trace.kind == "region":
+        return axes.fill(trace.x, trace.y, facecolor=trace.colour, alpha=0.13, linewidth=0.0)[0]
+    draw = "steps-post" if trace.kind == "steps" else "default"
+    dash = _DASHES[trace.dash]
+    return axes.plot(trace.x, trace.y, color=trace.colour, linewidth=0.62 * trace.width, linestyle=dash, drawstyle=draw)[0]
 
 
 def _heat(axes: Axes, panel: Panel) -> None:

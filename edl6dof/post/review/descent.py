@@ -25,8 +25,8 @@ def parachute(run: Run) -> Iterator[Figure]:
     rows = run.between("mortar", "backshell")
     panels = [
         over_time(run, "descent speed (m/s)", [Curve("truth.v_down_m_s", "", 1.0, BLUE)], rows),
-        over_time(run, "total angle of<br>attack (deg)", [Curve("truth.total_alpha_deg", "", 1.0, VERMILION)], rows),
-        over_time(run, "tilt from the<br>vertical (deg)", [Curve("truth.tilt_deg", "", 1.0, GREEN)], rows),
+        over_time(run, "total angle of\nattack (deg)", [Curve("truth.total_alpha_deg", "", 1.0, VERMILION)], rows),
+        over_time(run, "tilt from the\nvertical (deg)", [Curve("truth.tilt_deg", "", 1.0, GREEN)], rows),
     ]
     yield stacked("parachute", "Under the parachute", panels, "", 160)
 
@@ -50,7 +50,7 @@ def powered(run: Run) -> Iterator[Figure]:
         over_time(run, "height (m)", [Curve("truth.height_m", "", 1.0, GREY)], rows),
         over_time(run, "velocity (m/s)", speed, rows),
         over_time(run, "engine thrust (kN)", thrust, rows),
-        over_time(run, "tilt from the<br>vertical (deg)", [Curve("truth.tilt_deg", "", 1.0, PURPLE)], rows),
+        over_time(run, "tilt from the\nvertical (deg)", [Curve("truth.tilt_deg", "", 1.0, PURPLE)], rows),
     ]
     yield stacked("powered", "Powered descent", panels, "", 160)
 

@@ -19,7 +19,7 @@ def figures(run: Run) -> Iterator[Figure]:
     bank = [Curve("guide.bank_deg", "commanded", colour=VERMILION, dash="dash"), Curve("truth.bank_deg", "flown", colour=BLUE)]
     panels = [
         over_time(run, "bank (deg)", bank, rows, (-185.0, 185.0)),
-        over_time(run, "bank rate about<br>the body axis (deg/s)", [Curve("truth.rate_p_deg_s", colour=BLUE)], rows),
+        over_time(run, "bank rate about\nthe body axis (deg/s)", [Curve("truth.rate_p_deg_s", colour=BLUE)], rows),
     ]
     caption = f"{int(np.nan_to_num(run.summary['figures'].get('bank_reversals') or 0.0))} bank reversals."
     yield stacked("bank", "Bank angle", panels, caption, 230)

@@ -44,7 +44,7 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     rates = control_rates(run, control)
     panels = []
     for axis, name in enumerate(AXES):
-        if axis > 0 and not any(np.any(run[f"control.error_{name}_deg"][rows]) for _, rows in phases):
+        if axis > 0 and not any(np.median(np.abs(run[f"control.error_{name}_deg"][rows])) > 0.0 for _, rows in phases):
             continue  # damped only: shown in the plane of the two rates below
         traces = [
             Trace(run[f"control.error_{name}_deg"][rows], rates[axis][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
@@ -54,7 +54,8 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
         panels.append(_panel(word, traces, *borders(control, gains, axis)))
     if len(panels) == 1:
         panels.append(_damped(control, gains, rates, phases))
-    caption = "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part and the nearest borders."
+    caption = "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part and the nearest borders, "
+    caption += "which are drawn for the gains at bandwidth 1."
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.post.report.figure import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
-from edl6dof.post.review.parts import EVENTS
 from edl6dof.post.run import Run
 
 EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
@@ -23,7 +22,7 @@ def figures(run: Run) -> Iterator[Figure]:
 def ground_track(run: Run) -> Figure:
     """The whole way over ground, east and north of the landing site; the two axes have different scales."""
     curve = Trace(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle", colour=BLUE, width=2.2)
-    panel = Panel(_axis("east", "km"), _axis("north", "km"), [curve, _target(1e3), _events(run, 1e3, EVENTS)])
+    panel = Panel(_axis("east", "km"), _axis("north", "km"), [curve, _target(1e3), _events(run, 1e3, {"mortar": "parachute"})])
     caption = "Axes have different scales. Bank reversals keep the track inside the corridor of crossrange."
     return Figure("ground_track", "Ground track", [panel], caption, height=420)
 
@@ -38,7 +37,7 @@ def landing_site(run: Run) -> Figure:
     ]
     below = Trace(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle", colour=BLUE, width=2.2)
     near = [_circle(float(run.scenario["limits"]["landing_distance_m"]) / 1e3, "allowed distance")]
-    names = {"mortar": "parachute", "heat_shield": "heat shield", "backshell": "backshell"}
+    names = {"mortar": "parachute"}
     left = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
@@ -47,7 +46,7 @@ def landing_site(run: Run) -> Figure:
         title="from the parachute on",
     )
     last = run.between("backshell")
-    marks = {"backshell": "backshell", "phase.hover_imaging": "hover", "touchdown": "touchdown"}
+    marks = {"backshell": "release", "touchdown": "touchdown"}
     track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
     right = Panel(
         _axis("east", "m"),

@@ -43,9 +43,9 @@ def overview(run: Run) -> Figure:
     panels = [
         over_time(run, "altitude (km)", height, rows),
         over_time(run, "speed (km/s)", [Curve("truth.speed_m_s", "", 1e-3, VERMILION)], rows),
-        over_time(run, "dynamic<br>pressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows),
+        over_time(run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows),
         over_time(run, "load (Earth g)", [Curve("truth.load_g0", "", 1.0, PURPLE)], rows),
-        over_time(run, "heat flux<br>(W/cm²)", [Curve("truth.heat_flux_w_cm2", "", 1.0, ORANGE)], rows),
+        over_time(run, "heat flux\n(W/cm²)", [Curve("truth.heat_flux_w_cm2", "", 1.0, ORANGE)], rows),
     ]
     panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])

@@ -85,7 +85,7 @@ def timeline(run: Run) -> Table:
             f"{mach:.2f}" if mach is not None else "",
         )
         rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
-    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows, "Timeline")
+    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows)
 
 
 def configuration(run: Run) -> Iterator[Block]:
