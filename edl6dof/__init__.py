@@ -30,6 +30,9 @@ def load(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScena
     Raises:
         edl6dof.config.errors.ConfigError: with every problem found, each with file, line and key.
     """
+    from edl6dof.plugins import activate
+
+    activate([name_or_path])
     from edl6dof.sim.scenario import load_scenario
 
     return load_scenario(name_or_path, overrides)
@@ -37,6 +40,7 @@ def load(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScena
 
 def fly(scenario: LoadedScenario | str | Path, overrides: Iterable[str] = (), **options: Any) -> Flight:
     """Fly a scenario and return the flight; see :func:`edl6dof.sim.flight.fly` for the options."""
+    loaded = load(scenario, overrides) if isinstance(scenario, str | Path) else scenario  # before the flight software is imported
     from edl6dof.sim.flight import fly as fly_scenario
 
-    return fly_scenario(load(scenario, overrides) if isinstance(scenario, str | Path) else scenario, **options)
+    return fly_scenario(loaded, **options)

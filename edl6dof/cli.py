@@ -156,6 +156,10 @@ def main() -> None:
     from edl6dof.config.errors import ConfigError
 
     try:
+        if not {"--help", "version"} & set(sys.argv):
+            from edl6dof.plugins import activate
+
+            activate(sys.argv[1:])
         app()
     except ConfigError as error:
         print(error, file=sys.stderr)

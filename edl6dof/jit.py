@@ -59,6 +59,12 @@ def kernel(function: Callable[..., Any]) -> Any:
         numba.config.CACHE_LOCATOR_CLASSES = before
 
 
+#: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set before any is built.
+outside_sources: list[str] = []
+#: Whoever imports this file may call a member of a family.
+_FAMILIES = str(PACKAGE / "registry.py")
+
+
 class _TreeStamp:
     """Replaces numba's stamp (one file) by the hash of the file and of the package modules it imports."""
 
@@ -67,6 +73,13 @@ class _TreeStamp:
     def get_source_stamp(self) -> str:
         """Hash that changes when this function, or anything of the package it can call, is edited."""
         return tree_stamp(Path(self._py_file).resolve())
+
+    def get_cache_path(self) -> str:
+        """numba's folder; below it one for each set of outside files, so that flights with and without them do not displace each other."""
+        folder = super().get_cache_path()
+        if not outside_sources or _FAMILIES not in _dependencies(str(Path(self._py_file).resolve())):
+            return folder
+        return str(Path(folder) / f"plugins-{hashlib.sha256(repr(sorted(outside_sources)).encode()).hexdigest()[:12]}")
 
 
 class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):
@@ -87,9 +100,15 @@ LOCATORS = (ChosenTreeLocator, TreeLocator, UserTreeLocator)
 
 @cache
 def tree_stamp(path: Path) -> str:
-    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change compiled code."""
+    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change compiled code.
+
+    What may call a member of a family also depends on the members from outside the package, and on all that these import.
+    """
     digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
-    for module in sorted(_dependencies(str(path))):
+    files = _dependencies(str(path))
+    if _FAMILIES in files:
+        files = files.union(*map(_dependencies, outside_sources))
+    for module in sorted(files):
         digest.update(_read(module)[0])
     return digest.hexdigest()
 

@@ -15,8 +15,23 @@ from numba.extending import overload
 from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
+from edl6dof.config.errors import ConfigError, Problem
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")])
+
+#: Members from outside the package by title of their family, and the titles of the families that exist already.
+_joined: dict[str, list[Member]] = {}
+_built: set[str] = set()
+
+
+def join(title: str, member: Member) -> None:
+    """Let a member from outside the package stand in a family that is still to be built."""
+    _joined.setdefault(title, []).append(member)
+
+
+def is_built(title: str) -> bool:
+    """Whether the family of this title exists, so that nobody can join it any more."""
+    return title in _built
 
 
 @dataclass(frozen=True)
@@ -48,6 +63,15 @@ class Family:
 
     title: str
     members: tuple[Member, ...]
+
+    def __post_init__(self) -> None:
+        """Take in the members from outside the package."""
+        outside = [member for member in _joined.get(self.title, []) if member not in self.members]
+        if taken := {member.name for member in outside} & {member.name for member in self.members}:
+            message = f"one {self.title} of the package is called {', '.join(sorted(taken))} already; give yours another name"
+            raise ConfigError([Problem("plugins", 0, 0, "", message)])
+        object.__setattr__(self, "members", (*self.members, *outside))
+        _built.add(self.title)
 
     @property
     def names(self) -> tuple[str, ...]:

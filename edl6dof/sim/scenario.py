@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import field_validator, model_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
-from edl6dof.config.errors import Inconsistent
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.source import Document, read_document, resolve_scenario
 from edl6dof.config.validate import validate
@@ -25,9 +25,11 @@ from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.mission.phases import MissionParams
+from edl6dof.plugins import require
 from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
+from edl6dof.sim.plugin_trial import try_out
 from edl6dof.vehicle.faults import FaultParams, fault_problems
 from edl6dof.vehicle.plant import MAX_FAULTS
 from edl6dof.vehicle.point_mass import PointMassParams
@@ -77,6 +79,9 @@ class Scenario(Params):
 
     name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
     description: str = param("", "what it shows", record=False)
+    plugins: list[str] = param(
+        None, "Python files beside the scenario whose laws it may choose: they run as your own code", record=False, factory=list
+    )
     seed: int = param(1, "seed of all random profiles", record=False, ge=0)
     profile: int = param(0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0)
     planet: PlanetParams = section("planet, by name or in full")
@@ -232,6 +237,8 @@ def check_document(document: Document) -> LoadedScenario:
     Raises:
         ConfigError: with every problem found.
     """
+    require(document)
+    try_out()
     scenario = validate(Scenario, document)
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
@@ -245,5 +252,9 @@ def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Lo
     Raises:
         ConfigError: with every problem found.
     """
+    overrides = list(overrides)
+    late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
+    if late:
+        raise ConfigError(Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late)
     document = expand_daveml(read_document(resolve_scenario(str(name_or_path))))
     return check_document(expand_daveml(apply_overrides(document, overrides, Scenario)))

@@ -1,0 +1,168 @@
+"""A user's own members of a family: Python files named in the scenario, which join before the flight software is built.
+
+A plugin file is what a member's file in the package is, with one line more that says where it belongs:
+
+    FAMILY = "entry_law"                         # or reversal, powered_law, controller
+    MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
+
+The families, their records and the compiled loop are made once in a process, so plugins are read first: the command line and
+``edl6dof.load`` do that for the scenarios they are given; other programs call :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
+A plugin runs with all rights of the user: it is the user's own code, and only a scenario or that variable can name it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.locate import resolve_scenario, shown
+from edl6dof.config.source import Document, parse_document
+from edl6dof.jit import outside_sources
+from edl6dof.registry import Member, is_built, join
+
+VARIABLE = "EDL6DOF_PLUGINS"
+
+#: What FAMILY may say: the family's title, and for each role of a member its kernel's arguments.
+FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
+    "entry_law": ("entry guidance law", {"guide": ("onboard", "nav", "mem", "out")}),
+    "reversal": ("bank-reversal logic", {"side": ("onboard", "nav", "mem", "out", "wanted", "sign")}),
+    "powered_law": ("powered guidance law", {"guide": ("onboard", "nav", "mem", "guide")}),
+    "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
+}
+
+#: Plugins of this process by absolute path: key of the family, and the member.
+ACTIVE: dict[Path, tuple[str, Member]] = {}
+
+_NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:", re.MULTILINE)
+
+
+def activate(scenarios: Iterable[str | Path]) -> None:
+    """Load the plugins of scenario files, shipped names and run folders, and those of the environment; other texts are passed over.
+
+    Raises:
+        ConfigError: a plugin cannot be used, or comes too late.
+    """
+    wanted = {Path(text).absolute(): None for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text}
+    for file in filter(None, map(_scenario_file, scenarios)):
+        content = file.read_bytes()
+        if _NAMES_PLUGINS.search(content):
+            document = parse_document(content.decode("utf-8-sig", errors="replace"), shown(file))
+            document.files = (file,)
+            wanted.update({path: document for path in named_plugins(document)})
+    new = {path: document for path, document in wanted.items() if path not in ACTIVE}
+    outside_sources.extend(str(path) for path in new if path.is_file())
+    for path, document in new.items():
+        _load(path, document)
+
+
+def require(document: Document) -> None:
+    """Check that the plugins a document names are active, and write them into it by their whole paths.
+
+    Raises:
+        ConfigError: a plugin cannot be used, or this process made its families without it.
+    """
+    paths = named_plugins(document)
+    for path in paths:
+        if path not in ACTIVE:
+            message = (
+                "comes too late: this process has built its flight software without it; load this scenario first "
+                f"(edl6dof.load), or set {VARIABLE} to the file before Python starts"
+            )
+            raise _problem(path, document, message)
+    if paths:
+        document.data["plugins"] = [str(path) for path in paths]
+
+
+def named_plugins(document: Document) -> list[Path]:
+    """Absolute paths of the plugins that a document names, relative ones being beside its file; wrong types are left to validation."""
+    names = document.data.get("plugins") or []
+    folder = document.files[0].resolve().parent if document.files else Path.cwd()
+    return [folder / name for name in names if isinstance(name, str)] if isinstance(names, list) else []
+
+
+def _scenario_file(text: str | Path) -> Path | None:
+    """The scenario file that a command-line argument means, if it means one."""
+    try:
+        inside = Path(text) / "scenario.yaml"
+        return inside if inside.is_file() else resolve_scenario(text)
+    except (ConfigError, OSError, ValueError):
+        return None
+
+
+def _problem(path: Path, document: Document | None, message: str) -> ConfigError:
+    """The error of a plugin, at the place of the scenario that names it."""
+    if document is None:
+        return ConfigError([Problem(VARIABLE, 0, 0, "", f"plugin {shown(path)} {message}")])
+    index = named_plugins(document).index(path)
+    return ConfigError([document.problem(("plugins", index), f"plugin {shown(path)} {message}")])
+
+
+def _load(path: Path, document: Document | None) -> None:
+    """Import one plugin file and let its member join its family."""
+    if not path.is_file():
+        raise _problem(path, document, "is no such file")
+    if path.suffix != ".py":
+        raise _problem(path, document, "must be a Python file (.py)")
+    module = _imported(path, document)
+    key, member = getattr(module, "FAMILY", None), getattr(module, "MEMBER", None)
+    if key not in FAMILIES:
+        raise _problem(path, document, f"must say FAMILY = one of {', '.join(FAMILIES)} (got {key!r})")
+    if not isinstance(member, Member):
+        raise _problem(path, document, f"must define MEMBER = Member(...) (got {type(member).__name__})")
+    title, roles = FAMILIES[key]
+    if complaint := _complaint(member, roles):
+        raise _problem(path, document, complaint)
+    if is_built(title):
+        raise _problem(path, document, f"comes too late: the family of {title}s was built before it, perhaps by what it imports itself")
+    if any(title == FAMILIES[other][0] and member.name == one.name for other, one in ACTIVE.values()):
+        raise _problem(path, document, f"brings a second {title} called {member.name!r}")
+    join(title, member)
+    ACTIVE[path] = (key, member)
+
+
+def _imported(path: Path, document: Document | None) -> Any:
+    name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # compiled code finds its globals by this name
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # whatever the user's code raises belongs to the user, in one line
+        del sys.modules[name]
+        raise _problem(path, document, f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}") from error
+    return module
+
+
+def _line(error: BaseException, path: Path) -> str:
+    """Where in the plugin an exception came from."""
+    if isinstance(error, SyntaxError):
+        return ""
+    lines, trace = [], error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == str(path):
+            lines.append(trace.tb_lineno)
+        trace = trace.tb_next
+    return f" (line {lines[-1]})" if lines else ""
+
+
+def _complaint(member: Member, roles: dict[str, tuple[str, ...]]) -> str:
+    """What is wrong with a member; empty when nothing is."""
+    if not member.name.isidentifier() or member.name != member.name.lower():
+        return f"has a member whose name is no lower-case identifier (got {member.name!r})"
+    if set(member.kernels) != set(roles):
+        return f"must give the kernel{'s' if len(roles) > 1 else ''} {', '.join(roles)} (got {', '.join(member.kernels) or 'none'})"
+    for role, arguments in roles.items():
+        function = getattr(member.kernels[role], "py_func", None)
+        if function is None:
+            return f"must compile {role!r} with @kernel"
+        if len(given := inspect.signature(function).parameters) != len(arguments):
+            return f"must define {role}({', '.join(arguments)}) (got {function.__name__}({', '.join(given)}))"
+    return ""

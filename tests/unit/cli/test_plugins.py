@@ -1,0 +1,210 @@
+"""A user's own law in a file outside the package: it flies, its mistakes are named in one line, and editing it is never overlooked."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from edl6dof import jit, plugins
+from edl6dof.config.errors import ConfigError
+from edl6dof.config.locate import find_shipped
+
+EXAMPLE = Path(__file__).parents[3] / "examples" / "energy_law.py"
+
+LAW = """
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+class MineParams(Params):
+    "Mine."
+
+@kernel
+def guide(onboard, nav, mem, out):
+    "Mine."
+    return 0.5
+
+FAMILY = "entry_law"
+MEMBER = Member("mine", MineParams, {"guide": guide}, "me, 2026")
+"""
+
+
+def scenario_with(folder, plugin, *changes):
+    """The shipped Tianwen-1 scenario, ended at the parachute, with a plugin named in line 2."""
+    text = find_shipped("scenarios", "tianwen1").read_text(encoding="utf-8")
+    for old, new in (
+        ("name: tianwen1", f'name: tianwen1\nplugins: ["{plugin}"]'),
+        ("  phases:", "  goal: deployment\n  phases:"),
+        *changes,
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    file = folder / "mine.yaml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.fixture(autouse=True)
+def plugins_of_this_process(monkeypatch):
+    """Tests may try plugins; nothing of that stays."""
+    before = list(jit.outside_sources)
+    monkeypatch.setattr(plugins, "ACTIVE", {})
+    yield
+    jit.outside_sources[:] = before
+
+
+# ---- mistakes ------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name, text, message",
+    [
+        ("missing.py", None, "is no such file"),
+        ("law.txt", LAW, "must be a Python file"),
+        ("law.py", LAW.replace("return 0.5", "return 0.5)"), "cannot be imported: SyntaxError: unmatched"),
+        ("law.py", LAW.replace("edl6dof.jit", "edl6dof.jet"), "cannot be imported: ModuleNotFoundError.*line 3"),
+        ("law.py", LAW.replace("entry_law", "entry law"), "must say FAMILY = one of entry_law, reversal, .*got 'entry law'"),
+        ("law.py", LAW.replace("MEMBER =", "LAW ="), r"must define MEMBER = Member\(...\)"),
+        (
+            "law.py",
+            LAW.replace("(onboard, nav, mem, out)", "(onboard, nav)"),
+            r"must define guide\(onboard, nav, mem, out\) \(got guide\(onb",
+        ),
+        ("law.py", LAW.replace('{"guide"', '{"steer"'), r"must give the kernel guide \(got steer\)"),
+        ("law.py", LAW.replace("@kernel", ""), "must compile 'guide' with @kernel"),
+        ("law.py", LAW.replace('"mine"', '"My law"'), "no lower-case identifier"),
+        ("law.py", LAW, "comes too late: the family of entry guidance laws was built"),
+    ],
+)
+def test_plugin_that_cannot_be_used_is_named_with_the_line_that_names_it(tmp_path, name, text, message):
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    file = scenario_with(tmp_path, name)
+    import edl6dof.fsw.onboard  # noqa: F401  the families exist
+
+    with pytest.raises(ConfigError, match=message) as caught:
+        plugins.activate([file])
+    (problem,) = caught.value.problems
+    assert problem.file.endswith("mine.yaml") and problem.path == "plugins.0"
+    assert file.read_text().splitlines()[problem.line - 1].startswith("plugins:")
+
+
+def test_scenario_loaded_past_the_command_line_says_what_to_do(tmp_path):
+    from edl6dof.sim.scenario import load_scenario
+
+    (tmp_path / "law.py").write_text(LAW)
+    with pytest.raises(ConfigError, match="comes too late.*load this scenario first.*EDL6DOF_PLUGINS"):
+        load_scenario(scenario_with(tmp_path, "law.py"))
+
+
+def test_plugins_cannot_be_set_on_the_command_line():
+    from edl6dof.sim.scenario import load_scenario
+
+    with pytest.raises(ConfigError, match="must be named in the scenario file"):
+        load_scenario("tianwen1", ["plugins=[law.py]"])
+
+
+def cli(*arguments, cache=None):
+    """The command line in a fresh process: (exit status, standard output, standard error)."""
+    code = f"import sys; sys.argv = ['edl6dof', *{[str(a) for a in arguments]!r}]; from edl6dof.cli import main; main()"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    return run.returncode, run.stdout, run.stderr
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ("return 0.5", "return nav.bonk", "guide: uses a field that its records do not have: .bonk"),
+        ("return 0.5", "return nav.speed.bonk", "guide: does not compile: Unknown attribute.*bonk"),
+        ("return 0.5", "return 1, 2", r"guide: must return a bank angle \(float\) \(got tuple\)"),
+        ('"mine"', '"npc"', "entry guidance law of the package is called npc already"),
+    ],
+)
+def test_kernel_that_does_not_fit_is_refused_before_the_simulator_is_compiled(tmp_path, old, new, message):
+    (tmp_path / "law.py").write_text(LAW.replace(old, new))
+    status, _, error = cli("check", scenario_with(tmp_path, "law.py"))
+    assert status == 2
+    assert "Traceback" not in error
+    assert len(error.strip().splitlines()) == 1
+    assert re.search(message, error)
+
+
+# ---- cache ---------------------------------------------------------------------------------------------------------------------
+
+
+def stamp(file):
+    jit._read.cache_clear()
+    return jit.tree_stamp.__wrapped__(jit.PACKAGE / file)
+
+
+def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path):
+    law = tmp_path / "law.py"
+    law.write_text(LAW)
+    caller, other = "fsw/guidance/entry/registry.py", "spatial/vector.py"
+    without = stamp(caller), stamp(other)
+    jit.outside_sources.append(str(law))
+    named = stamp(caller), stamp(other)
+    law.write_text(LAW.replace("0.5", "0.6"))
+    edited = stamp(caller), stamp(other)
+    jit._read.cache_clear()
+    assert len({without[0], named[0], edited[0]}) == 3
+    assert without[1] == named[1] == edited[1]
+
+
+STEER = """
+import sys
+import numpy as np
+from edl6dof import plugins
+plugins.activate([{scenario!r}])
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
+from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.jit import kernel
+from edl6dof.fsw.guidance.entry import steering
+
+onboard, nav, mem, out = (np.zeros(1, t)[0] for t in (ONBOARD, NAV, steering.STEERING, GUIDE))
+entry = onboard["guidance"]["entry"]
+entry["reversal"]["logic"], entry["bank_max"], nav["speed"] = REVERSALS.names.index("mine"), 2.0, 1000.0
+steering.steer_bank(onboard, nav, mem, out, 1.25)
+print(float(out["bank"]), sum(steering.steer_bank.stats.cache_hits.values()))
+"""
+
+SIDE = LAW.replace("guide(onboard, nav, mem, out)", "side(onboard, nav, mem, out, wanted, sign)").replace(
+    '{"guide": guide}', '{"side": side}'
+)
+
+
+def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, monkeypatch):
+    """A reversal logic in a process of its own each time: result, and whether numba took it from the cache."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    law, found = tmp_path / "law.py", []
+    scenario = scenario_with(tmp_path, "law.py")
+    for side in (1.0, 1.0, -1.0):
+        law.write_text(SIDE.replace("entry_law", "reversal").replace("return 0.5", f"return {side}"))
+        run = subprocess.run([sys.executable, "-c", STEER.format(scenario=str(scenario))], capture_output=True, text=True, timeout=300)
+        assert run.returncode == 0, run.stderr
+        bank, hits = run.stdout.split()
+        found.append((float(bank), int(hits)))
+    assert found == [(1.25, 0), (1.25, 1), (-1.25, 0)]
+
+
+# ---- the example ---------------------------------------------------------------------------------------------------------------
+
+
+def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):
+    code = [line for line in EXAMPLE.read_text().split('"""', 2)[2].splitlines() if line.strip()]
+    assert len(code) <= 30
+    file = scenario_with(tmp_path, EXAMPLE, ("law: drag_tracking", "law: energy_law"))
+    status, _, error = cli("fly", file, "--out", tmp_path / "run", "--no-replay", "--quiet")
+    assert status == 0, error
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    figures = summary.get("metrics", summary.get("figures"))
+    assert figures["parachute_miss_m"] < 10e3
+    assert figures["parachute_mach"] == pytest.approx(1.8, abs=0.05)
+    again, _, error = cli("fly", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "again", "--no-replay", "--quiet")
+    assert again == 0, error
+    assert (tmp_path / "again" / "summary.json").read_text().count("parachute_miss_m") == 1
