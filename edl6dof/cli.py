@@ -151,15 +151,22 @@ def version() -> None:
     print(__version__)
 
 
+def _activate_plugins(arguments: list[str]) -> None:
+    """Load the plugins that scenarios among the arguments name, before anything is imported that they must join."""
+    from edl6dof.config.plugin_scan import files_from_environment, scenarios_naming_plugins
+
+    if files_from_environment() or any(scenarios_naming_plugins(arguments)):
+        from edl6dof.plugins import activate
+
+        activate(arguments)
+
+
 def main() -> None:
     """Entry point: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a traceback."""
     from edl6dof.config.errors import ConfigError
 
     try:
-        if not {"--help", "version"} & set(sys.argv):
-            from edl6dof.plugins import activate
-
-            activate(sys.argv[1:])
+        _activate_plugins(sys.argv[1:])
         app()
     except ConfigError as error:
         print(error, file=sys.stderr)

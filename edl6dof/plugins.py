@@ -15,20 +15,17 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import inspect
-import os
-import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.locate import resolve_scenario, shown
+from edl6dof.config.locate import shown
+from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, scenarios_naming_plugins
 from edl6dof.config.source import Document, parse_document
 from edl6dof.jit import outside_sources
 from edl6dof.registry import Member, is_built, join
-
-VARIABLE = "EDL6DOF_PLUGINS"
 
 #: What FAMILY may say: the family's title, and for each role of a member its kernel's arguments.
 FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
@@ -41,22 +38,18 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
 #: Plugins of this process by absolute path: key of the family, and the member.
 ACTIVE: dict[Path, tuple[str, Member]] = {}
 
-_NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:", re.MULTILINE)
-
 
 def activate(scenarios: Iterable[str | Path]) -> None:
-    """Load the plugins of scenario files, shipped names and run folders, and those of the environment; other texts are passed over.
+    """Load the plugins of scenario files and run folders, and those of the environment; other texts are passed over.
 
     Raises:
         ConfigError: a plugin cannot be used, or comes too late.
     """
-    wanted = {Path(text).absolute(): None for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text}
-    for file in filter(None, map(_scenario_file, scenarios)):
-        content = file.read_bytes()
-        if _NAMES_PLUGINS.search(content):
-            document = parse_document(content.decode("utf-8-sig", errors="replace"), shown(file))
-            document.files = (file,)
-            wanted.update({path: document for path in named_plugins(document)})
+    wanted: dict[Path, Document | None] = dict.fromkeys(files_from_environment())
+    for file in scenarios_naming_plugins(scenarios):
+        document = parse_document(file.read_text(encoding="utf-8-sig", errors="replace"), shown(file))
+        document.files = (file,)
+        wanted.update(dict.fromkeys(named_plugins(document), document))
     new = {path: document for path, document in wanted.items() if path not in ACTIVE}
     outside_sources.extend(str(path) for path in new if path.is_file())
     for path, document in new.items():
@@ -86,15 +79,6 @@ def named_plugins(document: Document) -> list[Path]:
     names = document.data.get("plugins") or []
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     return [folder / name for name in names if isinstance(name, str)] if isinstance(names, list) else []
-
-
-def _scenario_file(text: str | Path) -> Path | None:
-    """The scenario file that a command-line argument means, if it means one."""
-    try:
-        inside = Path(text) / "scenario.yaml"
-        return inside if inside.is_file() else resolve_scenario(text)
-    except (ConfigError, OSError, ValueError):
-        return None
 
 
 def _problem(path: Path, document: Document | None, message: str) -> ConfigError:
