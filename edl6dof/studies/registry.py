@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import zheng2015
+from edl6dof.studies import yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
     module.STUDY.name: module.STUDY
     for module in (
         zheng2015,
+        yan2016,
     )
 }  # fmt: skip
