@@ -27,6 +27,9 @@ class TrackingParams(Params):
     scale_limit: float = param(0.4, "largest relative change of the reference drag", gt=0.0, lt=1.0)
 
 
+#: Newton steps at most, and the change of the scale that needs no further one: 1 m in 100 km.
+ITERATIONS, RESOLUTION = 3, 1e-5
+
 #: What a law that follows the reference drag remembers.
 TRACKING = np.dtype([("scale", "f8")], align=True)
 
@@ -47,22 +50,27 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
     if last < 3:
         return scale
     first2 = reference.first * reference.first
-    span = energy_speed * energy_speed - first2
-    for _ in range(3):
-        total, slope = 0.0, 0.0
+    per_span = 1.0 / (energy_speed * energy_speed - first2)
+    edge = energy_speed - (reference.first + last * reference.spacing)
+    here = smooth(reference.drag, NODES, last, edge / reference.spacing) if last < NODES - 1 else reference.drag[last]
+    for _ in range(ITERATIONS):
+        total, slope, piece = 0.0, 0.0, 0.0
         for i in range(last + 1):
             u = reference.first + i * reference.spacing
-            f = shape((u * u - first2) / span)
+            f = shape((u * u - first2) * per_span)
+            g = 1.0 + scale * f
             weight = 0.5 if i == 0 or i == last else 1.0
-            piece = weight * reference.cos_path[i] * u / (reference.drag[i] * (1.0 + scale * f))
+            share = weight * reference.cos_path[i] * u / (reference.drag[i] * g * g)
+            piece = share * g
             total += piece
-            slope -= piece * f / (1.0 + scale * f)
-        # the piece between the last node and the present energy
-        edge = energy_speed - (reference.first + last * reference.spacing)
-        here = smooth(reference.drag, NODES, last, edge / reference.spacing) if last < NODES - 1 else reference.drag[last]
+            slope -= share * f
+        # the piece between the last node and the present energy, by the trapezoid
         end = reference.cos_path[last] * energy_speed / (here * (1.0 + scale * shape(1.0)))
         total = total * reference.spacing + 0.5 * edge * (2.0 * piece + end)
+        before = scale
         scale = clamp(scale - (total - wanted) / (slope * reference.spacing), -limit, limit)
+        if abs(scale - before) < RESOLUTION:
+            break
     return scale
 
 
