@@ -1,0 +1,80 @@
+"""The studies of Zheng & Cui and of Yan, Sun & Guo on few runs: published bounds, and draws that do not depend on the number of runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from edl6dof.studies import yan2016, zheng2015
+from edl6dof.studies.cases import Spread, draw, values
+
+
+def silent(done, total):
+    pass
+
+
+@pytest.fixture(scope="module")
+def zheng():
+    return zheng2015.run(8, silent)
+
+
+@pytest.fixture(scope="module")
+def yan():
+    return yan2016.run(64, silent)
+
+
+def finding(report, label):
+    return next(found for found in report.findings if found.label == label)
+
+
+def test_draws_have_the_wanted_spread_and_a_longer_series_begins_like_a_shorter_one():
+    spreads = (Spread("a.b", 10.0, 3.0), Spread("c", -1.0, 0.0))
+    many = draw(spreads, 4000, 1)
+    assert draw(spreads, 3, 1) == many[:3]
+    first = np.array([row["a.b"] for row in many])
+    assert (first.mean(), first.std()) == (pytest.approx(10.0, abs=0.05), pytest.approx(1.0, abs=0.04))
+    assert {row["c"] for row in many} == {-1.0}
+
+
+def test_zheng2015_keeps_the_published_bounds(zheng):
+    assert [found.label for found in zheng.findings if not found.ok] == []
+    assert sum(bool(found.bound) for found in zheng.findings) == 6
+
+
+def test_zheng2015_flies_every_run_with_the_outer_loop_and_without(zheng):
+    assert zheng.runs == zheng.table.num_rows == 16
+    assert zheng.table["outer_loop"].to_pylist() == [True] * 8 + [False] * 8
+    assert np.all(values(zheng.table, "parachute_speed_m_s") == pytest.approx(400.0, abs=0.2))
+
+
+def test_zheng2015_observer_sees_the_disturbance(zheng):
+    assert finding(zheng, "disturbance estimate, RMS error over RMS").computed < 5.0
+
+
+def test_zheng2015_without_outer_loop_misses_by_more_than_the_entry_longitude(zheng):
+    """0.1 deg (3 sigma) of longitude is 2 km (1 sigma) on the ground, and nothing takes it out."""
+    fixed = zheng.table.slice(8)
+    east = (values(fixed, "truth.initial.longitude_deg")) * np.pi / 180.0 * 3394.5e3
+    down = values(fixed, "parachute_downrange_m")
+    slope = np.polyfit(east, down, 1)[0]
+    assert np.corrcoef(east, down)[0, 1] > 0.3
+    assert slope > 0.3
+
+
+def test_yan2016_keeps_the_published_bounds(yan):
+    assert [found.label for found in yan.findings if not found.ok] == []
+    assert finding(yan, "disturbance estimate, largest error").computed < 4.0
+
+
+def test_yan2016_shows_the_gains_at_which_the_order_turns(yan):
+    """Honesty about an unprinted parameter: the comparison is repeated, and one of the repetitions goes against the paper in altitude."""
+    ratios = [found.computed for found in yan.findings if found.note.startswith("gains") and "altitude" in found.label]
+    assert len(ratios) == 3 and max(ratios) > 1.0 > min(ratios)
+
+
+def test_figures_of_the_papers_are_drawn(zheng, yan):
+    assert [drawing.name[:4] for drawing in zheng.drawings] == ["fig3", "fig4", "fig5", "fig6"]
+    assert [drawing.name[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
+    for drawing in (*zheng.drawings, *yan.drawings):
+        for panel in drawing.panels:
+            assert all(len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all() for curve in panel.curves)

@@ -1,0 +1,110 @@
+"""``edl6dof study``: list, refusals, exit status, files; a study of two rows stands in for the papers."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from edl6dof.app.study import StudyOptions, run_study
+from edl6dof.studies.registry import STUDIES
+from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Report, Study
+
+pytest.importorskip("matplotlib")
+
+
+def small(runs, progress):
+    x = np.linspace(0.0, 1.0, 5)
+    panels = tuple(Panel(kind, "x", "y", (Curve(x, x, kind, kind),)) for kind in ("line", "reference", "dots", "histogram", "filled"))
+    progress(runs, runs)
+    findings = (
+        Finding("kept", "m", 1.0, 2.0, "<="),
+        Finding("side by side", "m", 3.0, 2.0),
+        Finding("bound", "", float(runs), 5.0, ">="),
+    )
+    return Report(findings, (Drawing("figure", panels),), pa.table({"truth.mass_kg": [1.0] * runs}), runs, ("A remark.",))
+
+
+SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
+
+
+def options(name, runs=None, out=None, force=False, quick=False, as_json=False):
+    return StudyOptions(name, runs, out, force, quick, as_json)
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch):
+    monkeypatch.setitem(STUDIES, "small", SMALL)
+
+
+def test_every_study_names_itself_its_source_and_its_runs():
+    for name, study in STUDIES.items():
+        assert study.name == name and study.title and any(word.isdigit() for word in study.source.split())
+        assert 1 <= study.quick_runs <= study.runs
+
+
+def test_without_a_name_studies_are_listed(capsys):
+    assert run_study(options(None)) == 0
+    shown = capsys.readouterr().out
+    assert all(name in shown for name in STUDIES)
+
+
+def test_unknown_study_is_refused_with_a_hint(capsys):
+    assert run_study(options("smal")) == 2
+    assert "did you mean 'small'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("runs", [0, -3])
+def test_no_runs_are_refused(runs, tmp_path, capsys):
+    assert run_study(options("small", runs=runs, out=tmp_path / "s")) == 2
+    assert "must be 1 or more" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_fixed_set_of_flights_has_no_number(monkeypatch, capsys):
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", small))
+    assert run_study(options("small", runs=4)) == 2
+    assert "fixed set" in capsys.readouterr().err
+
+
+def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
+    out = tmp_path / "deep" / "s"
+    assert run_study(options("small", out=out)) == 0
+    assert sorted(path.name for path in out.iterdir()) == ["figure.png", "runs.parquet", "summary.json"]
+    table = pq.read_table(out / "runs.parquet")
+    assert table.num_rows == 9
+    assert table.schema.field("truth.mass_kg").metadata[b"unit"] == b"kg"
+    assert table.schema.metadata[b"study"] == b"small"
+    assert run_study(options("small", out=out)) == 2
+    assert run_study(options("small", out=out, quick=True, force=True)) == 0
+    assert pq.read_table(out / "runs.parquet").num_rows == 6
+    shown = capsys.readouterr().out
+    assert "A remark." in shown and "every published bound is kept" in shown
+
+
+def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
+    assert run_study(options("small", runs=2, out=tmp_path / "s")) == 1
+    assert "MISSED: bound" in capsys.readouterr().out
+
+
+def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):
+    def lost(runs, progress):
+        return Report((Finding("lost", "m", float("nan"), 2.0, "<="),), (), pa.table({"x_m": [1.0]}), 1)
+
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lost))
+    assert run_study(options("small", out=tmp_path / "s", as_json=True)) == 1
+    answer = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert answer["findings"][0]["computed"] is None and not answer["ok"]
+
+
+def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
+    def interrupted(runs, progress):
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", interrupted))
+    assert run_study(options("small", out=tmp_path / "s")) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
