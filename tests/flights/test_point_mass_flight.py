@@ -52,9 +52,8 @@ def test_miss_is_made_of_downrange_and_crossrange(both):
 def test_downrange_grows_with_the_aim_point_drawn_nearer():
     """Lift-up flight, the same whatever the aim point, which is moved 3 km back along the track: so much more of an overshoot."""
     entry = "flight_software.guidance.entry"
-    straight = [
-        f"{entry}.{change}" for change in ("law=constant_bank", "constant_bank.bank_deg=0", "bank_min_deg=0", "heading.speed_m_s=0")
-    ]
+    lift_up = ("law=constant_bank", "constant_bank.bank_deg=0", "bank_min_deg=0", "heading.speed_m_s=0")
+    straight = [f"{entry}.{change}" for change in lift_up]
     before = edl6dof.fly("zheng2015", straight).metrics
     moved = 10.6877 - degrees(3000.0 / 3394500.0)
     after = edl6dof.fly("zheng2015", [*straight, f"terrain.site_longitude_deg={moved!r}"]).metrics
