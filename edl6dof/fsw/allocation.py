@@ -14,7 +14,7 @@ from edl6dof.jit import kernel
 
 MAX_THRUSTERS = 32
 ROWS = 6  # force x, y, z; torque x, y, z
-FINE = 3
+AXIAL, ATTITUDE, FINE = 1, 2, 3
 
 
 class AllocationParams(Params):
@@ -25,6 +25,7 @@ class AllocationParams(Params):
     torque_scale_nm: float = param(250.0, "torque error that weighs one", gt=0.0)
     force_scale_n: float = param(600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0)
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
+    axial_force_scale_n: float = param(1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0)
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
     fine_share: float = param(0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0)
 
@@ -75,7 +76,7 @@ def fine_enough(params, effect, thrusters, count, healthy, demand):
 
 
 @kernel
-def allocate(params, thrusters, count, healthy, allowed, translating, demand, memory):
+def allocate(params, thrusters, count, healthy, allowed, translating, boosting, demand, memory):
     """Duties for a demanded force and torque; ``memory.duty`` and ``memory.undelivered`` are written.
 
     Args:
@@ -85,13 +86,16 @@ def allocate(params, thrusters, count, healthy, allowed, translating, demand, me
         healthy: whether each may be used (0 for no).
         allowed: bit mask of the groups that may fire.
         translating: whether lateral force is demanded; otherwise stray force is only discouraged.
-        demand: (force x, y, z, torque x, y, z) in B, N and N m; force x is never controlled.
+        boosting: whether axial force is demanded; otherwise it is left alone.
+        demand: (force x, y, z, torque x, y, z) in B, N and N m.
         memory: ``ALLOCATOR`` record whose ``effect`` is filled.
     """
     effect, duty, residual = memory.effect, memory.duty, memory.undelivered
-    only_fine = (not translating) and (allowed >> FINE) & 1 == 1 and fine_enough(params, effect, thrusters, count, healthy, demand)
+    small = not (translating or boosting) and fine_enough(params, effect, thrusters, count, healthy, demand)
+    only_fine = small and (allowed >> FINE) & 1 == 1
     mask = 1 << FINE if only_fine else allowed
     force_weight = 1.0 / (params.force_scale if translating else params.stray_force_scale) ** 2
+    axial_weight = 1.0 / params.axial_force_scale**2 if boosting else 0.0
     torque_weight = 1.0 / params.torque_scale**2
     for row in range(ROWS):
         residual[row] = demand[row]
@@ -99,10 +103,11 @@ def allocate(params, thrusters, count, healthy, allowed, translating, demand, me
     for i in range(count):
         stray = effect[i, 1] * effect[i, 1] + effect[i, 2] * effect[i, 2]
         turn = effect[i, 3] * effect[i, 3] + effect[i, 4] * effect[i, 4] + effect[i, 5] * effect[i, 5]
-        curve = force_weight * stray + torque_weight * turn
+        curve = axial_weight * effect[i, 0] * effect[i, 0] + force_weight * stray + torque_weight * turn
         usable = healthy[i] != 0 and (mask >> thrusters[i].group) & 1 == 1
         gain[i] = 1.0 / curve if usable and curve > 0.0 else 0.0
-        price[i] = 0.5 * params.use_cost * thrusters[i].thrust / 250.0
+        # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
+        price[i] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * params.use_cost * thrusters[i].thrust / 250.0
         duty[i] = 0.0
     for sweep in range(2 * params.sweeps):
         # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
@@ -112,9 +117,9 @@ def allocate(params, thrusters, count, healthy, allowed, translating, demand, me
         for i in range(count):
             if gain[i] == 0.0 or (thrusters[i].group == FINE) != fine_turn:
                 continue
-            slope = force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2]) + torque_weight * (
-                effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5]
-            )
+            slope = axial_weight * effect[i, 0] * residual[0]
+            slope += force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2])
+            slope += torque_weight * (effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5])
             new = min(max(duty[i] + (slope - price[i]) * gain[i], 0.0), 1.0)
             move = new - duty[i]
             if move != 0.0:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from edl6dof.fsw.allocation import allocate, effects
+from edl6dof.fsw.allocation import ATTITUDE, AXIAL, allocate, effects
 from edl6dof.fsw.check_out import check_out
 from edl6dof.fsw.control.registry import attitude_control
+from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.observe import observe
 from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF
@@ -26,7 +27,6 @@ from edl6dof.mission.phases import (
 )
 from edl6dof.spatial.vector import take3
 
-AXIAL = 1
 G0 = 9.80665
 R_WING, R_MORTAR, R_HEAT_SHIELD, R_LEGS, R_BACKSHELL, R_IGNITION, R_CUT_OFF = range(7)
 ENTRY, UNDER_CHUTE, LANDER = range(3)
@@ -103,6 +103,28 @@ def guide_vehicle(onboard, kind, k, entered, fsw):
 
 
 @kernel
+def look_for_faults(onboard, dt, fsw):
+    """Diagnose the thrusters from what the commands did not explain in the last control cycle."""
+    seen = fsw.disturbance.seen
+    load = abs(seen[0] + fsw.guide.thrust) if fsw.ignited != 0 else abs(seen[0])
+    effect, healthy, isolate = fsw.allocator.effect, fsw.healthy, fsw.command.isolate
+    count, t = onboard.vehicle.n_thrusters, fsw.nav.t
+    diagnose(onboard.diagnosis, count, effect, fsw.activity, load, seen, t, dt, fsw.diagnosis, healthy, isolate)
+
+
+@kernel
+def usable_groups(phase, boosting, thrusters, count, healthy):
+    """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or for a lost attitude one."""
+    allowed = 1 << AXIAL if boosting else 0
+    for i in range(phase.n_thrusters):
+        allowed |= 1 << phase.thrusters[i]
+    for i in range(count):
+        if thrusters[i].group == ATTITUDE and healthy[i] == 0:
+            allowed |= 1 << AXIAL
+    return allowed
+
+
+@kernel
 def steer(onboard, phase, dt, fsw):
     """Attitude control, allocation over the allowed thrusters, and pulse modulation for one control cycle."""
     nav, guide = fsw.nav, fsw.guide
@@ -112,6 +134,7 @@ def steer(onboard, phase, dt, fsw):
         fsw.demand[i] = 0.0
     effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
     observe(onboard, dt, fsw)
+    look_for_faults(onboard, dt, fsw)
     if check_out(onboard, dt, fsw):
         remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)
         return
@@ -121,17 +144,15 @@ def steer(onboard, phase, dt, fsw):
     wanted = 0.0
     for i in range(6):
         wanted += abs(fsw.demand[i])
-    if wanted > 0.0:
-        allowed = 0
-        for i in range(phase.n_thrusters):
-            allowed |= 1 << phase.thrusters[i]
-        if boosting:
-            # the axial thrusters fire anyway: the others take out the torque of their offset from the centre of mass
-            for i in range(count):
-                if vehicle.thrusters[i].group == AXIAL and fsw.healthy[i] != 0:
-                    for j in range(3, 6):
-                        fsw.demand[j] -= fsw.allocator.effect[i, j]
-        allocate(onboard.allocation, vehicle.thrusters, count, fsw.healthy, allowed, guide.translating != 0, fsw.demand, fsw.allocator)
+    if boosting:
+        # the axial thrusters help the engine as far as the torque allows
+        for i in range(count):
+            if vehicle.thrusters[i].group == AXIAL:
+                fsw.demand[0] += fsw.allocator.effect[i, 0]
+    if wanted > 0.0 or boosting:
+        allowed = usable_groups(phase, boosting, vehicle.thrusters, count, fsw.healthy)
+        translating = guide.translating != 0
+        allocate(onboard.allocation, vehicle.thrusters, count, fsw.healthy, allowed, translating, boosting, fsw.demand, fsw.allocator)
     else:
         for i in range(count):
             duty[i] = 0.0
@@ -141,10 +162,6 @@ def steer(onboard, phase, dt, fsw):
     for i in range(3, 6):
         if abs(fsw.allocator.undelivered[i]) > 0.2 * onboard.allocation.torque_scale:
             fsw.saturated = 1
-    if boosting:
-        for i in range(count):
-            if vehicle.thrusters[i].group == AXIAL and fsw.healthy[i] != 0:
-                duty[i] = 1.0
     modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
     remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)
 
@@ -162,6 +179,9 @@ def run(onboard, sensed, k, fsw):
     before = fsw.phase
     sequence(mission, fsw.nav, fsw.guide, fsw, command.request)
     note_requests(onboard, fsw.nav, fsw)
+    for i in range(command.request.shape[0]):
+        if command.request[i] != 0:
+            restart(fsw.diagnosis)
     phase = mission.phases[fsw.phase]
     command.phase = fsw.phase
     if fsw.phase != before:

@@ -19,7 +19,7 @@ MAX_THRUSTERS = 32
 class ModulationParams(Params):
     """Pulse modulation of the thrusters."""
 
-    deadband: float = param(0.03, "duty below which a thruster is not used", ge=0.0, lt=1.0)
+    deadband: float = param(0.03, "duty below which a valve stays shut, and distance from one within which it stays open", ge=0.0, lt=1.0)
 
 
 MODULATOR = np.dtype([("owed", "f8", (MAX_THRUSTERS,)), ("busy_until", "f8", (MAX_THRUSTERS,))], align=True)
@@ -43,6 +43,8 @@ def modulate(params, thrusters, count, duty, t, cycle, memory, opens, closes):
     for i in range(count):
         shortest = thrusters[i].minimum_pulse
         wanted = duty[i] if duty[i] > params.deadband else 0.0
+        if wanted > 1.0 - params.deadband:
+            wanted = 1.0
         owed = memory.owed[i] + wanted * cycle if wanted > 0.0 else 0.0
         running = memory.busy_until[i] > t + 1e-9
         if running or owed >= shortest - 1e-9:

@@ -15,6 +15,7 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE
 from edl6dof.fsw.estimation.observe import EstimationParams
@@ -97,6 +98,7 @@ class FlightSoftwareParams(Params):
     check_out: CheckOutParams = group(CheckOutParams, "check-out of thrusters")
     control: ControlParams = group(ControlParams, "attitude controllers")
     estimation: EstimationParams = group(EstimationParams, "disturbance estimation")
+    diagnosis: DiagnosisParams = group(DiagnosisParams, "thruster fault diagnosis")
     allocation: AllocationParams = group(AllocationParams, "thruster allocation")
     modulation: ModulationParams = group(ModulationParams, "pulse modulation")
 
@@ -180,6 +182,7 @@ ONBOARD = np.dtype(
         ("control", dtype_of(ControlParams)),
         ("estimation", dtype_of(EstimationParams)),
         ("imu_delay", "f8"),
+        ("diagnosis", dtype_of(DiagnosisParams)),
         ("allocation", dtype_of(AllocationParams)),
         ("modulation", dtype_of(ModulationParams)),
         ("mission", MISSION),
@@ -223,6 +226,7 @@ FSW = np.dtype(
         ("demand", "f8", (6,)),
         ("activity", ACTIVITY),
         ("disturbance", DISTURBANCE),
+        ("diagnosis", DIAGNOSIS),
         ("attitude_error", "f8", (3,)),
         ("nav", NAV),
         ("guide", GUIDE),

@@ -21,7 +21,7 @@ class Channel(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Part before the dot: truth, nav, guide, control, estimate."""
+        """Part before the dot: truth, nav, guide, estimate, diagnosis, control."""
         return self.name.partition(".")[0]
 
     @property
@@ -108,6 +108,10 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
     *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B"),
     *_vector("estimate.force", "n", "x y z", "estimated disturbance force in B; the axial one contains engine and drag"),
+    Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
+    Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
+    Channel("diagnosis.found", "thrusters found to have failed"),
+    Channel("diagnosis.in_use", "thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
     *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
 )
 

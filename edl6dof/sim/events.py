@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.vehicle.plant import NOT_BEGUN
-
 #: Plain names of what the vehicle does once, in the order of ``edl6dof.vehicle.plant.EVENTS``.
 DEPLOYMENTS = (
     "trim wing opens",
@@ -23,10 +21,18 @@ KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "igni
 
 
 def timeline(
-    telemetry: Mapping[str, np.ndarray], plant: np.void, fsw: np.void, phases: list[str], ending: str, faults: Sequence[str] = ()
+    telemetry: Mapping[str, np.ndarray],
+    plant: np.void,
+    fsw: np.void,
+    phases: list[str],
+    ending: str,
+    others: Sequence[tuple[float, str, str]] = (),
 ) -> list[dict[str, Any]]:
-    """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then."""
-    found: list[tuple[float, str, str]] = []
+    """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then.
+
+    ``others`` are more of them, as time, key and name: faults and what was found out about them.
+    """
+    found: list[tuple[float, str, str]] = list(others)
     for index, name in enumerate(phases):
         entered = float(fsw["entered"][index])
         if np.isfinite(entered):
@@ -36,9 +42,6 @@ def timeline(
             found.append((float(when), key, name))
     if plant["line_stretch_time"] < 1e9:
         found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
-    for label, since in zip(faults, plant["fault_since"], strict=False):
-        if since != NOT_BEGUN:
-            found.append((float(since), "fault", f"fault: {label}"))
     found += [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
     if np.isfinite(plant["touchdown_time"]):
         found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))

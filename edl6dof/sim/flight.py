@@ -16,6 +16,7 @@ from edl6dof.sim import records
 from edl6dof.sim.channels import TICK
 from edl6dof.sim.deployment import deployment_figures
 from edl6dof.sim.events import timeline
+from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
 from edl6dof.sim.outcome import DEPLOYED, FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
@@ -24,7 +25,7 @@ from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.sim.touchdown import touchdown_state
 from edl6dof.sim.verdict import Check, checks, metrics
-from edl6dof.vehicle.plant import PLANT, STATE_NAMES
+from edl6dof.vehicle.plant import NOT_BEGUN, PLANT, STATE_NAMES
 
 if TYPE_CHECKING:
     import pandas
@@ -103,15 +104,23 @@ class Flight:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
         return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome, self._faults)
 
+    @cached_property
+    def findings(self) -> list[Finding]:
+        """Thrusters the flight computer took out of use, and why."""
+        return findings(self.fsw[0], self.scenario.thruster_names)
+
     @property
-    def _faults(self) -> list[str]:
-        return [fault.label for fault in self.loaded.truth.faults]
+    def _faults(self) -> list[tuple[float, str, str]]:
+        begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
+        rows = [(float(since), "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN]
+        return rows + [(one.t_s, "diagnosis", one.label) for one in self.findings]
 
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
         events = timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, "")
         figures = metrics(self.telemetry, events, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+        figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
         return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 
     @cached_property

@@ -107,6 +107,13 @@ def record(case, plant, fsw, tick):
     estimated = fsw.disturbance
     tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = take3(estimated.torque, 0)
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
+    diagnosis = fsw.diagnosis
+    tick.diagnosis.confidence = diagnosis.hypotheses.confidence
+    tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_found
+    tick.diagnosis.in_use = 0.0
+    for i in range(case.vehicle.rcs.n_thrusters):
+        if fsw.healthy[i] != 0:
+            tick.diagnosis.in_use += 2.0**i
     for i in range(MAX_THRUSTERS):
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]

@@ -19,6 +19,7 @@ from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.check_out import fill_check_out
+from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER, NODES, ONBOARD, UNDER_CHUTE
@@ -232,7 +233,7 @@ def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
     software = scenario.flight_software
-    for name in ("rates", "guidance", "control", "estimation", "allocation", "modulation"):
+    for name in ("rates", "guidance", "control", "estimation", "diagnosis", "allocation", "modulation"):
         fill(record[name], getattr(software, name))
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
@@ -380,6 +381,7 @@ def initial_fsw(onboard: np.ndarray) -> np.ndarray:
     fsw = np.zeros(1, FSW)
     fsw["mass"] = onboard["vehicle"]["entry_mass"]
     fsw["healthy"] = 1
+    fsw["diagnosis"]["probe"]["suspect"] = NOBODY
     fsw["entered"] = np.nan
     fsw["entered"][0, 0] = 0.0
     return fsw

@@ -48,7 +48,7 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     memory = np.zeros(1, ALLOCATOR)[0] if memory is None else memory
     effects(thrusters, count, tuple(centre), memory["effect"])
     for _ in range(rounds):
-        allocate(p, thrusters, count, HEALTHY, allowed, translating, np.asarray(demand, float), memory)
+        allocate(p, thrusters, count, HEALTHY, allowed, translating, False, np.asarray(demand, float), memory)
     return memory
 
 

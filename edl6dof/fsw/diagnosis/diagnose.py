@@ -1,0 +1,146 @@
+"""One control cycle of thruster fault diagnosis: residual, hypotheses, verdict, and what follows from it.
+
+The confidence of a verdict is the posterior probability of its hypothesis among all others and "no thruster has failed", whose prior is
+the price of a false alarm; it is wanted in several cycles on end.  Then the thruster is taken out of the allocation and isolated: that
+costs nothing with a dead one, and it stops one that had been stuck on for so long that it looks dead.
+
+Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster in every phase.  Left out:
+a fault of a thruster that is not used, which nobody can see and which does no harm.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.diagnosis.hypotheses import DEGRADED, HYPOTHESES, NOTHING, STUCK_OFF, STUCK_ON, compare, forget_all, weigh
+from edl6dof.fsw.diagnosis.probe import (
+    GUILTY,
+    NOBODY,
+    PROBE,
+    SOUND,
+    close_probe,
+    follow_probe,
+    open_probe,
+    suspect,
+)
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.jit import kernel
+
+MAX_FINDINGS = 4
+#: Names of the kinds of finding, by number.
+FINDINGS = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"}
+
+
+class DiagnosisParams(Params):
+    """Diagnosis of thruster faults."""
+
+    enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
+    load_noise: float = param(
+        0.01,
+        "lateral force over axial load, and pitch or yaw torque over it in m, by which air and riser fluctuate",
+        status="estimate",
+        ge=0.0,
+    )
+    load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
+    torque_noise_nm: float = param(4.0, "torque residual of a sound vehicle on an axis", status="estimate", gt=0.0)
+    force_noise_n: float = param(8.0, "lateral force residual of a sound vehicle on an axis", status="estimate", gt=0.0)
+    model_error: float = param(0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0)
+    memory_cycles: float = param(12.0, "cycles of evidence that count, of those in which a thruster was used", gt=1.0)
+    prior: float = param(16.0, "log of the odds for a sound vehicle: the price of a false alarm", gt=0.0, le=100.0)
+    confidence: float = param(0.999, "confidence at which a thruster is condemned", gt=0.5, lt=1.0)
+    streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)
+    loss_least: float = param(0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0)
+    loss_dead: float = param(0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0)
+    slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
+    trust_s: float = param(5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0)
+
+
+FINDING = np.dtype([("thruster", "i8"), ("kind", "i8"), ("confidence", "f8"), ("loss", "f8"), ("t", "f8")], align=True)
+DIAGNOSIS = np.dtype(
+    [
+        ("residual", RESIDUAL),
+        ("hypotheses", HYPOTHESES),
+        ("probe", PROBE),
+        ("streak", "i8"),
+        ("found", FINDING, (MAX_FINDINGS,)),
+        ("n_found", "i8"),
+    ],
+    align=True,
+)
+
+
+@kernel
+def restart(memory):
+    """Forget evidence and slow disturbance: the vehicle, or what acts on it, has changed."""
+    restart_residual(memory.residual)
+    forget_all(memory.hypotheses)
+    memory.streak = 0
+
+
+@kernel
+def condemn(i, kind, loss, confidence, t, memory, healthy, isolate):
+    """Record a verdict and take the thruster out of use."""
+    found = memory.found[memory.n_found]
+    found.thruster, found.kind, found.loss = i, kind, loss
+    found.confidence, found.t = confidence, t
+    memory.n_found += 1
+    healthy[i], isolate[i] = 0, 1
+    restart(memory)
+
+
+@kernel
+def judge_probe(params, effect, activity, load, seen, t, dt, memory, healthy, isolate):
+    """Go on with a probe, and end it when it has decided."""
+    i = memory.probe.suspect
+    state, confidence = follow_probe(params, effect, activity, load, seen, t, dt, memory.probe)
+    if state == GUILTY:
+        memory.probe.suspect = NOBODY
+        condemn(i, STUCK_ON, 0.0, confidence, t, memory, healthy, isolate)
+    elif state == SOUND:
+        close_probe(params, t, memory.probe, healthy, isolate)
+        forget_all(memory.hypotheses)
+
+
+@kernel
+def diagnose(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate):
+    """One control cycle of diagnosis.
+
+    Args:
+        params: diagnosis record.
+        count: number of thrusters.
+        effect: force and torque of each at full thrust, rows of 6 (N, N m).
+        activity: what they should have done in the measured cycle.
+        load: axial force of air and riser, N.
+        seen: force and torque of that cycle that this does not explain (6).
+        t: present time, s.
+        dt: control cycle, s.
+        memory: ``DIAGNOSIS`` record.
+        healthy: written, 0 for a thruster that is not to be used.
+        isolate: written, 1 for a thruster whose isolation valve is to be shut.
+    """
+    known = without_slow_part(params.slow, seen, activity.share, count, dt, memory.residual)
+    if params.enabled == 0 or memory.n_found == MAX_FINDINGS:
+        return
+    if memory.probe.suspect != NOBODY:
+        if known == 0:
+            close_probe(params, t, memory.probe, healthy, isolate)
+        else:
+            judge_probe(params, effect, activity, load, seen, t, dt, memory, healthy, isolate)
+        return
+    if known == 0:
+        return
+    best = memory.hypotheses
+    before = (best.thruster, best.kind)
+    weigh(params, count, effect, activity, load, memory.residual, best)
+    compare(params, count, healthy, best)
+    if best.kind != NOTHING and best.confidence >= params.confidence:
+        memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
+    else:
+        memory.streak = 0
+    if memory.streak >= params.streak:
+        condemn(best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, isolate)
+        return
+    accused = suspect(params, count, effect, memory.residual, known, best, healthy, t, memory.probe)
+    if accused != NOBODY and memory.streak == 0:
+        open_probe(accused, t, memory.residual, memory.probe, healthy, isolate)

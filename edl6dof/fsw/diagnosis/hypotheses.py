@@ -1,0 +1,174 @@
+"""Hypotheses about single thrusters and the evidence for each.
+
+A thruster i with effect b_i (force and torque at full thrust) that was to fire for the share e of a cycle leaves the residual
+
+    off    - L e b_i             it gives the fraction L less than it should (L = 1: stuck off)
+    on     + (1 - e) b_i         its valve stays open
+    old    - L (e - e_mean) b_i  either of them, so long ago that its mean has been taken for a slow disturbance
+
+The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with S the weighted sum of squares
+of the residual and S' what the hypothesis leaves of it over n cycles, n (m / 2) ln((S + S0) / (S' + S0)).  m counts 2 of the 5 components
+because they are not independent; S0 is the sum that the flight computer's own models are good for.  A disturbance however large that
+does not look like a thruster leaves S' near S and proves nothing: the air in lift control and the riser under the parachute set their
+own noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever the evidence speaks
+against it, so the time of the fault need not be known (Page's test).
+
+Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's test from Basseville &
+Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail at the same time.
+"""
+
+from __future__ import annotations
+
+from math import exp, log
+
+import numpy as np
+
+from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, product
+from edl6dof.jit import kernel
+
+COMPONENTS = 2.0
+LEAST_USE = 0.1  # share of a cycle from which a prediction counts
+LARGEST = 200.0  # evidence beyond which nothing changes any more
+
+#: Kinds of finding.
+NOTHING, STUCK_OFF, STUCK_ON, DEGRADED = range(4)
+
+#: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of cycles.
+SUMS = np.dtype([("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8")], align=True)
+
+HYPOTHESES = np.dtype(
+    [
+        ("off", SUMS, (MAX_THRUSTERS,)),
+        ("old", SUMS, (MAX_THRUSTERS,)),
+        ("on", SUMS, (MAX_THRUSTERS,)),
+        # the best one of the last cycle
+        ("thruster", "i8"),
+        ("kind", "i8"),
+        ("loss", "f8"),
+        ("confidence", "f8"),
+        # the best of "stuck on"
+        ("on_thruster", "i8"),
+        ("on_evidence", "f8"),
+    ],
+    align=True,
+)
+
+
+@kernel
+def collect(sums, keep, signature, along, square, every):
+    """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's effect."""
+    sums.cross = keep * sums.cross + signature * along
+    sums.own = keep * sums.own + signature * signature * square
+    sums.all = keep * sums.all + every
+    sums.cycles = keep * sums.cycles + 1.0
+
+
+@kernel
+def forget(sums):
+    """Start a hypothesis afresh."""
+    sums.cross = sums.own = sums.all = sums.cycles = 0.0
+
+
+@kernel
+def forget_all(memory):
+    """Start every hypothesis afresh."""
+    for i in range(MAX_THRUSTERS):
+        forget(memory.off[i])
+        forget(memory.old[i])
+        forget(memory.on[i])
+    memory.kind, memory.confidence, memory.on_evidence = NOTHING, 0.0, 0.0
+
+
+@kernel
+def evidence(sums, size):
+    """Log likelihood ratio of a hypothesis with amplitude ``size`` against no fault."""
+    floor = COMPONENTS * sums.cycles
+    left = max(sums.all - 2.0 * size * sums.cross + size * size * sums.own, 0.0)
+    return min(0.5 * COMPONENTS * sums.cycles * log((sums.all + floor) / (left + floor)), LARGEST)
+
+
+@kernel
+def weights(params, wrench, load):
+    """Weights of a squared residual of lateral force, roll and pitch-yaw torque (1/N2, 1/(N m)2, 1/(N m)2).
+
+    Args:
+        params: diagnosis record.
+        wrench: force and torque that the thrusters should give (6): the models are good for a fraction of it.
+        load: axial force of air and riser, N: what they do across it changes by a fraction of it, and hardly turns about the axis.
+    """
+    own = params.model_error * params.model_error
+    force = own * (wrench[1] * wrench[1] + wrench[2] * wrench[2])
+    torque = own * (wrench[3] * wrench[3] + wrench[4] * wrench[4] + wrench[5] * wrench[5])
+    air = (params.load_noise * load) ** 2
+    roll = (params.load_noise_roll * load) ** 2
+    least = params.torque_noise * params.torque_noise
+    return 1.0 / (params.force_noise * params.force_noise + force + air), 1.0 / (least + torque + roll), 1.0 / (least + torque + air)
+
+
+@kernel
+def weigh(params, count, effect, activity, load, residual, memory):
+    """Let one cycle count for every hypothesis in which it predicts something."""
+    weight = weights(params, activity.wrench, load)
+    keep = 1.0 - 1.0 / params.memory_cycles
+    every = product(residual.value, residual.value, weight)
+    for i in range(count):
+        share = activity.share[i]
+        change = share - residual.mean_share[i]
+        along = product(residual.value, effect[i], weight)
+        square = product(effect[i], effect[i], weight)
+        if share > LEAST_USE:
+            collect(memory.off[i], keep, -share, along, square, every)
+        if abs(change) > LEAST_USE:
+            collect(memory.old[i], keep, -change, along, square, every)
+        if share < 1.0 - LEAST_USE:
+            collect(memory.on[i], keep, 1.0 - share, along, square, every)
+
+
+@kernel
+def for_loss(params, sums):
+    """Fraction of thrust lost that fits best and the evidence for it; too little a loss counts as none and starts afresh."""
+    if sums.own <= 0.0:
+        return 0.0, 0.0
+    loss = min(sums.cross / sums.own, 1.0)
+    if loss < params.loss_least:
+        forget(sums)
+        return 0.0, 0.0
+    return loss, evidence(sums, loss)
+
+
+@kernel
+def for_stuck_on(sums):
+    """Evidence that a valve stays open; evidence against it starts afresh."""
+    found = evidence(sums, 1.0) if sums.cycles > 0.0 else 0.0
+    if found < 0.0:
+        forget(sums)
+    return max(found, 0.0)
+
+
+@kernel
+def compare(params, count, healthy, memory):
+    """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share in.
+
+    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
+    """
+    best, total = 0.0, exp(params.prior)
+    memory.kind, memory.on_evidence = NOTHING, 0.0
+    for i in range(count):
+        if healthy[i] == 0:
+            continue
+        off_loss, off = for_loss(params, memory.off[i])
+        old_loss, old = for_loss(params, memory.old[i])
+        on = for_stuck_on(memory.on[i])
+        if on > memory.on_evidence:
+            memory.on_thruster, memory.on_evidence = i, on
+        most = max(off, old, on)
+        if most <= 0.0:
+            continue
+        total += exp(most)
+        if most > best:
+            best = most
+            memory.thruster, memory.loss = i, off_loss if off >= old else old_loss
+            memory.kind = STUCK_OFF if memory.loss >= params.loss_dead else DEGRADED
+            if on == most:
+                memory.kind = STUCK_ON
+    memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

@@ -1,0 +1,102 @@
+"""Shutting a suspect off for a moment: does the disturbance go with it?
+
+A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number fires against it leaves the
+same residual as that one stuck off.  Where the residual cannot decide, the suspect is isolated for a fraction of a second.  If it is the
+culprit, force and torque change by exactly minus its effect; if it is sound, nothing happens, because nothing had been asked of it.
+Suspected is a thruster for which "stuck on" has evidence but a rival, or whose effect accounts for most of a slow disturbance that is
+larger than the misalignments of engine, drag and riser explain.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+import numpy as np
+
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
+from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, WINDOW, product
+from edl6dof.jit import kernel
+
+NOBODY = -1
+UNDER_WAY, SOUND, GUILTY = range(3)
+SLOW_KNOWN = 25  # cycles for which the slow disturbance must have been known before anyone is suspected of it
+LEAST_CYCLES = 3
+BEFORE = 3  # cycles before a probe that what follows is compared with
+MISALIGNMENT = 0.01  # lateral force over axial load, and torque over axial load in m, that nobody is suspected of
+LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
+
+PROBE = np.dtype(
+    [("suspect", "i8"), ("since", "f8"), ("before", "f8", (6,)), ("sums", SUMS), ("trusted_until", "f8", (MAX_THRUSTERS,))],
+    align=True,
+)
+
+
+@kernel
+def culprit_of_slow(count, effect, residual, healthy, t, memory):
+    """The thruster whose standing thrust accounts for four fifths of a large slow disturbance, or ``NOBODY``."""
+    slow = residual.slow
+    force, torque = LEAST_FORCE + MISALIGNMENT * abs(slow[0]), LEAST_TORQUE + MISALIGNMENT * abs(slow[0])
+    weight = (1.0 / (force * force), 1.0 / (torque * torque), 1.0 / (torque * torque))
+    size = product(slow, slow, weight)
+    found, least = NOBODY, 0.2 * size
+    if size < 4.0:
+        return found
+    for i in range(count):
+        if healthy[i] == 0 or t < memory.trusted_until[i]:
+            continue
+        idle = 1.0 - residual.mean_share[i]
+        along = product(slow, effect[i], weight)
+        left = size - 2.0 * idle * along + idle * idle * product(effect[i], effect[i], weight)
+        if left < least:
+            found, least = i, left
+    return found
+
+
+@kernel
+def suspect(params, count, effect, residual, known, hypotheses, healthy, t, memory):
+    """Whom to shut off for a moment, or ``NOBODY``."""
+    accused = hypotheses.on_thruster
+    if hypotheses.on_evidence > params.prior and t >= memory.trusted_until[accused]:
+        return accused
+    if known < SLOW_KNOWN:
+        return NOBODY
+    return culprit_of_slow(count, effect, residual, healthy, t, memory)
+
+
+@kernel
+def open_probe(i, t, residual, memory, healthy, isolate):
+    """Shut thruster ``i`` off, and note force and torque before."""
+    for j in range(6):
+        memory.before[j] = 0.0
+        for back in range(1, BEFORE + 1):
+            memory.before[j] += residual.recent[(residual.taken - back) % WINDOW, j] / BEFORE
+    memory.suspect, memory.since = i, t
+    forget(memory.sums)
+    healthy[i], isolate[i] = 0, 1
+
+
+@kernel
+def close_probe(params, t, memory, healthy, isolate):
+    """Put the suspect back into use and trust it for a while."""
+    i = memory.suspect
+    healthy[i], isolate[i] = 1, 0
+    memory.trusted_until[i] = t + params.trust
+    memory.suspect = NOBODY
+
+
+@kernel
+def follow_probe(params, effect, activity, load, seen, t, dt, memory):
+    """Let one cycle of a probe count: ``UNDER_WAY``, ``SOUND`` or ``GUILTY``, and the confidence."""
+    if t < memory.since + 3.0 * dt:
+        return UNDER_WAY, 0.0
+    weight = weights(params, activity.wrench, load)
+    b = effect[memory.suspect]
+    before = memory.before
+    change = (0.0, seen[1] - before[1], seen[2] - before[2], seen[3] - before[3], seen[4] - before[4], seen[5] - before[5])
+    collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), product(change, change, weight))
+    confidence = 1.0 / (1.0 + exp(params.prior - evidence(memory.sums, 1.0)))
+    if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
+        return GUILTY, confidence
+    if t >= memory.since + WINDOW * dt:
+        return SOUND, confidence
+    return UNDER_WAY, confidence

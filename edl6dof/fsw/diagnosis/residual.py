@@ -1,0 +1,75 @@
+"""What diagnosis looks at: the unexplained force and torque less their slow part, and how much each component is worth.
+
+The slow part, which no thruster fault explains, is the mean before the last fifteen cycles.  A fault younger than that is not in it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.jit import kernel
+
+MAX_THRUSTERS = 32
+WINDOW = 15  # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a disturbance
+LEAST_MEAN = 3  # cycles that the first mean after a restart is made of
+
+RESIDUAL = np.dtype(
+    [
+        ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
+        ("slow", "f8", (6,)),
+        ("mean_share", "f8", (MAX_THRUSTERS,)),  # use of each thruster over the time of the slow part
+        ("recent", "f8", (WINDOW, 6)),
+        ("recent_share", "f8", (WINDOW, MAX_THRUSTERS)),
+        ("taken", "i8"),
+        ("restarted", "i8"),
+    ],
+    align=True,
+)
+
+
+@kernel
+def restart_residual(memory):
+    """Forget the slow part: the vehicle or what acts on it has changed."""
+    memory.taken, memory.restarted = 0, 1
+
+
+@kernel
+def without_slow_part(time_constant, seen, share, count, dt, memory):
+    """Take the slow part off; returns for how many cycles it has been known (0: not yet).
+
+    At the start of the flight, in free fall, the slow part is taken to be zero.
+
+    Args:
+        time_constant: of the mean, s.
+        seen: unexplained force and torque of the last cycle (6), N and N m.
+        share: share of that cycle in which each thruster should have given thrust.
+        count: number of thrusters.
+        dt: control cycle, s.
+        memory: ``RESIDUAL`` record.
+    """
+    row = memory.taken % WINDOW
+    older = memory.taken - WINDOW
+    memory.taken += 1
+    if older >= 0 or memory.restarted == 0:
+        step = min(dt / time_constant, 1.0)
+        if memory.restarted != 0:
+            step = max(step, 1.0 / (older + 1.0))
+        for j in range(6):
+            memory.slow[j] += step * (memory.recent[row, j] - memory.slow[j])
+        for i in range(count):
+            memory.mean_share[i] += step * (memory.recent_share[row, i] - memory.mean_share[i])
+    for j in range(6):
+        memory.recent[row, j] = seen[j]
+        memory.value[j] = seen[j] - memory.slow[j]
+    for i in range(count):
+        memory.recent_share[row, i] = share[i]
+    return memory.taken if memory.restarted == 0 else max(older + 1 - LEAST_MEAN, 0)
+
+
+@kernel
+def product(a, b, weight):
+    """Scalar product of two wrenches with the weights of lateral force, roll and pitch-yaw torque.
+
+    The axial force, which engine and drag spoil, does not count.
+    """
+    return weight[0] * (a[1] * b[1] + a[2] * b[2]) + weight[1] * a[3] * b[3] + weight[2] * (a[4] * b[4] + a[5] * b[5])

@@ -1,0 +1,181 @@
+"""Thruster diagnosis on made-up residuals: signatures written out by numpy, noise and disturbances of known size.
+
+The vehicle is the Tianwen-1 lander's set of 22 thrusters.  Valves follow a random schedule, the residual is what the fault leaves by its
+definition, and the kernels see only the schedule and the residual.
+"""
+
+import numpy as np
+import pytest
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.allocation import effects
+from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, FINDINGS, DiagnosisParams, diagnose
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
+from edl6dof.fsw.diagnosis.probe import NOBODY
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
+from edl6dof.fsw.estimation.activity import ACTIVITY
+from edl6dof.fsw.onboard import LANDER
+from edl6dof.sim.scenario import load_scenario
+
+NAMES = load_scenario("tianwen1").scenario.thruster_names
+DT = 0.04
+
+
+@pytest.fixture(scope="module")
+def effect(shared_onboard):
+    vehicle, table = shared_onboard[0]["vehicle"], np.zeros((32, 6))
+    effects(vehicle["thrusters"], len(NAMES), tuple(vehicle["configuration"][LANDER]["centre"]), table)
+    return table
+
+
+class Watch:
+    """The diagnosis with a valve schedule and a true fault to look at."""
+
+    def __init__(self, effect, seed=0, **settings):
+        self.effect, self.rng = effect, np.random.default_rng(seed)
+        self.params = np.zeros(1, dtype_of(DiagnosisParams))
+        fill(self.params[0], DiagnosisParams(**settings))
+        self.memory = np.zeros(1, DIAGNOSIS)
+        self.memory["probe"]["suspect"] = NOBODY
+        self.activity, self.healthy, self.isolate = np.zeros(1, ACTIVITY), np.ones(32, "i8"), np.zeros(32, "i8")
+        self.t, self.asked = 0.0, np.zeros(32)
+
+    def cycle(self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None):
+        """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the share ``use`` of cycles."""
+        firing = self.rng.random(32) < use
+        if who is not None:
+            firing[: len(NAMES)] &= who
+        share = np.where(firing, self.rng.uniform(0.3, 1.0, 32), 0.0) * self.healthy
+        share[len(NAMES) :] = 0.0
+        self.asked += share
+        given = share.copy()
+        if fault is not None:
+            i, kind, loss = fault
+            given[i] = 1.0 if kind == "stuck on" else (1.0 - loss) * share[i]
+        given[self.isolate != 0] = 0.0
+        noise = np.concatenate([self.rng.normal(0, 2.0, 3), self.rng.normal(0, 1.0, 3)])
+        seen = (given - share) @ self.effect + noise + disturbance
+        self.activity["share"], self.activity["wrench"] = share, share @ self.effect
+        arguments = (self.params[0], len(NAMES), self.effect, self.activity[0], load, seen, self.t, DT)
+        diagnose(*arguments, self.memory[0], self.healthy, self.isolate)
+        self.t += DT
+
+    @property
+    def found(self):
+        memory = self.memory[0]
+        return [(NAMES[slot["thruster"]], FINDINGS[int(slot["kind"])]) for slot in memory["found"][: memory["n_found"]]]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("kind", "loss"), [("stuck off", 1.0), ("stuck on", 0.0), ("degraded", 0.5)])
+def test_every_thruster_is_named_with_its_fault(effect, name, kind, loss):
+    """22 thrusters times three faults, first flown sound for 4 s: nothing else is ever named."""
+    if kind == "degraded" and name.startswith("F"):
+        pytest.skip("12 N is what the residual of a sound vehicle is allowed")
+    fine = np.array([other.startswith("F") for other in NAMES])
+    who = fine if name.startswith("F") else ~fine  # 25 N are within the tolerance of the models while 250 N thrusters fire
+    watch = Watch(effect, seed=NAMES.index(name))
+    for _ in range(100):
+        watch.cycle(who=who)
+    assert watch.found == []
+    for _ in range(600):
+        watch.cycle((NAMES.index(name), kind, loss), who=who)
+    assert [who for who, _ in watch.found] == [name]
+    if not name.startswith("F"):  # the loss of 25 N is measured to a tenth or two: it may pass for degraded
+        assert watch.found == [(name, kind)]
+    assert watch.healthy[NAMES.index(name)] == 0 and watch.isolate[NAMES.index(name)] == 1
+    assert watch.healthy[: len(NAMES)].sum() == len(NAMES) - 1
+
+
+def test_dead_thruster_is_named_after_a_few_cycles_of_use(effect):
+    """Its use between fault and verdict, in cycles at full thrust, for the eight horizontal thrusters."""
+    for i in range(8):
+        watch = Watch(effect, seed=i)
+        for _ in range(60):
+            watch.cycle()
+        before = watch.asked[i]
+        while not watch.found:
+            watch.cycle((i, "stuck off", 1.0))
+        assert watch.asked[i] - before < 8.0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_coloured_disturbance_as_large_as_the_thrusters_accuses_nobody(effect, seed):
+    """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under their load."""
+    watch, slow = Watch(effect, seed), np.zeros(6)
+    for _ in range(2500):
+        slow += -slow * DT / 1.0 + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, [0, 250, 250, 0, 250, 250])
+        watch.cycle(disturbance=slow, load=10000.0)
+    assert watch.found == []
+
+
+def test_sound_vehicle_is_left_alone_for_an_hour(effect):
+    watch = Watch(effect, 5)
+    for _ in range(90000):
+        watch.cycle()
+    assert watch.found == [] and np.all(watch.healthy == 1)
+
+
+def test_thruster_stuck_on_since_before_anyone_looked_is_found_by_shutting_it_off(effect):
+    """Nothing is fired, and the thrust is there from the first cycle after a restart: part of the slow disturbance."""
+    for i in range(20):
+        watch = Watch(effect, i)
+        restart_residual(watch.memory[0]["residual"])
+        for _ in range(100):
+            watch.cycle((i, "stuck on", 0.0), use=0.0)
+        assert watch.found == ([(NAMES[i], "stuck on")] if i < 16 else [])  # 25 N may be misalignment
+        assert np.sum(watch.isolate) == (1 if i < 16 else 0)
+
+
+def test_probe_of_a_sound_thruster_gives_it_back(effect):
+    """A constant disturbance that looks exactly like D1 stuck on."""
+    watch, shut = Watch(effect), 0
+    restart_residual(watch.memory[0]["residual"])
+    for _ in range(300):
+        watch.cycle(disturbance=effect[0], use=0.0)
+        shut += int(watch.isolate[0])
+    assert watch.found == [] and 5 < shut < 60 and watch.healthy[0] == 1 and watch.isolate[0] == 0
+
+
+def test_switched_off_it_neither_names_nor_isolates(effect):
+    watch = Watch(effect, enabled=False)
+    for _ in range(200):
+        watch.cycle((3, "stuck on", 0.0))
+    assert watch.found == [] and np.all(watch.healthy == 1)
+
+
+def test_confidence_is_a_probability_and_reaches_the_threshold_at_the_verdict(effect):
+    watch = Watch(effect, 2)
+    for k in range(120):
+        watch.cycle((6, "stuck off", 1.0) if k > 50 else None)
+        assert 0.0 <= watch.memory["hypotheses"]["confidence"][0] <= 1.0
+    assert 0.999 <= watch.memory["found"][0][0]["confidence"] <= 1.0
+
+
+def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effect):
+    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the limit of large residuals."""
+    rng, sums = np.random.default_rng(1), np.zeros(1, SUMS)[0]
+    signature, residual = rng.normal(size=40), 1e4 * rng.normal(size=40)
+    residual += 3e4 * signature
+    for s, y in zip(signature, residual, strict=True):
+        collect(sums, 1.0, s, y, 1.0, y * y)
+    size = sums["cross"] / sums["own"]
+
+    def most_likely(error):
+        return -0.5 * 2 * len(error) * np.log(np.mean(error**2))
+
+    assert evidence(sums, size) == pytest.approx(most_likely(residual - size * signature) - most_likely(residual), rel=1e-6)
+
+
+def test_slow_part_is_the_late_mean_by_numpy():
+    rng, memory = np.random.default_rng(2), np.zeros(1, RESIDUAL)[0]
+    restart_residual(memory)
+    history, slow = [], np.zeros(6)
+    for k in range(200):
+        seen = rng.normal(size=6) + 50.0
+        known = without_slow_part(0.4, seen, np.zeros(32), 22, DT, memory)
+        if k >= WINDOW:
+            slow = slow + max(DT / 0.4, 1.0 / (k - WINDOW + 1)) * (history[k - WINDOW] - slow)
+            assert memory["value"] == pytest.approx(seen - slow, abs=1e-12)
+        assert (known > 0) == (k - WINDOW >= 3)
+        history.append(seen)
