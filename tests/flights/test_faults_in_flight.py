@@ -58,7 +58,7 @@ def test_engine_shortfall_takes_away_its_share_of_thrust():
     ("thruster", "kind", "phase"),
     [
         ("D7", "stuck_off", "hazard_avoidance"),
-        ("P1", "stuck_off", "powered_deceleration"),
+        ("P4", "stuck_off", "powered_deceleration"),
         ("D1", "stuck_on", "lift"),
         ("P4", "stuck_on", "parachute"),
         ("A3", "stuck_on", "hazard_avoidance"),
