@@ -100,6 +100,8 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("guide.time_to_go_s", "time to go of powered guidance"),
     Channel("guide.surface_m_s3", "sliding surface of the entry law"),
     Channel("guide.virtual_m_s3", "virtual state by which the entry law answers saturation"),
+    Channel("guide.drag_estimate_m_s2", "drag acceleration that the entry law reckons with"),
+    Channel("guide.drag_rate_m_s3", "drag rate that the entry law reckons with"),
     Channel("guide.drag_disturbance_m_s4", "estimated disturbance of the second derivative of drag"),
     Channel("guide.path_disturbance_deg_s", "estimated disturbance of the flight-path rate"),
     Channel("guide.thrust_n", "commanded engine thrust"),

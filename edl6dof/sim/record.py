@@ -96,6 +96,7 @@ def record(case, plant, fsw, tick):
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
     tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = guide.crossrange, guide.time_to_go, guide.thrust
     tick.guide.surface, tick.guide.virtual = guide.surface, guide.virtual
+    tick.guide.drag_estimate, tick.guide.drag_rate = guide.drag_estimate, guide.drag_rate
     tick.guide.drag_disturbance, tick.guide.path_disturbance = guide.drag_disturbance, guide.path_disturbance
     direction = take3(guide.thrust_direction_N, 0)
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = direction

@@ -25,6 +25,8 @@ GUIDE = np.dtype(
         # inner quantities of the laws that have them
         ("surface", "f8"),  # sliding surface, m/s3
         ("virtual", "f8"),  # virtual state of saturation, m/s3
+        ("drag_estimate", "f8"),  # drag acceleration, m/s2
+        ("drag_rate", "f8"),  # and its rate, m/s3
         ("drag_disturbance", "f8"),  # estimated disturbance of the second derivative of drag, m/s4
         ("path_disturbance", "f8"),  # estimated disturbance of the flight-path rate, rad/s
     ],

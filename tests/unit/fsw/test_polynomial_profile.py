@@ -68,7 +68,7 @@ def test_refitted_profile_predicts_the_wanted_range(factor, speed):
         energy = 0.5 * (speed * share) ** 2
         wanted = factor * range_of(profile, energy)
         refit(table, energy, wanted, 0.4, memory)
-        assert range_of(lambda e: drag_of(memory, e), energy) == pytest.approx(wanted, rel=5e-3)
+        assert range_of(lambda e: drag_of(memory, e), energy) == pytest.approx(wanted, rel=2e-3)
 
 
 def test_aim_point_out_of_reach_does_not_drive_the_profile_away():

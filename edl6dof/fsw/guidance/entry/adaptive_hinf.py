@@ -116,6 +116,7 @@ def guide(onboard, nav, mem, out):
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     drag, lift_to_drag = max(nav.drag, 1e-3), onboard.vehicle.lift_to_drag
     rate, _, _ = drag_dynamics(drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, 0.0, scale_height)
+    out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate

@@ -22,7 +22,7 @@ from edl6dof.jit import kernel
 #: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer starts afresh.
 MEMORY_S = 3.0
 
-#: Estimates, the model acceleration they were predicted with, time of the last sample.
+#: Estimates; a, b and time of the last sample.
 OBSERVER = np.dtype([("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", "i8")], align=True)
 
 
@@ -38,20 +38,21 @@ def observer_gains(epsilon, dt):
 
 
 @kernel
-def observe(memory, epsilon, t, drag, rate, u):
-    """Bring the estimates to time ``t`` with the measured ``drag``; ``u`` is the cosine of the bank angle flown since the last sample.
+def observe(memory, epsilon, t, drag, a, b, u):
+    """Bring the estimates to time ``t`` with the measured ``drag`` (m/s2); ``memory`` is an ``OBSERVER``.
 
-    The first estimate of the rate is ``rate``.  ``memory`` is an ``OBSERVER``; put a and b of the drag dynamics into it afterwards.
+    ``a`` and ``b`` are those of the drag dynamics now, ``u`` is the cosine of the bank angle flown since the last sample.  The model
+    acceleration is the mean of both ends of the interval: that of its beginning alone would put half an interval of lag into phi.
     """
     dt = t - memory.t
     if memory.started == 0 or dt > MEMORY_S:
-        memory.drag, memory.rate, memory.phi = drag, rate, 0.0
+        memory.drag, memory.rate, memory.phi = drag, 0.0, 0.0
     elif dt > 0.0:
-        acceleration = memory.phi + memory.b + memory.a * u
+        acceleration = memory.phi + 0.5 * (memory.b + b + (memory.a + a) * u)
         ahead = memory.drag + dt * (memory.rate + 0.5 * dt * acceleration)
         k1, k2, k3 = observer_gains(epsilon, dt)
         error = drag - ahead
         memory.drag = ahead + k1 * error
         memory.rate += dt * acceleration + k2 * error
         memory.phi += k3 * error
-    memory.t, memory.started = t, 1
+    memory.a, memory.b, memory.t, memory.started = a, b, t, 1

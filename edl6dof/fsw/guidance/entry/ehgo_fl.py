@@ -6,7 +6,7 @@ laws share), and the observer is told the bank angle that was flown, so saturati
 Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
 Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.drag_observer` and :mod:`~edl6dof.fsw.guidance.entry.fl`; b^ is taken
-at the estimated drag with the drag rate that the model gives there; the difference is part of phi.
+at the measured drag with the drag rate that the model gives there; the difference is part of phi.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ def guide(onboard, nav, mem, out):
     p, memory = onboard.guidance.entry.ehgo_fl, mem.ehgo_fl.observer
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    observe(memory, p.epsilon, nav.t, nav.drag, 0.0, cos(nav.bank))
-    drag, rate = memory.drag, memory.rate
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
-    lift = drag * onboard.vehicle.lift_to_drag
-    _, a, b = drag_dynamics(drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
-    memory.a, memory.b = a, b
+    lift = nav.drag * onboard.vehicle.lift_to_drag
+    _, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    observe(memory, p.epsilon, nav.t, nav.drag, a, b, cos(nav.bank))
+    drag, rate = memory.drag, memory.rate
+    out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, memory.phi
     goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.ehgo_fl.profile, drag, rate, out)
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - drag)
     return acos(clamp((wanted - b - memory.phi) / a, -1.0, 1.0))

@@ -44,6 +44,7 @@ def guide(onboard, nav, mem, out):
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out)
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
     return acos(clamp((wanted - b) / a, -1.0, 1.0))

@@ -25,8 +25,12 @@ from edl6dof.spatial.vector import clamp
 ORDER = 6
 #: Samples between the ends of the remaining energy; odd, for Simpson's rule.
 SAMPLES = 33
+_ANGLE = np.linspace(0.0, np.pi, SAMPLES)
+#: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's weights of an integral over it.
+SHARE = 0.5 * (1.0 - np.cos(_ANGLE))
+WEIGHT = np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0]) * np.pi / (3.0 * (SAMPLES - 1)) * 0.5 * np.sin(_ANGLE)
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
-FIT = np.linalg.pinv(np.vander(np.linspace(0.0, 1.0, SAMPLES), ORDER + 1, increasing=True))
+FIT = np.linalg.pinv(np.vander(SHARE, ORDER + 1, increasing=True))
 
 #: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples are scratch.
 PROFILE = np.dtype(
@@ -64,13 +68,11 @@ def predicted_range(memory, span, eta):
     """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by eta (Simpson's rule)."""
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
-        f = shape(1.0 - i / (SAMPLES - 1.0))
-        weight = 1.0 if i == 0 or i == SAMPLES - 1 else 2.0 + 2.0 * (i % 2)
-        piece = weight * memory.ground[i] / (memory.drag[i] * (1.0 + eta * f))
+        f = shape(1.0 - SHARE[i])
+        piece = span * WEIGHT[i] * memory.ground[i] / (memory.drag[i] * (1.0 + eta * f))
         total += piece
         slope -= piece * f / (1.0 + eta * f)
-    step = span / (3.0 * (SAMPLES - 1.0))
-    return total * step, slope * step
+    return total, slope
 
 
 @kernel
@@ -83,7 +85,7 @@ def refit(reference, energy, wanted, limit, memory):
     span = energy - terminal
     widest = 1.0 + 2.0 * limit
     for i in range(SAMPLES):
-        e = terminal + span * i / (SAMPLES - 1.0)
+        e = terminal + span * SHARE[i]
         j, f = node_of(reference, sqrt(2.0 * e))
         nominal = reference.drag[j] + f * (reference.drag[j + 1] - reference.drag[j])
         memory.ground[i] = reference.cos_path[j] + f * (reference.cos_path[j + 1] - reference.cos_path[j])
@@ -96,7 +98,7 @@ def refit(reference, energy, wanted, limit, memory):
         predicted, slope = predicted_range(memory, span, eta)
         eta = clamp(eta - (predicted - wanted) / slope, -limit, limit)
     for i in range(SAMPLES):
-        memory.drag[i] *= 1.0 + eta * shape(1.0 - i / (SAMPLES - 1.0))
+        memory.drag[i] *= 1.0 + eta * shape(1.0 - SHARE[i])
     for j in range(ORDER + 1):
         memory.coefficient[j] = 0.0
         for i in range(SAMPLES):
