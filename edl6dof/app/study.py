@@ -17,7 +17,7 @@ from rich.text import Text
 from edl6dof.config.wording import nearest
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Progress, Report, Study
+from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
 BAD_INPUT = 2
@@ -81,6 +81,8 @@ def _list() -> int:
 
 def _show(study: Study, report: Report, target: Path) -> None:
     console = Console(highlight=False, soft_wrap=True)
+    for grid in report.grids:
+        console.print(_grid(grid))
     count = f", {report.runs} runs" if study.counted else ""
     table = Table(title=f"{study.title}{count}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (("figure", 0), ("unit", 0), ("computed", 1), ("published", 1), ("", 0), ("note", 0)):
@@ -94,6 +96,19 @@ def _show(study: Study, report: Report, target: Path) -> None:
     missed = [finding.label for finding in report.findings if not finding.ok]
     verdict = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
     console.print(Text(f"{study.name}: {verdict}", style="bold red" if missed else "bold green"))
+
+
+def _grid(grid: Grid) -> Table:
+    table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    for index, head in enumerate(grid.heads):
+        table.add_column(head, justify="right" if index else "left", header_style="", no_wrap=not index)
+    for row in grid.rows:
+        table.add_row(*(value if isinstance(value, str) else _plain(value) for value in row))
+    return table
+
+
+def _plain(value: float) -> str:
+    return "-" if value != value else f"{value:.4g}"
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:

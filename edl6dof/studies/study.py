@@ -80,6 +80,15 @@ class Drawing:
 
 
 @dataclass(frozen=True)
+class Grid:
+    """A table of figures: a row for each law or case, the first entry of a row its name."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str | float, ...], ...]
+
+
+@dataclass(frozen=True)
 class Report:
     """What a study found.
 
@@ -89,6 +98,7 @@ class Report:
         table: a row for each run, columns named with unit suffixes.
         runs: how many flights were flown.
         remarks: sentences under the table.
+        grids: tables that compare, printed before the findings.
     """
 
     findings: tuple[Finding, ...]
@@ -96,6 +106,7 @@ class Report:
     table: pa.Table
     runs: int
     remarks: tuple[str, ...] = ()
+    grids: tuple[Grid, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -129,4 +140,5 @@ class Study:
         """Plain values for JSON."""
         findings = [{**vars(finding), "ok": finding.ok} for finding in report.findings]
         head = {"study": self.name, "title": self.title, "source": self.source, "runs": report.runs, "ok": report.ok}
-        return {**head, "findings": findings, "remarks": list(report.remarks)}
+        grids = [{"title": g.title, "rows": [dict(zip(g.heads, row, strict=True)) for row in g.rows]} for g in report.grids]
+        return {**head, "findings": findings, "grids": grids, "remarks": list(report.remarks)}

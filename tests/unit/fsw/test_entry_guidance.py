@@ -303,13 +303,16 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
     while v > final and k < 3000:
         g = mu / r**2
         density = density_factor * np.exp(np.interp(r - radius, nodes, air["ln_density"]))
-        drag = 0.5 * density * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        mach = v / np.interp(r - radius, nodes, air["speed_of_sound"])
+        area, lift_to_drag = airframe(vehicle, mach)
+        drag = 0.5 * density * v**2 * area / vehicle["entry_mass"]
         if k % 5 == 0:
             nav["t"], nav["latitude"], nav["longitude"], nav["azimuth"] = k * dt, 0.0, -(total - s) / radius, pi / 2
             nav["speed"], nav["flight_path_angle"], nav["radius"], nav["altitude"] = v, gamma, r, r - radius
             nav["drag"], nav["gravity"], nav["energy"] = drag, g, 0.5 * v * v + mu * (1.0 / radius - 1.0 / r)
+            nav["mach"], nav["specific_force_B"] = mach, (-drag, 0.0, lift_to_drag * drag)
             entry_guidance(law, record, nav, memory, guide)
-        lift = vehicle["lift_to_drag"] * drag * cos(guide["bank"])
+        lift = lift_to_drag * drag * cos(guide["bank"])
         for part in range(2):  # midpoint
             h = 0.5 * dt if part == 0 else dt
             if part == 0:
@@ -322,8 +325,8 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
                 )
             else:
                 density = density_factor * np.exp(np.interp(r - radius, nodes, air["ln_density"]))
-                drag = 0.5 * density * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
-                lift, g = vehicle["lift_to_drag"] * drag * cos(guide["bank"]), mu / r**2
+                drag = 0.5 * density * v**2 * area / vehicle["entry_mass"]
+                lift, g = lift_to_drag * drag * cos(guide["bank"]), mu / r**2
                 rates = (
                     v * sin(gamma),
                     -drag - g * sin(gamma),

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
@@ -28,6 +29,9 @@ class DragTrackingParams(Params):
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
 
 
+#: Lift-to-drag ratio below which authority is not believed to fall: the inversion stays finite where the trim wing has taken the lift.
+LEAST_LIFT = 0.01
+
 MEMORY = np.dtype([("tracking", TRACKING)], align=True)
 
 
@@ -39,7 +43,8 @@ def guide(onboard, nav, mem, out):
     p = onboard.guidance.entry.drag_tracking
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, mem.drag_tracking.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
-    lift = nav.drag * onboard.vehicle.lift_to_drag
+    _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
     rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
     omega = p.frequency
     wanted_acceleration = goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)

@@ -1,0 +1,91 @@
+"""The comparison of entry laws: what is dispersed, what is measured, and that a small run of it comes out whole."""
+
+from math import degrees
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+import edl6dof
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.sim.records import build_records
+from edl6dof.studies import call_time, guidance
+from edl6dof.studies.cases import draw
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return edl6dof.load("tianwen1", ["mission.goal=deployment"])
+
+
+def test_every_entry_law_but_the_constant_one_is_compared():
+    assert set(guidance.LAWS) == set(ENTRY_LAWS.names) - {"constant_bank"}
+    assert {"etpc", "npc", "bank_profile", "drag_tracking"} <= set(guidance.LAWS)
+
+
+def test_dispersions_are_those_of_the_reference_about_the_nominal(nominal):
+    found = {s.path: (s.mean, s.three_sigma) for s in guidance.spreads(nominal.scenario)}
+    assert found["initial.flight_path_angle_deg"] == (-11.581, 0.3)
+    assert found["vehicle.mass.entry_kg"] == pytest.approx((1285.0, 15.0))
+    assert found["vehicle.mass.entry_centre_m.2"] == pytest.approx((-0.034, 0.005))
+    assert found["vehicle.mass.entry_centre_m.0"] == pytest.approx((-0.85, 0.010))
+    assert found["vehicle.mass.entry_inertia_kg_m2.0"] == pytest.approx((1150.0, 115.0))
+    assert found["atmosphere.density_factor"] == (1.0, 0.2)
+    assert found["vehicle.rcs.thrusters.F6.thrust_n"] == pytest.approx((25.0, 1.25))
+    drawn = draw(guidance.spreads(nominal.scenario), 2000, 3)
+    sample = np.array([truth["initial.flight_path_angle_deg"] for truth in drawn])
+    assert np.std(sample) == pytest.approx(0.1, rel=0.06)
+    assert np.mean(sample) == pytest.approx(-11.581, abs=0.01)
+
+
+def test_quantile_never_lies_below_the_flights_it_covers():
+    miss = np.arange(1.0, 201.0)
+    assert guidance.quantile(miss, 0.99) == 199.0
+    assert np.mean(miss <= guidance.quantile(miss, 0.99)) >= 0.99
+    assert guidance.quantile(np.array([1.0, 2.0, np.inf]), 0.99) == np.inf
+
+
+def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
+    table = pa.table({"parachute_miss_m": [1500.0, None], "success": [True, False]})
+    assert list(guidance.misses(table)) == [1.5, np.inf]
+    assert np.all(np.isinf(guidance.misses(pa.table({"success": [False]}))))
+
+
+def test_open_loop_profile_is_the_planned_bank(nominal):
+    loaded = edl6dof.load("tianwen1", guidance.overrides("bank_profile", nominal))
+    points = loaded.scenario.flight_software.guidance.entry.bank_profile.points
+    planned = degrees(np.arccos(build_records(nominal).onboard[0]["reference"]["shift"]))  # a constant profile about 90 deg
+    assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
+
+
+def test_figures_of_a_flight_are_its_own_telemetry(nominal):
+    flight = edl6dof.fly(edl6dof.load("tianwen1", ["mission.goal=deployment"]))
+    figures, rows = guidance._figures(flight), flight.telemetry
+    lift = rows["guide.phase"] == 1
+    # at least the reversals, each from one side to the other, and the levelling at the end
+    reversals = flight.metrics["bank_reversals"]
+    assert figures["bank_travel_deg"] > 2 * 15.0 * reversals
+    assert figures["bank_travel_deg"] <= 20.0 * np.ptp(rows["t_s"][lift])  # the rate limit
+    assert 0.0 <= figures["saturation_s"] < np.ptp(rows["t_s"][lift])
+    assert 0.05 < figures["tracking_error_m_s2"] < 5.0
+
+
+def test_small_run_comes_out_whole(monkeypatch):
+    monkeypatch.setattr(guidance, "LAWS", ("npc", "bank_profile"))
+    monkeypatch.setattr(guidance, "MISSIONS", ("tianwen1",))
+    monkeypatch.setattr(call_time, "REPEATS", 5)
+    seen = []
+    report = guidance.run(3, lambda done, total: seen.append((done, total)))
+    assert report.runs == 6 and sorted(seen)[-1] == (6, 6)
+    assert len(report.table) == 6 and report.table["law"].to_pylist() == ["npc"] * 3 + ["bank_profile"] * 3
+    # both laws meet the same entries
+    paths = ("truth.atmosphere.density_factor", "truth.initial.flight_path_angle_deg", "profile")
+    for path in paths:
+        column = report.table[path].to_pylist()
+        assert column[:3] == column[3:] and len(set(column)) == 3
+    (grid,) = report.grids
+    rows = {row[0]: dict(zip(grid.heads, row, strict=True)) for row in grid.rows}
+    assert rows["npc"]["miss mean km"] < 5.0 < rows["bank_profile"]["miss mean km"]
+    assert rows["npc"]["box kept %"] == 100.0
+    assert 0.0 < rows["bank_profile"]["call us"] < rows["npc"]["call us"] < 2000.0
+    assert [d.name for d in report.drawings] == ["tianwen1_miss", "tianwen1_footprint"]
