@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 from rich import box
@@ -45,8 +44,6 @@ def run_study(options: StudyOptions) -> int:
         near = nearest(options.name, list(STUDIES))
         hint = f"; did you mean {near!r}?" if near else ""
         return _refuse(f"{options.name}: no such study{hint} (studies: {', '.join(STUDIES)})")
-    if find_spec("matplotlib") is None:
-        return _refuse("a study draws its figures with matplotlib: pip install 'edl6dof[plots]'")
     if options.runs is not None and (options.runs < 1 or not study.counted):
         reason = "must be 1 or more" if study.counted else f"{study.name} is a fixed set of flights"
         return _refuse(f"-n {options.runs}: {reason}")

@@ -1,58 +1,42 @@
-"""Drawings as PNG files, by matplotlib."""
+"""Drawings of studies in the style of the reports: each becomes a figure with its panels side by side, and that a PNG."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
-from edl6dof.studies.study import Curve, Drawing, Panel
+import numpy as np
+
+from edl6dof.post.report.figure import BLACK, Axis, Figure, Panel, Trace
+from edl6dof.post.report.paper import write_png
+from edl6dof.studies import study
 
 
-def save_drawing(drawing: Drawing, folder: Path) -> Path:
-    """Write ``<folder>/<name>.png`` and return its path.
-
-    Raises:
-        ImportError: matplotlib is not installed.
-    """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    columns = len(drawing.panels)
-    figure, axes = pyplot.subplots(1, columns, figsize=(6.4 * columns, 4.2), layout="constrained", squeeze=False)
-    for panel, place in zip(drawing.panels, axes[0], strict=True):
-        _draw_panel(panel, place)
+def save_drawing(drawing: study.Drawing, folder: Path) -> Path:
+    """Write ``<folder>/<name>.png`` and return its path."""
     path = folder / f"{drawing.name}.png"
-    figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+    write_png(figure_of(drawing), path)
     return path
 
 
-def _draw_panel(panel: Panel, axes: Any) -> None:
-    for curve in panel.curves:
-        _draw_curve(curve, axes)
-    axes.set(title=panel.title, xlabel=panel.x_label, ylabel=panel.y_label)
-    if panel.x_range is not None:
-        axes.set_xlim(panel.x_range)
-    if panel.y_range is not None:
-        axes.set_ylim(panel.y_range)
-    axes.grid(alpha=0.3)
-    if panel.equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    if any(curve.label for curve in panel.curves):
-        axes.legend()
+def figure_of(drawing: study.Drawing) -> Figure:
+    """The drawing as a figure of a report."""
+    return Figure(drawing.name, "", [_panel(panel) for panel in drawing.panels], columns=len(drawing.panels), height=380)
 
 
-def _draw_curve(curve: Curve, axes: Any) -> None:
-    label = curve.label or None
+def _panel(panel: study.Panel) -> Panel:
+    x, y = Axis(panel.x_label, panel.x_range), Axis(panel.y_label, panel.y_range)
+    return Panel(x, y, [_trace(curve) for curve in panel.curves], title=panel.title, equal=panel.equal)
+
+
+def _trace(curve: study.Curve) -> Trace:
+    x, y, name = np.asarray(curve.x, float), np.asarray(curve.y, float), curve.label
+    if curve.kind == "reference":
+        return Trace(x, y, name, colour=BLACK, dash="dash", width=1.2)
+    if curve.kind == "dots":
+        return Trace(x, y, name, kind="points")
+    if curve.kind == "filled":
+        return Trace(np.concatenate([x, x[::-1]]), np.concatenate([y, np.zeros_like(y)]), name, kind="region")
     if curve.kind == "histogram":
-        axes.hist(curve.x, bins="auto", edgecolor="white", label=label)
-    elif curve.kind == "dots":
-        axes.plot(curve.x, curve.y, "o", markersize=4, markerfacecolor="none", label=label)
-    elif curve.kind == "reference":
-        axes.plot(curve.x, curve.y, "k--", linewidth=1.0, label=label)
-    elif curve.kind == "filled":
-        axes.fill_between(curve.x, curve.y, alpha=0.25, label=label)
-    else:
-        axes.plot(curve.x, curve.y, linewidth=1.6, label=label)
+        counts, edges = np.histogram(x, bins="auto")
+        return Trace(0.5 * (edges[1:] + edges[:-1]), counts.astype(float), name, kind="bars")
+    return Trace(x, y, name)

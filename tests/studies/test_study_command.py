@@ -13,8 +13,6 @@ from edl6dof.app.study import StudyOptions, run_study
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Report, Study
 
-pytest.importorskip("matplotlib")
-
 
 def small(runs, progress):
     x = np.linspace(0.0, 1.0, 5)
