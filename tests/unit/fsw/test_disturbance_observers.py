@@ -131,6 +131,22 @@ def test_double_integrator_reaches_zero_in_finite_time():
     assert sizes["linear"] > 100.0 * sizes["finite"]
 
 
+@pytest.mark.parametrize("drag, v, gamma, r", [(2.0, 6000.0, -0.25, 3.46e6), (90.0, 4000.0, -0.12, 3.41e6), (15.0, 900.0, -0.2, 3.4e6)])
+def test_what_the_prints_have_otherwise_is_what_the_docstring_says(drag, v, gamma, r):
+    """Zheng & Cui eqs. 13-14 and Yan, Sun & Guo eq. 14, with and without the corrections, against the derived dynamics."""
+    g, h, s, c = 4.283e13 / r**2, 9354.0, sin(gamma), cos(gamma)
+    rate, _, free = drag_dynamics(drag, v, gamma, r, g, 0.24 * drag, h)
+    slowing, turning = drag + g * s, g - v * v / r
+    assert rate == pytest.approx(-drag * v * s / h - 2.0 * drag * slowing / v, rel=1e-12)
+    assert rate != pytest.approx((-2.0 * drag * slowing / v) / (1.0 + v * s / h), rel=0.1)  # eq. 14 as printed, solved for D'
+    shared = -rate * v * s / h + drag * slowing * s / h + drag * c * c * turning / h - 2.0 * drag * slowing**2 / v**2
+    shared += -2.0 * drag * rate / v + 2.0 * drag * g * c * c * turning / v**2
+    height = 4.0 * drag * g * s * s / r
+    assert free == pytest.approx(shared + height - 2.0 * rate * slowing / v, rel=1e-9)
+    assert free != pytest.approx(shared + height + 2.0 * rate * slowing / v**2, rel=1e-3)  # eq. 13 of Zheng & Cui as printed
+    assert free != pytest.approx(shared - 2.0 * rate * slowing / v, rel=1e-9)  # eq. 14 of Yan, Sun & Guo as printed
+
+
 def test_drag_dynamics_are_those_of_a_flown_trajectory():
     """First and second derivative of the accelerometer's drag in a flight of the simulator, by finite differences of its telemetry."""
     flight = edl6dof.fly("zheng2015", ["mission={goal: time, phases: []}", "simulation.time_limit_s=140", "initial.bank_deg=60"])

@@ -4,8 +4,9 @@ Derived here from D = k rho V^2 with an exponential density and the equations of
 tests against finite differences of independently integrated and of flown trajectories.  Same quantity: Zheng & Cui 2015, eqs. 13-14;
 Wu, Cui & Cui 2013, eq. 12; Yan, Sun & Guo 2016, eqs. 13-14.
 
-Differences from the prints: Zheng & Cui eq. 14 has a D-dot where D belongs (-D V sin(gamma)/h_s), and eq. 13 the terms 2 D' (..)/V^2 and
-2 D D'/V with the powers of V and the sign interchanged; Yan, Sun & Guo eqs. 13-14 leave out what g loses with height.
+Differences from the prints, each shown in the tests: Zheng & Cui have a D-dot in eq. 14 where D belongs (-D V sin(gamma)/h_s), and in
+eq. 13 +2 D'(D + g sin(gamma))/V^2 where -2 D'(D + g sin(gamma))/V belongs; Yan, Sun & Guo leave out of eq. 14 what g loses with height,
+4 D g sin^2(gamma)/r.
 """
 
 from __future__ import annotations

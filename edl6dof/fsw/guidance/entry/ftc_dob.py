@@ -5,8 +5,7 @@ the disturbance of the flight-path rate is observed and taken out.  The paper pr
 software's.
 
 Differences from the print: eq. 22 has the sign of the reference acceleration reversed against eq. 20; the drag dynamics keep what g loses
-with height, which eq. 14 leaves out; eq. 11 and eq. 8 define the ballistic coefficient without and with the drag coefficient's halving
-consistently, m/(C_D S).
+with height, which eq. 14 leaves out; beta is printed in m where 1/m is meant.
 """
 
 from __future__ import annotations
