@@ -13,7 +13,9 @@ from typing import Any
 
 from edl6dof.config import yamltree
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.extends import EXTENDS, lay_over
 from edl6dof.config.locate import find_include, find_shipped, near_names, resolve_scenario, shown
+from edl6dof.config.wording import got
 from edl6dof.config.yamltree import Mark, dotted, parse_yaml
 
 __all__ = [
@@ -72,25 +74,49 @@ class Document:
 
 
 def read_document(path: str | Path, includes: Mapping[str, str] = INCLUDES) -> Document:
-    """Read a YAML file and the files it includes.
+    """Read a YAML file, the files it includes, and the scenario it extends.
 
     Raises:
         ConfigError: every mistake of all files that can be seen without knowing the parameters.
     """
-    path = Path(path)
+    return _read(Path(path), includes, ())
+
+
+def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]) -> Document:
     document = parse_document(_read_text(path), shown(path))
     document.files = (path,)
+    base = _base(document, includes, (*extended_by, path.resolve())) if EXTENDS in document.data else None
     problems: list[Problem] = []
     for key, kind in includes.items():
         value = document.data.get(key)
         if isinstance(value, str):
+            if base is not None:
+                base.data.pop(key, None)  # another vehicle or planet, not changes of the one there
             try:
                 include(document, key, value, kind)
             except ConfigError as error:
                 problems += error.problems
     if problems:
         raise ConfigError(problems)
-    return document
+    if base is None:
+        return document
+    lay_over(base, document)
+    return base
+
+
+def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ...]) -> Document:
+    """The scenario that ``document`` extends."""
+    name = document.data.pop(EXTENDS)
+    if not isinstance(name, str):
+        raise ConfigError([document.problem((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")])
+    beside = chain[-1].parent / name
+    try:
+        found = resolve_scenario(beside if beside.is_file() else name)
+    except ConfigError as error:
+        raise ConfigError([document.problem((EXTENDS,), error.problems[0].message)]) from None
+    if found.resolve() in chain:
+        raise ConfigError([document.problem((EXTENDS,), f"leads back to {shown(found)}")])
+    return _read(found, includes, chain)
 
 
 def parse_document(text: str, file: str) -> Document:

@@ -246,8 +246,21 @@ def check_document(document: Document) -> LoadedScenario:
     return LoadedScenario(scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document)
 
 
+#: Sections of a scenario file that say how it is flown many times; a single flight does not read them.
+CAMPAIGN_SECTIONS = ("campaign", "sweep")
+
+
 def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
     """Read, override and validate a scenario file, or a shipped scenario by name.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    return load_document(read_document(resolve_scenario(str(name_or_path))), overrides)
+
+
+def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Override and validate a document, without its sections about campaigns.
 
     Raises:
         ConfigError: with every problem found.
@@ -256,5 +269,8 @@ def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> Lo
     late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
     if late:
         raise ConfigError(Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late)
-    document = expand_daveml(read_document(resolve_scenario(str(name_or_path))))
+    for name in CAMPAIGN_SECTIONS:
+        document.data.pop(name, None)
+        document.forget((name,))
+    document = expand_daveml(document)
     return check_document(expand_daveml(apply_overrides(document, overrides, Scenario)))

@@ -1,0 +1,142 @@
+"""What a dispersed parameter may be: distributions, each turning a number in 0..1 into a value by its inverse distribution function.
+
+Inverse functions make every sampling plan (random, Latin hypercube, Sobol) serve every distribution.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+from scipy.special import ndtr, ndtri
+
+from edl6dof.config.base import REQUIRED, Params, param
+
+#: Unit numbers are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
+_EDGE = 1e-12
+
+
+class Spread(Params):
+    """Width of a normal distribution, given in one of three ways."""
+
+    sigma: float | None = param(None, "standard deviation, in the parameter's unit", gt=0.0)
+    three_sigma: float | None = param(None, "three standard deviations, in the parameter's unit", gt=0.0)
+    three_sigma_pct: float | None = param(None, "three standard deviations over the nominal value", gt=0.0)
+
+    @model_validator(mode="after")
+    def _one_width(self) -> Self:
+        if sum(width is not None for width in (self.sigma, self.three_sigma, self.three_sigma_pct)) != 1:
+            raise ValueError("must give exactly one of sigma, three_sigma, three_sigma_pct")
+        return self
+
+    def deviation(self, nominal: float) -> float:
+        """Standard deviation about a nominal value."""
+        if self.sigma is not None:
+            return self.sigma
+        if self.three_sigma is not None:
+            return self.three_sigma / 3.0
+        return abs(nominal) * self.three_sigma_pct / 300.0
+
+
+class Normal(Spread):
+    """Normal distribution."""
+
+    kind: Literal["normal"] = param(REQUIRED, "normal")
+    mean: float | None = param(None, "mean; the nominal value if not given")
+
+    def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
+        """Values of unit numbers."""
+        mean = nominal if self.mean is None else self.mean
+        return mean + self.deviation(nominal) * ndtri(np.clip(unit, _EDGE, 1.0 - _EDGE))
+
+
+class TruncatedNormal(Spread):
+    """Normal distribution without the values outside two bounds."""
+
+    kind: Literal["truncated_normal"] = param(REQUIRED, "normal, cut off")
+    mean: float | None = param(None, "mean before the cut; the nominal value if not given")
+    low: float | None = param(None, "lowest value")
+    high: float | None = param(None, "highest value")
+
+    @model_validator(mode="after")
+    def _bounds(self) -> Self:
+        if self.low is None and self.high is None:
+            raise ValueError("must give low, high or both; without bounds it is kind normal")
+        if self.low is not None and self.high is not None and self.low >= self.high:
+            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+        return self
+
+    def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
+        """Values of unit numbers."""
+        mean, sigma = nominal if self.mean is None else self.mean, self.deviation(nominal)
+        first, last = (ndtr((bound - mean) / sigma) if bound is not None else end for bound, end in ((self.low, 0.0), (self.high, 1.0)))
+        if not last - first > 1e-9:
+            raise ValueError("low and high leave nothing of the distribution")
+        values = mean + sigma * ndtri(np.clip(first + unit * (last - first), _EDGE, 1.0 - _EDGE))
+        return np.clip(values, self.low, self.high)
+
+
+class Uniform(Params):
+    """Every value between two bounds is equally likely."""
+
+    kind: Literal["uniform"] = param(REQUIRED, "uniform")
+    low: float | None = param(None, "lowest value")
+    high: float | None = param(None, "highest value")
+    half_width: float | None = param(None, "instead of low and high: greatest distance from the nominal value", gt=0.0)
+
+    @model_validator(mode="after")
+    def _bounds(self) -> Self:
+        given = (self.low is not None, self.high is not None, self.half_width is not None)
+        if given not in ((True, True, False), (False, False, True)):
+            raise ValueError("must give low and high, or half_width")
+        if self.low is not None and self.low >= self.high:
+            raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
+        return self
+
+    def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
+        """Values of unit numbers."""
+        low, high = (self.low, self.high) if self.half_width is None else (nominal - self.half_width, nominal + self.half_width)
+        return low + unit * (high - low)
+
+
+class LogNormal(Params):
+    """The logarithm is normal: a factor up is as likely as the same factor down."""
+
+    kind: Literal["log_normal"] = param(REQUIRED, "log-normal")
+    median: float | None = param(None, "median; the nominal value if not given", gt=0.0)
+    sigma_ln: float = param(REQUIRED, "standard deviation of the natural logarithm", gt=0.0, le=5.0)
+
+    def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
+        """Values of unit numbers."""
+        median = nominal if self.median is None else self.median
+        if not median > 0.0:
+            raise ValueError(f"needs a positive median (the nominal value is {median:g})")
+        return median * np.exp(self.sigma_ln * ndtri(np.clip(unit, _EDGE, 1.0 - _EDGE)))
+
+
+class Discrete(Params):
+    """One of several values: numbers, or names such as that of a guidance law."""
+
+    kind: Literal["discrete"] = param(REQUIRED, "one of several values")
+    choices: list[Any] = param(REQUIRED, "the values", min_length=1)
+    weights: list[float] | None = param(None, "how likely each is, relative to the others; all alike if not given")
+
+    @model_validator(mode="after")
+    def _weights_fit(self) -> Self:
+        weights = self.weights
+        if weights is not None and (len(weights) != len(self.choices) or min(weights) < 0.0 or not sum(weights) > 0.0):
+            raise ValueError(f"weights must be {len(self.choices)} numbers, none negative and not all zero")
+        return self
+
+    def values(self, unit: np.ndarray, nominal: Any) -> np.ndarray:
+        """Values of unit numbers."""
+        weights = np.ones(len(self.choices)) if self.weights is None else np.asarray(self.weights)
+        steps = np.cumsum(weights) / np.sum(weights)
+        chosen = np.minimum(np.searchsorted(steps, unit, side="right"), len(self.choices) - 1)
+        found = np.empty(len(unit), object)
+        found[:] = [self.choices[index] for index in chosen]
+        return found
+
+
+Distribution = Annotated[Normal | TruncatedNormal | Uniform | LogNormal | Discrete, Field(discriminator="kind")]
