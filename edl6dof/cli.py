@@ -144,6 +144,54 @@ def study(
 
 
 @app.command()
+def campaign(
+    scenario: Annotated[str | None, typer.Argument(help="Campaign file or name; with --resume, the folder of a campaign.")] = None,
+    sets: Sets = None,
+    cases: Annotated[int | None, typer.Option("-n", "--cases", min=1, help="Flights (at each point of a sweep).")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the dispersions.")] = None,
+    engine: Annotated[str, typer.Option(help="threads (this machine) or dask.")] = "threads",
+    cluster: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Threads, or worker processes; all cores if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder; runs/<name> if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing campaign.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")] = False,
+    until: Annotated[str | None, typer.Option(metavar="TEXT", help="Stop early, such as 'p_success +- 0.5%'.")] = None,
+    compare: Annotated[
+        tuple[Path, Path] | None, typer.Option("--compare", metavar="A B", help="Compare two finished campaigns instead.")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Fly many dispersed flights, or a sweep; afterwards see edl6dof report FOLDER and edl6dof refly FOLDER CASE.
+
+    Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+    """
+    from edl6dof.app.campaign import CampaignOptions, run_campaign, run_compare
+
+    if compare is not None:
+        raise typer.Exit(run_compare(*compare, as_json))
+    options = CampaignOptions(scenario, tuple(sets or ()), cases, seed, engine, cluster, workers, out, force, resume, until, quiet, as_json)
+    raise typer.Exit(run_campaign(options))
+
+
+@app.command()
+def refly(
+    folder: Annotated[Path, typer.Argument(help="Folder of a campaign.")],
+    case: Annotated[int, typer.Argument(help="Number of the case.")],
+    out: Annotated[Path | None, typer.Option(help="Run folder; runs/<name>_case<number> if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
+    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
+) -> None:
+    """Fly one case of a campaign again with telemetry and replay, and compare it with its row.
+
+    Exit status: 0 identical, 1 not, 2 bad input.
+    """
+    from edl6dof.app.campaign import run_refly
+
+    raise typer.Exit(run_refly(folder, case, out, force, replay))
+
+
+@app.command()
 def version() -> None:
     """Print the version."""
     from edl6dof import __version__

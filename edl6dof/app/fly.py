@@ -60,7 +60,6 @@ def run_fly(options: FlyOptions) -> int:
 
 def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
     from edl6dof.jit import is_cached
-    from edl6dof.post.results import write_run
     from edl6dof.sim.loop import fly as compiled_loop
 
     talk = not (options.quiet or options.as_json)
@@ -70,20 +69,23 @@ def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     with atomic_folder(target, options.force) as folder:
         with _progress(talk) as report:
             flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-        write_run(flight, folder)
-        if flight.saved is not None:
-            flight.saved.save(folder / "state.npz")
-        if options.replay:
-            _write_replay(flight, folder / "replay.rrd")
+        write_files(flight, folder, options.replay)
     return flight
 
 
-def _write_replay(flight: Flight, path: Path) -> None:
-    from edl6dof.post.replay import history, write_replay
+def write_files(flight: Flight, folder: Path, replay: bool) -> None:
+    """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a replay."""
+    from edl6dof.post.results import write_run
 
-    shown = history(flight)
-    flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
-    write_replay(shown, path)
+    write_run(flight, folder)
+    if flight.saved is not None:
+        flight.saved.save(folder / "state.npz")
+    if replay:
+        from edl6dof.post.replay import history, write_replay
+
+        shown = history(flight)
+        flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
+        write_replay(shown, folder / "replay.rrd")
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.locate import shown
-from edl6dof.sim.scenario import Scenario, load_scenario
+from edl6dof.config.source import read_document, resolve_scenario
+from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, Scenario, load_document
 
 BAD_INPUT = 2
 
@@ -19,7 +20,13 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
     bad = False
     for name in files:
         try:
-            loaded = load_scenario(name, sets)
+            document = read_document(resolve_scenario(name))
+            if any(document.data.get(section) is not None for section in CAMPAIGN_SECTIONS):
+                from edl6dof.campaign.plan import plan_of
+
+                loaded = plan_of(document, tuple(sets)).loaded
+            else:
+                loaded = load_document(document, sets)
         except ConfigError as error:
             print(error, file=sys.stderr)
             bad = True

@@ -20,6 +20,7 @@ from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import PART, Store, StoreError
+from edl6dof.jit import outside_sources
 
 
 @dataclass
@@ -76,7 +77,7 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     tally, done = Tally(plan.count), 0
     missing = {k for k, (first, last) in enumerate(ranges) if not store.has_part(k, first, last)}
     flown = engine.rows(plan, (ranges[k] for k in sorted(missing)))
-    for index, (first, last) in enumerate(ranges):
+    for index, (_, last) in enumerate(ranges):
         if index in missing:
             rows = next(flown)
             store.write_part(index, table_of(rows))
@@ -128,9 +129,11 @@ def _columns(store: Store, name: str) -> Iterator[str]:
 
 @cache
 def source_hash() -> str:
-    """Hash of every source file of the package: the same sources and the same plan give the same table."""
+    """Hash of every source file of the package and of the plugins: the same sources and the same plan give the same table."""
     digest = hashlib.sha256()
     folder = Path(edl6dof.__file__).parent
     for file in sorted(folder.rglob("*.py")):
         digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
+    for name in sorted(outside_sources):
+        digest.update(Path(name).read_bytes())
     return digest.hexdigest()

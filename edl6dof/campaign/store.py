@@ -79,6 +79,23 @@ class Store:
         write_atomic(self.folder / "campaign.yaml", plan_text.encode())
         write_atomic(self.folder / "campaign.json", (json.dumps(info, indent=1) + "\n").encode())
 
+    def clear(self) -> None:
+        """Remove the files of a campaign, and nothing else.
+
+        Raises:
+            StoreError: the folder holds something that is no campaign.
+        """
+        if not self.folder.exists():
+            return
+        if any(self.folder.iterdir()) and not (self.folder / "campaign.json").is_file():
+            raise StoreError(f"{self.folder} is not the folder of a campaign; it is not replaced even with --force")
+        for file in self.parts():
+            file.unlink()
+        with suppress(OSError):
+            (self.folder / "parts").rmdir()
+        for name in ("cases.parquet", "summary.json", "report.html", "campaign.yaml", "campaign.json"):
+            (self.folder / name).unlink(missing_ok=True)
+
     @contextmanager
     def lock(self) -> Iterator[None]:
         """Keep other processes out; the system lifts the lock when the process ends, however it ends.
@@ -103,10 +120,10 @@ class Store:
     def has_part(self, index: int, first: int, last: int) -> bool:
         """Whether a part is in place with exactly its cases."""
         try:
-            cases = pq.read_table(self.part(index), columns=["case"])["case"].to_pylist()
+            with pq.ParquetFile(self.part(index)) as file:
+                return file.read(["case"])["case"].to_pylist() == list(range(first, last))
         except (OSError, pa.ArrowException, KeyError):
             return False
-        return cases == list(range(first, last))
 
     def write_part(self, index: int, table: pa.Table) -> None:
         """Put a part in place."""
@@ -148,12 +165,13 @@ def _common_schema(files: list[Path]) -> pa.Schema:
     return pa.unify_schemas([pq.read_schema(file).remove_metadata() for file in files], promote_options="permissive")
 
 
-def _read(file: Path, schema: pa.Schema, names: list[str]) -> pa.Table:
-    table = pq.read_table(file, columns=[name for name in names if name in pq.read_schema(file).names])
-    columns = [
-        table[name].cast(schema.field(name).type) if name in table.column_names else pa.nulls(len(table), schema.field(name).type)
-        for name in names
-    ]
+def _read(path: Path, schema: pa.Schema, names: list[str]) -> pa.Table:
+    """Columns of a part; those it lacks are empty."""
+    with pq.ParquetFile(path) as file:
+        known = set(file.schema_arrow.names)
+        table = file.read([name for name in names if name in known], use_threads=False)
+    kinds = {name: schema.field(name).type for name in names}
+    columns = [table[name].cast(kind) if name in known else pa.nulls(len(table), kind) for name, kind in kinds.items()]
     return pa.table(columns, schema=pa.schema([schema.field(name) for name in names]))
 
 

@@ -1,0 +1,118 @@
+"""Two campaigns on common random numbers: the same cases flown by two configurations, difference by difference.
+
+What both share cancels in a pair, so a small difference shows with few flights.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+from scipy.special import ndtri
+from scipy.stats import binomtest
+
+from edl6dof.campaign.statistics import Proportion
+from edl6dof.campaign.store import Store, StoreError
+
+#: Columns that say how a case ended and not what came out of it.
+_ENDS = {"case", "success", "cause", "outcome", "profile"}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Mean of a figure in both, and of the paired difference B - A with its 95 % interval."""
+
+    figure: str
+    pairs: int
+    mean_a: float
+    mean_b: float
+    difference: float
+    half_width: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether the interval excludes no difference."""
+        return abs(self.difference) > self.half_width
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Outcome of two campaigns beside each other.
+
+    Attributes:
+        counts: pairs in which both succeed, A alone, B alone, neither.
+        p_value: probability of so uneven a split of the single successes if the configurations were alike (McNemar, exact).
+    """
+
+    names: tuple[str, str]
+    success: tuple[Proportion, Proportion]
+    counts: tuple[int, int, int, int]
+    p_value: float
+    figures: tuple[Difference, ...]
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """Everything, ready for JSON."""
+        both, a, b, neither = self.counts
+        return {
+            "campaigns": list(self.names),
+            "p_success": [proportion.value for proportion in self.success],
+            "p_success_95": [list(proportion.interval) for proportion in self.success],
+            "pairs": {"both": both, "first_only": a, "second_only": b, "neither": neither},
+            "mcnemar_p_value": self.p_value,
+            "figures": [vars(figure) for figure in self.figures],
+        }
+
+
+def compare(first: Store, second: Store) -> Comparison:
+    """Pair the cases of two campaigns.
+
+    Raises:
+        StoreError: they did not fly the same cases.
+    """
+    a, b = first.table().sort_by("case"), second.table().sort_by("case")
+    cases = np.intersect1d(a["case"].to_numpy(), b["case"].to_numpy())
+    a, b = (table.filter(pc.is_in(table["case"], pa.array(cases))) for table in (a, b))
+    names = (first.folder.name, second.folder.name)
+    _require_common(a, b, names)
+    success = [table["success"].to_numpy(zero_copy_only=False) for table in (a, b)]
+    counts = tuple(int(np.sum(pair)) for pair in _pairs(*success))
+    proportions = tuple(Proportion(int(ok.sum()), len(ok)) for ok in success)
+    single = counts[1] + counts[2]
+    p_value = binomtest(counts[1], single).pvalue if single else 1.0
+    return Comparison(names, proportions, counts, float(p_value), tuple(_differences(a, b)))
+
+
+def _require_common(a: pa.Table, b: pa.Table, names: tuple[str, str]) -> None:
+    """Every quantity that both disperse must have the same values: only then are these pairs."""
+    if not len(a):
+        raise StoreError(f"{names[0]} and {names[1]} have no case in common")
+    shared = [name for name in a.column_names if name in b.column_names and name.startswith(("truth.", "belief.", "profile"))]
+    different = [name for name in shared if not a[name].equals(b[name])]
+    if not shared or different:
+        what = f"differ in {', '.join(different[:3])}" if different else "share no dispersed quantity"
+        raise StoreError(f"{names[0]} and {names[1]} {what}: fly both with the same campaign section and seed")
+
+
+def _pairs(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
+    return a & b, a & ~b, ~a & b, ~(a | b)
+
+
+def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:
+    z, found = float(ndtri(0.975)), []
+    for name in a.column_names:
+        numeric = name in b.column_names and all(pa.types.is_floating(table[name].type) for table in (a, b))
+        if not numeric or name in _ENDS or name.startswith(("truth.", "belief.")):
+            continue
+        x, y = (table[name].to_numpy(zero_copy_only=False) for table in (a, b))
+        usable = np.isfinite(x) & np.isfinite(y)
+        if (pairs := int(usable.sum())) < 2:
+            continue
+        apart = (y - x)[usable]
+        half = z * float(apart.std(ddof=1)) / sqrt(pairs)
+        found.append(Difference(name, pairs, float(x[usable].mean()), float(y[usable].mean()), float(apart.mean()), half))
+    return found

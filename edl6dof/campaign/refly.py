@@ -1,0 +1,53 @@
+"""One case of a campaign flown again, the long way: with all its telemetry, and its scenario written out."""
+
+from __future__ import annotations
+
+import math
+
+from edl6dof.campaign.plan import Plan
+from edl6dof.campaign.store import Store
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.overrides import apply_overrides
+from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
+
+
+def case_scenario(plan: Plan, number: int) -> LoadedScenario:
+    """The scenario of a case, checked like a file.
+
+    Raises:
+        ConfigError: there is no such case, or its values are not allowed.
+    """
+    if not 0 <= number < plan.count:
+        raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
+    case = next(plan.cases(number, number + 1))
+    name = f"name={plan.name}_case{number}"
+    return check_document(apply_overrides(plan.loaded.document, [*case.overrides(plan.loaded.scenario.truth), name], Scenario))
+
+
+def reflown(plan: Plan, number: int) -> Flight:
+    """Fly a case again."""
+    return fly(case_scenario(plan, number))
+
+
+def differences(store: Store, plan: Plan, number: int, flight: Flight) -> list[str]:
+    """Columns in which a flight differs from its row, by as much as one bit.
+
+    Raises:
+        ConfigError: the case has no row yet.
+    """
+    table = store.table()
+    found = table["case"].to_pylist()
+    if number not in found:
+        raise ConfigError([Problem(str(store.folder), 0, 0, "", f"case {number} has not flown yet")])
+    row = table.slice(found.index(number), 1).to_pylist()[0]
+    mine = {"success": flight.success, "cause": flight.cause, "outcome": flight.outcome, "end_s": flight.time_s, **flight.metrics}
+    case = next(plan.cases(number, number + 1))
+    known = {"case", *mine, *(f"truth.{path}" for path in case.truth), *(f"belief.{path}" for path in case.belief), "profile"}
+    extra = [name for name, value in row.items() if name not in known and value is not None]
+    return [name for name, value in mine.items() if not _same(value, row.get(name))] + extra
+
+
+def _same(value: object, stored: object) -> bool:
+    both_missing = isinstance(value, float) and math.isnan(value) and (stored is None or isinstance(stored, float) and math.isnan(stored))
+    return both_missing or value == stored
