@@ -46,7 +46,7 @@ def fly(
 
 @app.command()
 def check(files: Annotated[list[str], typer.Argument(help="Scenario files or names.")], sets: Sets = None) -> None:
-    """Check scenario files; name every mistake with file, line and key."""
+    """Check scenario files; name each mistake with file, line and key."""
     from edl6dof.app.inspect import run_check
 
     raise typer.Exit(run_check(files, tuple(sets or ())))
@@ -162,7 +162,9 @@ def campaign(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Fly many dispersed flights, or a sweep; afterwards see edl6dof report FOLDER and edl6dof refly FOLDER CASE.
+    """Fly many dispersed flights, or a grid of them.
+
+    Afterwards: edl6dof report FOLDER, edl6dof refly FOLDER CASE.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
     """
@@ -182,7 +184,7 @@ def refly(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
 ) -> None:
-    """Fly one case of a campaign again with telemetry and replay, and compare it with its row.
+    """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical, 1 not, 2 bad input.
     """
