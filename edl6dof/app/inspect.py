@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.locate import shown
@@ -37,10 +38,22 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
 
 def run_schema() -> int:
     """Print the JSON schema."""
+    print(json.dumps(scenario_schema(), indent=1))
+    return 0
+
+
+def scenario_schema() -> dict[str, Any]:
+    """Schema of scenario files, of those that extend another one, and of their campaign and sweep sections."""
+    from edl6dof.campaign.params import CampaignFile
+    from edl6dof.config.extends import EXTENDS
     from edl6dof.config.schema import json_schema
 
-    print(json.dumps(json_schema(Scenario), indent=1))
-    return 0
+    schema, campaign = json_schema(Scenario), json_schema(CampaignFile)
+    schema["properties"].update(campaign["properties"])
+    schema["properties"][EXTENDS] = {"type": "string", "description": "name or path of a scenario of which this file changes some values"}
+    schema["$defs"].update(campaign["$defs"])
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
+    return schema
 
 
 def run_replay(run: Path) -> int:
