@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, wu2013, yan2016, zheng2015
+from edl6dof.studies import guidance, hu2022, wu2013, yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -12,5 +12,6 @@ STUDIES: dict[str, Study] = {
         yan2016,
         wu2013,
         guidance,
+        hu2022,
     )
 }  # fmt: skip

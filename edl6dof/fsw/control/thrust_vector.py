@@ -2,9 +2,9 @@
 
 Two formulations of the attitude error (Hu et al. 2022, section 6.2): along the shortest path to the goal attitude (eqs. 2-4), or
 decoupled (eqs. 5-8), where pitch and yaw see the thrust direction alone, so that a roll error does not lead the thrust astray.
-Decoupled, a slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but the rate they
-are driven to is one vector along the shortest rotation (eq. 8; the print has S_1 x S_d with a minus sign, which would turn the thrust
-away; the direction follows from the error).
+A slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but the rate they are driven to
+is one vector along the rotation (eq. 8; the print has S_1 x S_d with a minus sign, which would turn the thrust away; the direction
+follows from the error).
 
 The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse modulation gave beyond its orders
 (:mod:`edl6dof.fsw.estimation.shortfall`).  With the pole lambda of the estimator the torque per inertia on an error e becomes
@@ -61,10 +61,8 @@ def thrust_direction(nav, guide):
 
 @kernel
 def slew_rates(p, error, bandwidth):
-    """Rates wanted outside the PID zones; pitch and yaw as one rotation of the thrust axis where it is decoupled (eq. 8)."""
+    """Rates wanted outside the PID zones: that of roll, and those of pitch and yaw as one rotation (eq. 8)."""
     roll = target_rate(p.roll, error[0], bandwidth)
-    if p.error == SHORTEST_PATH:
-        return roll, target_rate(p.pitch_yaw, error[1], bandwidth), target_rate(p.pitch_yaw, error[2], bandwidth)
     angle = (error[1] * error[1] + error[2] * error[2]) ** 0.5
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
     return roll, share * error[1], share * error[2]

@@ -1,0 +1,133 @@
+"""Drawings of the study: Figs. 7 to 12 of the paper from flights of this vehicle, and the experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from edl6dof.campaign.rows import Row
+from edl6dof.sim.flight import Flight
+from edl6dof.studies.hu2022.rigs import FORMULATIONS, thrust_error_deg
+from edl6dof.studies.study import Curve, Drawing, Panel
+
+TIME = "time (s)"
+_AXES = (("fig8", "roll", "p"), ("fig9", "pitch", "q"), ("fig10", "yaw", "r"))
+
+
+def drawings(
+    nominal: Flight,
+    shown: Mapping[str, Flight],
+    rows: list[Row],
+    steps: Mapping[str, Flight],
+    avoided: Mapping[str, Flight],
+    wings: Mapping[str, Flight],
+) -> tuple[Drawing, ...]:
+    """Every drawing."""
+    return (*_attitude(nominal), _estimates(nominal), _avoidance(avoided), _formulations(shown, rows), _steps(steps), _wings(wings))
+
+
+def _attitude(flight: Flight) -> list[Drawing]:
+    """Figs. 8 to 10: error and rate of each axis over the whole flight."""
+    table, before = flight.telemetry, flight.telemetry["t_s"] < flight.metrics["touchdown_s"]
+    t = table["t_s"][before]
+    return [
+        Drawing(
+            f"{name}_{axis}",
+            (
+                Panel(f"{axis.title()} angle error", TIME, "error (deg)", (Curve(t, table[f"control.error_{axis}_deg"][before]),)),
+                Panel(f"{axis.title()} rate", TIME, "rate (deg/s)", (Curve(t, table[f"truth.rate_{rate}_deg_s"][before]),)),
+            ),
+        )
+        for name, axis, rate in _AXES
+    ]
+
+
+def _estimates(flight: Flight) -> Drawing:
+    """Figs. 11 and 12: estimated disturbance torque in the powered descent, force in hazard avoidance."""
+    table = flight.telemetry
+    powered = (table["t_s"] > flight.metrics["backshell_s"]) & (table["t_s"] < flight.metrics["touchdown_s"])
+    avoiding = powered & (table["guide.phase"] >= flight.phase_names.index("hazard_avoidance"))
+    torque = tuple(Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz")
+    force = tuple(Curve(table["t_s"][avoiding], table[f"estimate.force_{a}_n"][avoiding], a) for a in "yz")
+    return Drawing(
+        "fig11_12_estimates",
+        (
+            Panel("Estimated disturbance torque", TIME, "torque (N m)", torque),
+            Panel("Estimated lateral disturbance force", TIME, "force (N)", force),
+        ),
+    )
+
+
+def _avoidance(flights: Mapping[str, Flight]) -> Drawing:
+    """Fig. 7: roll and place in hazard avoidance."""
+    roll, place = [], []
+    for name, flight in flights.items():
+        table = flight.telemetry
+        rows = table["guide.phase"] == flight.phase_names.index("hazard_avoidance")
+        t = table["t_s"][rows]
+        roll.append(Curve(t - t[0], table["control.error_roll_deg"][rows], name))
+        place.append(Curve(t - t[0], table["truth.site_east_m"][rows] - table["truth.site_east_m"][rows][0], name))
+    after = "time into hazard avoidance (s)"
+    return Drawing(
+        "fig7_avoidance", (Panel("Roll error", after, "error (deg)", tuple(roll)), Panel("Way to the east", after, "way (m)", tuple(place)))
+    )
+
+
+def _formulations(shown: Mapping[str, Flight], rows: list[Row]) -> Drawing:
+    """Section 6.2: thrust-direction error from the entry with the largest roll error, and the time to find it over that error."""
+    curves, dots = [], []
+    for name in FORMULATIONS:
+        flight, word = shown[name], name.replace("_", " ")
+        curves.append(Curve(flight.telemetry["t_s"] - flight.telemetry["t_s"][0], thrust_error_deg(flight), word))
+        mine = [row for row in rows if row["experiment"] == "entry" and row["variant"] == name]
+        roll, found = (np.array([row[key] for row in mine]) for key in ("roll_deg", "settled_s"))
+        dots.append(Curve(np.abs(roll), found, word, "dots"))
+    return Drawing(
+        "formulations",
+        (
+            Panel("Largest roll error", "time after the start (s)", "thrust-direction error (deg)", tuple(curves), x_range=(0.0, 12.0)),
+            Panel("Dispersed entries", "roll error at the start (deg)", "thrust direction found after (s)", tuple(dots)),
+        ),
+    )
+
+
+def _steps(flights: Mapping[str, Flight]) -> Drawing:
+    """Section 6.2: yaw error and estimate after a torque step."""
+    error, estimate = [], []
+    for name, flight in flights.items():
+        table = flight.telemetry
+        t = table["t_s"] - table["t_s"][0]
+        error.append(Curve(t, table["control.error_yaw_deg"], name))
+        estimate.append(Curve(t, table["estimate.torque_z_nm"], name))
+    true = next(iter(flights.values())).telemetry
+    estimate.append(Curve(true["t_s"] - true["t_s"][0], true["truth.disturbance_z_nm"], "true", "reference"))
+    after = "time after the step (s)"
+    return Drawing(
+        "torque_step",
+        (
+            Panel("Yaw error", after, "error (deg)", tuple(error), x_range=(0.0, 20.0)),
+            Panel("Disturbance torque", after, "torque (N m)", tuple(estimate), x_range=(0.0, 3.0)),
+        ),
+    )
+
+
+def _wings(flights: Mapping[str, Flight]) -> Drawing:
+    """Section 4.3: angle of attack and pitch thruster with a trim wing that stays shut."""
+    alpha, duty = [], []
+    for name, flight in flights.items():
+        table = flight.telemetry
+        start, end = flight.metrics["trim_wing_s"], flight.metrics["parachute_s"]
+        rows = (table["t_s"] > start - 5.0) & (table["t_s"] < end)
+        t = table["t_s"][rows] - start
+        alpha.append(Curve(t, table["truth.total_alpha_deg"][rows], name))
+        duty.append(Curve(t, table["control.torque_y_nm"][rows], name))
+    alpha.append(Curve(np.array([-5.0, t[-1]]), np.array([7.0, 7.0]), "limit", "reference"))
+    after = "time after the command (s)"
+    return Drawing(
+        "failed_trim_wing",
+        (
+            Panel("Total angle of attack", after, "angle (deg)", tuple(alpha)),
+            Panel("Demanded pitch torque", after, "torque (N m)", tuple(duty)),
+        ),
+    )

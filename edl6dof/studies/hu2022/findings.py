@@ -1,0 +1,129 @@
+"""What the study says: figures of the nominal beside those of the real flight, and of each experiment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from edl6dof.campaign.rows import Row
+from edl6dof.sim.flight import Flight
+from edl6dof.studies.attitude_loops import flown_loops, margins
+from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
+from edl6dof.studies.hu2022.rows import FOUND_DEG, SETTLED_DEG
+from edl6dof.studies.study import Finding
+
+#: Label, unit, figure of the flight, bound and note of what Figs. 8 to 12 and the text give.
+_FLIGHT = (
+    ("trim phase: largest error", "deg", "trim_aoa_limit_cycle_deg", "<=", "section 3; last 30 s"),
+    ("trim phase: propellant", "kg", "trim_aoa_propellant_kg", "", ""),
+    ("lift control begins", "s", "lift_start_s", "", ""),
+    ("bank reversals", "", "bank_reversals", ">=", "Fig. 8"),
+    ("largest bank rate", "deg/s", "max_bank_rate_deg_s", "", "Fig. 8, about"),
+    ("lift: largest pitch rate", "deg/s", "max_pitch_rate_lift_deg_s", "<=", "Fig. 9"),
+    ("lift: largest yaw rate", "deg/s", "max_yaw_rate_lift_deg_s", "<=", "Fig. 10"),
+    ("trim wing", "s", "trim_wing_s", "", ""),
+    ("parachute", "s", "parachute_s", "", ""),
+    ("parachute: total angle of attack", "deg", "parachute_total_alpha_deg", "<=", "section 4"),
+    ("under parachute: largest rate", "deg/s", "max_rate_parachute_deg_s", "<=", "Figs. 8-10"),
+    ("powered descent begins", "s", "backshell_s", "", ""),
+    ("roll error at its start", "deg", "roll_error_at_ignition_deg", "", "Fig. 8, magnitude"),
+    ("powered: largest attitude error", "deg", "max_attitude_error_powered_deg", "<=", "Fig. 10"),
+    ("powered: largest rate", "deg/s", "max_rate_powered_deg_s", "<=", "nearly 15"),
+    ("powered: largest roll error", "deg", "max_roll_error_powered_deg", "<=", "Fig. 8, after 8 s"),
+    ("touchdown", "s", "touchdown_s", "", ""),
+    *((f"touchdown: {axis} error", "deg", f"touchdown_{axis}_error_deg", "", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
+    *((f"touchdown: {axis} rate", "deg/s", f"touchdown_{axis}_rate_deg_s", "", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
+)
+
+
+def all_of(nominal: Flight, rows: list[Row]) -> tuple[Finding, ...]:
+    """Every finding of the study."""
+    own, published = nominal.metrics, nominal.scenario.published
+    flown = (
+        Finding(label, unit, own.get(name, float("nan")), published.get(name), bound, note) for label, unit, name, bound, note in _FLIGHT
+    )
+    experiments = (*_entries(rows), *_steps(rows), *_avoidance(rows), *_wings(rows), *_loops(nominal))
+    return (*flown, *_estimates(nominal), *experiments)
+
+
+def _estimates(flight: Flight) -> tuple[Finding, ...]:
+    torque = max(_peak(flight, f"estimate.torque_{axis}_nm") for axis in "xyz")
+    force = max(_peak(flight, f"estimate.force_{axis}_n", "hazard_avoidance") for axis in "yz")
+    published = flight.scenario.published.get("max_disturbance_torque_nm")
+    return (
+        Finding("largest estimated torque", "N m", torque, published, note="Fig. 11"),
+        Finding("avoidance: largest estimated force", "N", force, 40.0, note="Fig. 12"),
+    )
+
+
+def _peak(flight: Flight, channel: str, phase: str | None = None) -> float:
+    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one phase of it."""
+    table = flight.telemetry
+    rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & (table["t_s"] < flight.metrics["touchdown_s"])
+    if phase is not None:
+        rows &= table["guide.phase"] == flight.phase_names.index(phase)
+    return float(np.max(np.abs(table[channel][rows])))
+
+
+def _entries(rows: list[Row]) -> tuple[Finding, ...]:
+    by = {name: [row for row in rows if row["experiment"] == "entry" and row["variant"] == name] for name in FORMULATIONS}
+    found = {name: np.array([row["settled_s"] for row in by[name]]) for name in FORMULATIONS}
+    landed = 100.0 * np.mean([row["landed"] for name in FORMULATIONS for row in by[name]])
+    findings = []
+    for name in FORMULATIONS:
+        word, mean = name.replace("_", " "), np.median([row["mean_error_deg"] for row in by[name]])
+        findings += [
+            Finding(f"thrust direction found, {word}", "s", float(np.median(found[name])), note=f"median, within {FOUND_DEG:g} deg"),
+            Finding(f"the worst tenth, {word}", "s", float(np.percentile(found[name], 90.0))),
+            Finding(f"mean error in 12 s, {word}", "deg", float(mean), note="median"),
+        ]
+    quicker = 100.0 * np.mean(found["decoupled"] <= found["shortest_path"] + 0.05)
+    return (
+        *findings,
+        Finding("decoupled is no slower in", "%", float(quicker), note="section 6.2"),
+        Finding("landed from dispersed entries", "%", float(landed), note="both"),
+    )
+
+
+def _of(rows: Iterable[Row], experiment: str) -> list[tuple[str, Row]]:
+    return [(row["variant"], row) for row in rows if row["experiment"] == experiment]
+
+
+def _steps(rows: list[Row]) -> tuple[Finding, ...]:
+    findings = []
+    for name, row in _of(rows, "torque step"):
+        findings.append(Finding(f"{STEP_NM:g} N m step, {name}: peak", "deg", row["peak_error_deg"], note="section 6.2"))
+        findings.append(Finding(f"{STEP_NM:g} N m step, {name}: settled", "s", row["settled_s"], note=f"within {SETTLED_DEG:g} deg"))
+    return tuple(findings)
+
+
+def _avoidance(rows: list[Row]) -> tuple[Finding, ...]:
+    findings = []
+    for name, row in _of(rows, "avoidance"):
+        findings.append(Finding(f"avoidance, {name}: roll error", "deg", row["peak_error_deg"], note="section 6.3, Fig. 7"))
+        findings.append(Finding(f"avoidance, {name}: roll rate", "deg/s", row["peak_rate_deg_s"]))
+    return tuple(findings)
+
+
+def _wings(rows: list[Row]) -> tuple[Finding, ...]:
+    return tuple(
+        Finding(
+            f"wing failed, {name}",
+            "deg",
+            row["parachute_total_alpha_deg"],
+            7.0,
+            "<=" if name == HELD else "",
+            "section 4.3, at mortar fire",
+        )
+        for name, row in _of(rows, "trim wing")
+    )
+
+
+def _loops(flight: Flight) -> tuple[Finding, ...]:
+    findings = []
+    for name, loop in flown_loops(flight.scenario).items():
+        own = margins(loop)
+        note = f"crossover {own.crossover_rad_s:.1f} rad/s, gain {own.gain_db:.0f} dB"
+        findings.append(Finding(f"phase margin, {name.replace('_', ' ')}", "deg", own.phase_deg, note=note))
+    return tuple(findings)

@@ -1,0 +1,80 @@
+"""One row of the study's table for each flight."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from edl6dof.campaign.rows import Row
+from edl6dof.sim.flight import Flight
+from edl6dof.sim.state import State
+from edl6dof.studies.hu2022.rigs import Entry, from_entry, thrust_error_deg
+
+#: Thrust-direction error below which a commanded direction counts as found, and the time in which it is looked for.
+FOUND_DEG, WATCHED_S = 3.0, 12.0
+#: Attitude error below which a torque step counts as settled: above the limit cycle of the thrusters.
+SETTLED_DEG = 0.5
+
+
+def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row:
+    """How one error formulation finds the commanded thrust direction from one dispersed entry."""
+    flight = from_entry(release, entry, formulation)
+    t = flight.telemetry["t_s"] - flight.telemetry["t_s"][0]
+    watched = t < WATCHED_S
+    t, error = t[watched], thrust_error_deg(flight)[watched]
+    return {
+        **_head("entry", formulation, flight, index),
+        "roll_deg": entry.roll_deg,
+        "tilt_deg": entry.tilt_deg,
+        "first_error_deg": float(error[0]),
+        "peak_error_deg": float(error.max()),
+        "settled_s": last_time(t, error > FOUND_DEG),
+        "mean_error_deg": float(np.trapezoid(error, t)) / WATCHED_S,
+    }
+
+
+def step_rows(flights: Mapping[str, Flight]) -> list[Row]:
+    """Peak and settling of the yaw error after the torque step."""
+    rows = []
+    for name, flight in flights.items():
+        table = flight.telemetry
+        t, error = table["t_s"] - table["t_s"][0], np.abs(table["control.error_yaw_deg"])
+        figures = {"peak_error_deg": float(error.max()), "settled_s": last_time(t, error > SETTLED_DEG)}
+        rows.append({**_head("torque step", name, flight), **figures})
+    return rows
+
+
+def avoidance_rows(flights: Mapping[str, Flight]) -> list[Row]:
+    """Roll in hazard avoidance, and what the estimators saw."""
+    rows = []
+    for name, flight in flights.items():
+        table = flight.telemetry
+        phase = table["guide.phase"] == flight.phase_names.index("hazard_avoidance")
+        force = np.hypot(table["estimate.force_y_n"][phase], table["estimate.force_z_n"][phase])
+        figures = {
+            "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][phase]))),
+            "peak_rate_deg_s": float(np.max(np.abs(table["truth.rate_p_deg_s"][phase]))),
+            "estimated_torque_nm": float(np.max(np.abs(table["estimate.torque_x_nm"][phase]))),
+            "estimated_force_n": float(np.max(force)),
+        }
+        rows.append({**_head("avoidance", name, flight), **figures})
+    return rows
+
+
+def wing_rows(flights: Mapping[str, Flight]) -> list[Row]:
+    """Total angle of attack at which the parachute opens."""
+    return [
+        {**_head("trim wing", name, flight), "parachute_total_alpha_deg": flight.metrics["parachute_total_alpha_deg"]}
+        for name, flight in flights.items()
+    ]
+
+
+def last_time(t: np.ndarray, outside: np.ndarray) -> float:
+    """Last time at which a condition holds; 0 when it never does."""
+    where = np.flatnonzero(outside)
+    return float(t[where[-1]]) if len(where) else 0.0
+
+
+def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
+    return {"experiment": experiment, "variant": variant, "case": index, "landed": bool(flight.landed), "outcome": flight.outcome}
