@@ -18,6 +18,7 @@ app = typer.Typer(
 
 BAD_INPUT = 2
 FAILED_FLIGHT = 1
+EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 
 Sets = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")]
 
@@ -96,18 +97,52 @@ def report(
 
 
 @app.command()
+def plot(
+    run: Annotated[Path, typer.Argument(help="Run folder.")],
+    channels: Annotated[
+        list[str] | None, typer.Argument(help="Channels, or patterns such as 'truth.rate_*'; all are listed if none.")
+    ] = None,
+    against: Annotated[str, typer.Option(metavar="CHANNEL", help="Channel of the x axis.")] = "t_s",
+    since: Annotated[float | None, typer.Option("--from", metavar="T", help="First time (s).")] = None,
+    until: Annotated[float | None, typer.Option("--to", metavar="T", help="Last time (s).")] = None,
+    out: Annotated[Path | None, typer.Option(help="File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Plot channels of a run; those of one unit share a panel."""
+    from edl6dof.app.plot import run_plot
+
+    raise typer.Exit(run_plot(run, channels or [], against, since, until, out, force))
+
+
+@app.command()
+def compare(
+    first: Annotated[Path, typer.Argument(metavar="RUN1", help="Run folder.")],
+    second: Annotated[Path, typer.Argument(metavar="RUN2", help="Run folder.")],
+    out: Annotated[Path | None, typer.Option(help="Page to write; RUN2/compared-with-RUN1.html if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+) -> None:
+    """Compare two flights: figures side by side, what their scenarios differ in, and every plot of one over the other."""
+    from edl6dof.app.compare import run_compare
+
+    raise typer.Exit(run_compare(first, second, out, force))
+
+
+@app.command()
 def export(
     run: Annotated[Path, typer.Argument(help="Run folder.")],
-    file: Annotated[Path | None, typer.Argument(help="File to write; RUN/nesc.csv if not given, - for standard output.")] = None,
+    file: Annotated[Path | None, typer.Argument(help="File to write; inside RUN if not given, - for standard output.")] = None,
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORM", help="csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).")
+    ] = "",
     nesc: Annotated[bool, typer.Option("--nesc", help="In the columns and English units of NASA's NESC check cases.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Write the telemetry of a run in the form of another program: edl6dof export RUN --nesc [FILE]."""
+    """Write the telemetry of a run in the form of another program."""
+    if nesc == bool(form) or form not in ("", *EXPORTS):
+        raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
     from edl6dof.app.export import run_export
 
-    if not nesc:
-        raise typer.BadParameter("name a form: --nesc")
-    raise typer.Exit(run_export(run, file, force))
+    raise typer.Exit(run_export(run, form or "nesc", file, force))
 
 
 @app.command()

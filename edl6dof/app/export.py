@@ -3,57 +3,121 @@
 from __future__ import annotations
 
 import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.source import parse_document
-from edl6dof.interchange.nesc import check_case_table, write_table
-from edl6dof.sim.records import build_case, build_tables
-from edl6dof.sim.scenario import check_document
+from edl6dof.post.files import atomic_file
+from edl6dof.post.run import Run, refusal
+
+#: Forms that can be written, and the file each goes to inside the run folder.
+FILES = {
+    "csv": "telemetry.csv",
+    "mat": "telemetry.mat",
+    "nc": "telemetry.nc",
+    "oem": "orbit.oem",
+    "aem": "attitude.aem",
+    "nesc": "nesc.csv",
+}
 
 
-def run_export(run: Path, target: Path | None, force: bool) -> int:
-    """Write the check-case table of a run; to ``nesc.csv`` in its folder if no target is given, ``-`` is standard output."""
-    table = nesc_table(run)
+def run_export(folder: Path, form: str, target: Path | None, force: bool) -> int:
+    """Write the telemetry of a run in a form of :data:`FILES`; ``-`` as target is standard output, for the forms that are text."""
+    run = Run(folder)
+    writer = WRITERS[form]
     if target == Path("-"):
-        write_table(table, sys.stdout)
+        if form in ("mat", "nc"):
+            raise refusal("-", f"the form {form} is no text; name a file")
+        with tempfile.TemporaryDirectory() as place:
+            writer(run, Path(place) / FILES[form])
+            sys.stdout.write((Path(place) / FILES[form]).read_text(encoding="utf-8"))
         return 0
-    target = target or run / "nesc.csv"
-    if target.exists() and not force:
-        raise _problem(target, "exists; choose another file, or replace it with --force")
-    try:
-        with target.open("w", encoding="utf-8", newline="") as stream:
-            write_table(table, stream)
-    except OSError as error:
-        raise _problem(target, f"cannot be written: {error.strerror or error}") from None
-    print(f"{target}: {len(table['time'])} rows")
+    target = target or folder / FILES[form]
+    with atomic_file(target, force) as partial_file:
+        rows = writer(run, partial_file)
+    print(f"{target}: {rows} rows")
     return 0
 
 
-def nesc_table(run: Path) -> dict[str, np.ndarray]:
-    """The check-case columns of a run folder.
+def _csv(run: Run, path: Path) -> int:
+    from edl6dof.interchange.tables import write_csv
 
-    Raises:
-        ConfigError: the folder is no run.
-    """
-    import pyarrow.parquet as pq
+    write_csv(path, run)
+    return len(run.t)
 
-    text, telemetry = run / "scenario.yaml", run / "telemetry.parquet"
-    for path in (text, telemetry):
-        if not path.is_file():
-            raise _problem(path, "no such file; name the folder of a run")
-    truth = check_document(parse_document(text.read_text(encoding="utf-8"), str(text))).truth
+
+def _mat(run: Run, path: Path) -> int:
+    from edl6dof.interchange.tables import write_mat
+
+    write_mat(path, run, _about(run))
+    return len(run.t)
+
+
+def _netcdf(run: Run, path: Path) -> int:
+    from edl6dof.interchange.tables import write_netcdf
+
+    write_netcdf(path, run, _about(run))
+    return len(run.t)
+
+
+def _about(run: Run) -> object:
+    from edl6dof.interchange.tables import Description
+
+    summary = run.summary
+    words = {
+        "title": run.name,
+        "source": f"edl6dof {summary['edl6dof_version']}",
+        "outcome": str(summary["outcome"]),
+        "epoch_utc": str(run.scenario["initial"].get("epoch_utc") or ""),
+        "scenario_sha256": str(summary["scenario_sha256"]),
+    }
+    return Description({name: run.unit(name) for name in run}, {name: run.meaning(name) for name in run}, words)
+
+
+def _ccsds(kind: str, run: Run, path: Path) -> int:
+    from edl6dof.interchange import ccsds
+
+    write = {"oem": ccsds.write_oem, "aem": ccsds.write_aem}[kind]
+    summary = run.summary
+    comments = [f"edl6dof {summary['edl6dof_version']}, scenario {run.name}: {summary['outcome']}", "true state of the centre of mass"]
     try:
-        content = pq.read_table(telemetry)
-    except (OSError, ValueError) as error:
-        raise _problem(telemetry, f"cannot be read: {' '.join(str(error).split())[:200]}") from None
-    columns = {name: content[name].to_numpy() for name in content.column_names}
+        epoch = ccsds.parse_epoch(str(run.scenario["initial"].get("epoch_utc") or ""))
+        with path.open("w", encoding="ascii", errors="replace", newline="\n") as stream:
+            return write(stream, run.name, str(run.scenario["planet"]["name"]), epoch, run, comments)
+    except ValueError as error:
+        raise refusal(run.folder, str(error)) from None
+
+
+def _nesc(run: Run, path: Path) -> int:
+    from edl6dof.interchange.nesc import write_table
+
+    table = nesc_table(run)
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        write_table(table, stream)
+    return len(table["time"])
+
+
+def nesc_table(run: Run) -> dict[str, np.ndarray]:
+    """The check-case columns of a run."""
+    from edl6dof.interchange.nesc import check_case_table
+    from edl6dof.sim.records import build_case, build_tables
+    from edl6dof.sim.scenario import check_document
+
+    truth = check_document(parse_document(run.scenario_text, str(run.folder / "scenario.yaml"))).truth
     tables = build_tables(truth)
-    case = build_case(truth, tables)
-    return check_case_table(columns, case[0], tables[0]["atmosphere"])
+    return check_case_table(run, build_case(truth, tables)[0], tables[0]["atmosphere"])
 
 
-def _problem(path: Path, message: str) -> ConfigError:
-    return ConfigError([Problem(str(path), 0, 0, "", message)])
+#: Writes a form to a path and returns the rows written.
+WRITERS: dict[str, Callable[[Run, Path], int]] = {
+    "csv": _csv,
+    "mat": _mat,
+    "nc": _netcdf,
+    "oem": partial(_ccsds, "oem"),
+    "aem": partial(_ccsds, "aem"),
+    "nesc": _nesc,
+}

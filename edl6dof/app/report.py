@@ -45,7 +45,7 @@ def _write(report: Report, path: Path, force: bool) -> None:
     elif not path.suffix:
         for figure in report.figures():
             with atomic_file(path / f"{figure.key}.png", force) as partial:
-                paper.write_png(figure, partial)
+                paper.write_figure(figure, partial)
     else:
         with atomic_file(path, force) as partial:
             partial.write_text(page.page(report), encoding="utf-8")

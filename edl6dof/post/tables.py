@@ -32,7 +32,7 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
-    table = _table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
+    table = open_table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
     for event in flight.events:
         starts_phase = event["key"].startswith("phase.")
         name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
@@ -46,7 +46,7 @@ def timeline_table(flight: Flight) -> Table:
 
 def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    table = _table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
+    table = open_table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
     for row in comparison(flight.metrics, flight.scenario.published):
         table.add_row(*row)
     return table
@@ -71,7 +71,7 @@ def comparison(figures: Mapping[str, float | None], published_figures: Mapping[s
 
 def limits_table(flight: Flight) -> Table:
     """Limits of the verdict."""
-    table = _table("Limits", "limit", "unit", "this flight>", "allowed>", "")
+    table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
         mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
         value, limit = aligned_pair(check.value, check.limit, check.ok)
@@ -85,11 +85,13 @@ def verdict(flight: Flight) -> Text:
     return Text(f"{flight.name}: {flight.outcome} at t = {flight.time_s:.1f} s", style=style)
 
 
-def _table(title: str, *columns: str) -> Table:
+def open_table(title: str, *columns: str) -> Table:
     """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
     table = Table(title=title, title_justify="left", title_style="bold", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        table.add_column(column.rstrip(">"), justify="right" if column.endswith(">") else "left", no_wrap=column.endswith(">"))
+        table.add_column(
+            column.rstrip(">"), justify="right" if column.endswith(">") else "left", no_wrap=column.endswith(">"), overflow="fold"
+        )
     return table
 
 

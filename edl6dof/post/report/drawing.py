@@ -12,7 +12,7 @@ from edl6dof.post.report.figure import GREY, SEQUENTIAL, Axis, Band, Figure, Hea
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 INK, RULE = "#1f2933", "#e3e6ea"
 #: Pixels around and between panels.
-TOP, BOTTOM, GAP_SHARED, GAP = 34, 52, 26, 84
+TOP, BOTTOM, GAP_SHARED, GAP, TITLE = 34, 52, 26, 84, 22
 #: Share of the width between columns.
 COLUMN_GAP = 0.11
 #: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
@@ -36,7 +36,9 @@ def drawing(figure: Figure) -> dict[str, Any]:
             layout[f"xaxis{number}"]["matches"] = "x" if index % figure.columns == 0 else f"x{index % figure.columns + 1}"
         if panel.equal:
             layout[f"yaxis{number}"].update(scaleanchor=f"x{number}", scaleratio=1)
-        layout["shapes"] += [_band(band, number, spans) for band in panel.bands] + [_mark(mark, number) for mark in panel.marks]
+        layout["shapes"] += [_band(band, number, spans, panel.heat is not None) for band in panel.bands] + [
+            _mark(mark, number) for mark in panel.marks
+        ]
         layout["annotations"] += _words(panel, number)
         if panel.heat is not None:
             data.append(_heat(panel.heat, number, ys))
@@ -44,6 +46,10 @@ def drawing(figure: Figure) -> dict[str, Any]:
             shown = trace.legend and bool(trace.name) and trace.name not in named
             named.add(trace.name)
             data.append(_trace(thinned(trace), number, shown))
+    if any(panel.title for panel in figure.panels):  # the legend goes above the titles
+        layout["margin"]["t"] += TITLE
+        layout["height"] += TITLE
+        layout["legend"]["y"] = 1.0 + TITLE / (layout["height"] - layout["margin"]["t"] - BOTTOM)
     layout["showlegend"] = sum(item.get("showlegend", False) for item in data) > 1
     return {"data": data, "layout": layout}
 
@@ -184,9 +190,9 @@ def _place(axis: str, number: str, bounds: tuple[float, float] | None) -> dict[s
     return {f"{axis}ref": f"{axis}{number}", f"{axis}0": float(bounds[0]), f"{axis}1": float(bounds[1])}
 
 
-def _band(band: Band, number: str, spans: dict[str, tuple[float, float]]) -> dict[str, Any]:
+def _band(band: Band, number: str, spans: dict[str, tuple[float, float]], above: bool) -> dict[str, Any]:
     line = {"width": 1.2, "color": band.colour} if band.outline else {"width": 0}
-    shape = {"type": "rect", "layer": "below", "fillcolor": band.colour, "opacity": band.opacity, "line": line}
+    shape = {"type": "rect", "layer": "above" if above else "below", "fillcolor": band.colour, "opacity": band.opacity, "line": line}
     return {**shape, **_place("x", number, band.bounds("x", spans["x"])), **_place("y", number, band.bounds("y", spans["y"]))}
 
 

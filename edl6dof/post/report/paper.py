@@ -68,8 +68,8 @@ def write_pdf(report: Report, path: Path) -> None:
                 pages.savefig(draw(figure))
 
 
-def write_png(figure: Figure, path: Path, dpi: int = 200) -> None:
-    """One figure as PNG."""
+def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
+    """One figure in the form that the ending of the path names."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -110,7 +110,16 @@ def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, flo
     for band in panel.bands:
         (left, right), (low, high) = (band.bounds("x", x) or x), (band.bounds("y", y) or y)
         edge = band.colour if band.outline else "none"
-        axes.fill_between([left, right], low, high, facecolor=band.colour, edgecolor=edge, alpha=band.opacity, linewidth=0.8, zorder=0.5)
+        axes.fill_between(
+            [left, right],
+            low,
+            high,
+            facecolor=band.colour,
+            edgecolor=edge,
+            alpha=band.opacity,
+            linewidth=0.8,
+            zorder=0.5 if panel.heat is None else 2.0,
+        )
         if band.label:
             axes.annotate(band.label, (right, high), (-2, -2), textcoords="offset points", ha="right", va="top", color=GREY, fontsize=7)
     for mark in panel.marks:

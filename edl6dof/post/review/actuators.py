@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.post.report.document import Table
-from edl6dof.post.report.figure import BLUE, GREEN, GREY, VERMILION, Axis, Figure, Heat, Panel
+from edl6dof.post.report.figure import BAD, BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Heat, Panel
 from edl6dof.post.review.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
 from edl6dof.post.run import Run
 
@@ -36,9 +36,16 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
     down = (len(thrusters) - 0.5, -0.5)
-    panel = Panel(Axis(TIME), Axis("thruster", down, names=thrusters), heat=heat, marks=event_marks(run, run.t))
+    failed = {name: float(run.t[np.argmax(faulty)]) for name in thrusters if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()}
+    bands = [
+        Band(BAD, (since, float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
+        for lane, name in enumerate(thrusters)
+        if (since := failed.get(name)) is not None
+    ]
+    panel = Panel(Axis(TIME), Axis("thruster", down, names=thrusters), bands=bands, heat=heat, marks=event_marks(run, run.t))
     width = edges[1] - edges[0]
     caption = f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
+    caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
 

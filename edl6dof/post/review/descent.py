@@ -57,7 +57,7 @@ def powered(run: Run) -> Iterator[Figure]:
 
 def _descent_plane(run: Run, rows: np.ndarray) -> Figure:
     """Height over descent speed: the plane in which powered descent is designed."""
-    names = {"backshell": "backshell", "ignition": "", "phase.hover_imaging": "hover", "phase.slow_descent": "slow descent"}
+    names = {"backshell": "backshell", "ignition": "", "phase.hover_imaging": "hover"}
     curve = Trace(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows], "flown", colour=BLUE, width=2.2)
     panel = Panel(
         Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.post.report.figure import BLUE, GREY, VERMILION, Figure
+from edl6dof.post.report.figure import BLUE, GREEN, GREY, VERMILION, Figure
 from edl6dof.post.review.parts import Curve, has_signal, over_time, stacked
 from edl6dof.post.run import Run
 
@@ -28,6 +28,14 @@ def figures(run: Run) -> Iterator[Figure]:
         over_time(run, "drag (m/s²)", drag, rows),
         over_time(run, "range to go (km)", [Curve("guide.range_to_go_km", colour=BLUE)], rows),
         over_time(run, "crossrange (km)", [Curve("guide.crossrange_km", colour=BLUE)], rows),
+    ]
+    panels += [
+        over_time(run, title, [Curve(name, "", 1.0, GREEN)], rows)
+        for title, name in (
+            ("estimated drag\ndisturbance (m/s⁴)", "guide.drag_disturbance_m_s4"),
+            ("estimated path\ndisturbance (deg/s)", "guide.path_disturbance_deg_s"),
+        )
+        if has_signal(run, name, rows)
     ]
     caption = "Range and crossrange to the aim point of the entry; crossrange is positive when heading right of it."
     yield stacked("targeting", "Drag against the reference, and the way to go", panels, caption)

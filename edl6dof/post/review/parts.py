@@ -15,6 +15,7 @@ TIME = "time since entry (s)"
 
 #: Events worth a line across a plot, and the word beside it.
 EVENTS: dict[str, str] = {
+    "fault": "fault",
     "trim_wing": "trim wing",
     "mortar": "parachute",
     "heat_shield": "heat shield",

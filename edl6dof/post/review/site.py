@@ -46,7 +46,7 @@ def landing_site(run: Run) -> Figure:
         title="from the parachute on",
     )
     last = run.between("backshell")
-    marks = {"backshell": "release", "touchdown": "touchdown"}
+    marks = {"touchdown": "touchdown"}
     track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
     right = Panel(
         _axis("east", "m"),

@@ -1,0 +1,167 @@
+"""Every form of export, read back by programs that are not ours and compared with the telemetry."""
+
+from __future__ import annotations
+
+import csv
+import warnings
+from datetime import datetime
+
+import numpy as np
+import pytest
+from scipy.io import loadmat, netcdf_file
+from scipy.spatial.transform import Rotation
+
+from edl6dof.app.export import FILES, run_export
+from edl6dof.config.errors import ConfigError
+from edl6dof.interchange.orientation import days_since_j2000, icrf_to_fixed
+from edl6dof.post.run import Run
+
+#: Date of t = 0 in the scenario.
+EPOCH = "2021-05-14T23:08:55.100000"
+
+
+@pytest.fixture(scope="module")
+def exported(run, tmp_path_factory):
+    """Path of each form."""
+    folder = tmp_path_factory.mktemp("export")
+    for form in ("csv", "mat", "nc", "oem", "aem"):
+        run_export(run.folder, form, folder / FILES[form], force=False)
+    return folder
+
+
+def test_csv_keeps_every_digit(run, exported):
+    with open(exported / "telemetry.csv", encoding="utf-8", newline="") as stream:
+        rows = csv.reader(stream)
+        header = next(rows)
+        assert header == list(run)
+        table = np.array([[float(value) for value in row] for row in list(rows)[::997]])
+    for k, name in enumerate(header):
+        assert np.array_equal(table[:, k], run[name][::997], equal_nan=True), name
+
+
+def test_mat_has_a_struct_for_each_group(run, exported):
+    content = loadmat(exported / "telemetry.mat", squeeze_me=True, struct_as_record=False)
+    assert np.array_equal(content["t_s"], run.t)
+    for name in run:
+        group, _, field = name.partition(".")
+        if field:
+            assert np.array_equal(getattr(content[group], field), run[name], equal_nan=True), name
+    assert content["units"].truth.altitude_m == "m"
+    assert content["about"].outcome == run.summary["outcome"]
+
+
+def test_netcdf_says_what_its_columns_are(run, exported):
+    assert (exported / "telemetry.nc").read_bytes()[:4] == b"CDF\x02"
+    with netcdf_file(exported / "telemetry.nc", mmap=False) as file:
+        assert file.dimensions["time"] == len(run.t)
+        assert np.array_equal(file.variables["truth_mach"][:], run["truth.mach"])
+        assert file.variables["truth_altitude_m"].units == b"m"
+        assert file.variables["truth_load_g0"].units == b"9.80665 m s-2", "not grams"
+        assert file.variables["truth_alpha_deg"].long_name == run.meaning("truth.alpha_deg").encode()
+
+
+def test_oem_is_read_by_two_published_parsers(run, exported):
+    oem = pytest.importorskip("oem", reason="pip install oem: a second reader of the message")
+    ndm = pytest.importorskip("ccsds_ndm.ndm_io", reason="pip install ccsds-ndm: a reader of the message")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of the readers' own dependencies
+        message = oem.OrbitEphemerisMessage.open(exported / "orbit.oem")
+    segment = message.segments[0]
+    assert segment.metadata["CENTER_NAME"] == "MARS" and segment.metadata["REF_FRAME"] == "ICRF"
+    states = list(segment.states)
+    first, last = states[0], states[-1]
+    assert first.epoch.isot.startswith("2021-05-14T23:08:55.1")
+    assert (last.epoch - first.epoch).sec == pytest.approx(run.t[-1], abs=1e-6)
+    for state, row in ((first, 0), (last, -1)):
+        radius, speed = (np.linalg.norm([run[f"truth.{s}_I_{a}_{u}"][row] for a in "xyz"]) for s, u in (("r", "m"), ("v", "m_s")))
+        assert np.linalg.norm(state.position) * 1e3 == pytest.approx(radius, abs=1e-3)
+        assert np.linalg.norm(state.velocity) * 1e3 == pytest.approx(speed, abs=1e-6)
+    other = ndm.NdmIo().from_path(exported / "orbit.oem").body.segment[0].data.state_vector
+    assert len(other) == len(states)
+    assert float(other[0].x.value) == pytest.approx(first.position[0], abs=1e-9)
+
+
+def test_velocity_of_the_oem_is_the_rate_of_its_position(exported):
+    rows = [line.split() for line in (exported / "orbit.oem").read_text().splitlines() if line.startswith("2021")]
+    i = 5000
+    before, here, after = (np.array(rows[k][1:], float) for k in (i - 1, i, i + 1))
+    assert (after[:3] - before[:3]) / 0.04 == pytest.approx(here[3:], abs=2e-6)
+
+
+def test_aem_turns_the_celestial_frame_into_the_body(run, exported):
+    ndm = pytest.importorskip("ccsds_ndm.ndm_io", reason="pip install ccsds-ndm: a reader of the message")
+    segment = ndm.NdmIo().from_path(exported / "attitude.aem").body.segment[0]
+    meta = segment.metadata
+    assert (meta.ref_frame_a, meta.ref_frame_b, meta.attitude_dir.value) == ("ICRF", "SC_BODY_1", "A2B")
+    states = segment.data.attitude_state
+    assert len(states) == len(run.t)
+    turn = icrf_to_fixed("Mars", datetime.fromisoformat(EPOCH + "+00:00"))
+    for row in (0, 12_345, -1):
+        q = states[row].quaternion_state.quaternion
+        q1, q2, q3, qc = q.q1, q.q2, q.q3, q.qc
+        # CCSDS 504.0-B-1: the direction cosine matrix from A to B of [q1 q2 q3 qc]
+        matrix = np.array(
+            [
+                [q1 * q1 - q2 * q2 - q3 * q3 + qc * qc, 2 * (q1 * q2 + q3 * qc), 2 * (q1 * q3 - q2 * qc)],
+                [2 * (q1 * q2 - q3 * qc), -q1 * q1 + q2 * q2 - q3 * q3 + qc * qc, 2 * (q2 * q3 + q1 * qc)],
+                [2 * (q1 * q3 + q2 * qc), 2 * (q2 * q3 - q1 * qc), -q1 * q1 - q2 * q2 + q3 * q3 + qc * qc],
+            ]
+        )
+        own = Rotation.from_quat([run[f"truth.q_I2B_{c}"][row] for c in "xyzw"]).inv().as_matrix() @ turn
+        assert matrix == pytest.approx(own, abs=1e-9)
+
+
+def test_sun_over_mars_stands_where_mars_time_says():
+    """Sub-solar point by this orientation, against Mars' mean solar time and equation of time (Allison & McEwen 2000)."""
+    coordinates = pytest.importorskip("astropy.coordinates", reason="pip install astropy: positions of Sun and Mars")
+    from astropy.time import Time
+    from astropy.utils import iers
+
+    iers.conf.auto_download = False
+    when = datetime.fromisoformat(EPOCH + "+00:00")
+    time = Time(when.replace(tzinfo=None), scale="utc")
+    sun, mars = (coordinates.get_body_barycentric(name, time, ephemeris="builtin").xyz.to_value("km") for name in ("sun", "mars"))
+    x, y, z = icrf_to_fixed("Mars", when) @ (sun - mars)
+    longitude, latitude = np.degrees(np.arctan2(y, x)), np.degrees(np.arctan2(z, np.hypot(x, y)))
+
+    days = days_since_j2000(when)
+    anomaly = np.radians(19.3871 + 0.52402073 * days)
+    centre = sum(a * np.sin(k * anomaly) for k, a in enumerate((10.691 + 3e-7 * days, 0.623, 0.050, 0.005, 0.0005), start=1))
+    terms = (
+        (71, 2.2353, 49.409),
+        (57, 2.7543, 168.173),
+        (39, 1.1177, 191.837),
+        (37, 15.7866, 21.736),
+        (21, 2.1354, 15.704),
+        (20, 2.4694, 95.528),
+        (18, 32.8493, 49.095),
+    )
+    centre += sum(1e-4 * a * np.cos(np.radians(0.985626 * days / tau + phase)) for a, tau, phase in terms)
+    season = np.radians(270.3871 + 0.524038496 * days + centre)
+    equation = 2.861 * np.sin(2 * season) - 0.071 * np.sin(4 * season) + 0.002 * np.sin(6 * season) - centre
+    mean_time = 360.0 * ((days - 4.5) / 1.0274912517 + 44796.0 - 0.0009626)
+    assert (longitude + mean_time + equation + 180.0 + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=0.05)
+    assert latitude == pytest.approx(np.degrees(np.arcsin(0.42565 * np.sin(season))), abs=0.05)
+
+
+def test_earth_turns_with_sidereal_time():
+    coordinates = pytest.importorskip("astropy.coordinates", reason="pip install astropy: rotation of the Earth")
+    from astropy.time import Time
+    from astropy.utils import iers
+
+    iers.conf.auto_download = False
+    when = datetime.fromisoformat("2015-03-01T07:00:00+00:00")
+    time = Time(when.replace(tzinfo=None), scale="utc")
+    here = coordinates.EarthLocation.from_geodetic(0.0, 0.0).get_gcrs(time).cartesian.xyz.value
+    x, y, z = icrf_to_fixed("Earth", when) @ (here / np.linalg.norm(here))
+    assert np.degrees(np.arctan2(y, x)) == pytest.approx(0.0, abs=0.3)
+    assert np.degrees(z) == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_scenario_without_a_date_cannot_become_a_message(run, tmp_path):
+    for name in ("telemetry.parquet", "events.json", "summary.json"):
+        (tmp_path / name).write_bytes((run.folder / name).read_bytes())
+    (tmp_path / "scenario.yaml").write_text(run.scenario_text.replace('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""'))
+    with pytest.raises(ConfigError, match="epoch_utc"):
+        run_export(Run(tmp_path).folder, "oem", None, force=False)
+    assert not list(tmp_path.glob("*.oem"))

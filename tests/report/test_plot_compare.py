@@ -1,0 +1,153 @@
+"""``edl6dof report``, ``plot``, ``compare`` and ``export`` from the command line."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from edl6dof import cli
+from edl6dof.app.plot import channel_plot, chosen
+from edl6dof.config.errors import ConfigError
+from edl6dof.post.report.paper import write_pdf
+from edl6dof.post.review.build import flight_report
+from edl6dof.post.review.overlay import comparison_report, differences_table, figures_table
+from edl6dof.post.run import Run
+
+
+def command(capsys, monkeypatch, *words):
+    monkeypatch.setattr(sys, "argv", ["edl6dof", *map(str, words)])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    out, err = capsys.readouterr()
+    return int(end.value.code or 0), out, err
+
+
+@pytest.fixture(scope="module")
+def other(run, tmp_path_factory):
+    """The same flight ten seconds shorter, with another seed and propellant figure."""
+    folder = tmp_path_factory.mktemp("runs") / "shorter"
+    folder.mkdir()
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(run.folder / "telemetry.parquet")
+    pq.write_table(table.slice(0, len(run.t) - 500), folder / "telemetry.parquet")
+    (folder / "events.json").write_bytes((run.folder / "events.json").read_bytes())
+    summary = json.loads((run.folder / "summary.json").read_text())
+    summary["figures"]["propellant_used_kg"] += 3.0
+    (folder / "summary.json").write_text(json.dumps(summary))
+    (folder / "scenario.yaml").write_text(re.sub(r"^seed: 1\b", "seed: 8", run.scenario_text, flags=re.MULTILINE))
+    return Run(folder)
+
+
+def test_report_is_written_once_and_again_only_by_force(run, tmp_path, capsys, monkeypatch):
+    out = tmp_path / "r.html"
+    assert command(capsys, monkeypatch, "report", run.folder, "--out", out) == (0, f"{out}\n", "")
+    assert out.stat().st_size > 4_000_000
+    code, _, err = command(capsys, monkeypatch, "report", run.folder, "--out", out)
+    assert code == 2 and "--force" in err and err.count("\n") == 1
+    assert command(capsys, monkeypatch, "report", run.folder, "--out", out, "--force")[0] == 0
+
+
+def test_figures_for_papers_are_painted(run, tmp_path, capsys, monkeypatch):
+    assert command(capsys, monkeypatch, "report", run.folder, "--out", tmp_path / "r.html", "--png")[0] == 0
+    written = {path.stem for path in (tmp_path / "r").glob("*.png")}
+    assert written == {figure.key for figure in flight_report(run).figures()}
+    for path in (tmp_path / "r").glob("*.png"):
+        with Image.open(path) as image:
+            pixels = np.asarray(image.convert("RGB")).astype(int)
+        assert pixels.shape[1] == 1400, "7 in at 200 dpi"
+        assert np.ptp(pixels, axis=-1).max() > 80, f"{path.stem} has no colour in it"
+
+
+def test_pdf_holds_tables_and_figures(run, tmp_path):
+    whole = flight_report(run)
+    sections = [section for section in whole.sections if section.key in ("verdict", "events", "trajectory")]
+    part = replace(whole, sections=sections)
+    write_pdf(part, tmp_path / "r.pdf")
+    content = (tmp_path / "r.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type /Page\b", content)) == 2 + len(list(part.figures())), "two pages of tables, one for each figure"
+
+
+@pytest.mark.parametrize("place, words", [("nowhere", "no telemetry.parquet"), (".", "no telemetry.parquet")])
+def test_folder_that_is_no_run_is_refused_in_one_line(place, words, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = command(capsys, monkeypatch, "report", place)
+    assert code == 2 and words in err and err.count("\n") == 1
+
+
+def test_broken_telemetry_is_refused_in_one_line(run, tmp_path, capsys, monkeypatch):
+    for name in ("events.json", "summary.json", "scenario.yaml"):
+        (tmp_path / name).write_bytes((run.folder / name).read_bytes())
+    (tmp_path / "telemetry.parquet").write_bytes(b"PAR1 not really PAR1")
+    code, _, err = command(capsys, monkeypatch, "report", tmp_path)
+    assert code == 2 and "cannot be read" in err and err.count("\n") == 1
+    (tmp_path / "telemetry.parquet").write_bytes((run.folder / "telemetry.parquet").read_bytes())
+    (tmp_path / "summary.json").write_text("{")
+    code, _, err = command(capsys, monkeypatch, "report", tmp_path)
+    assert code == 2 and "summary.json" in err and err.count("\n") == 1
+
+
+def test_plot_puts_channels_of_one_unit_into_one_panel(run):
+    channels = chosen(run, ["truth.rate_?_deg_s", "truth.mach", "guide.bank_deg"])
+    figure = channel_plot(run, channels, "t_s", run.t < 100.0)
+    assert [[trace.name for trace in panel.traces] for panel in figure.panels] == [
+        ["truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s"],
+        ["truth.mach"],
+        ["guide.bank_deg"],
+    ]
+    assert np.array_equal(figure.panels[1].traces[0].y, run["truth.mach"][run.t < 100.0])
+
+
+def test_plot_names_what_was_meant(run):
+    with pytest.raises(ConfigError, match=r"did you mean 'truth\.mach'"):
+        chosen(run, ["truth.mac"])
+
+
+def test_plot_writes_what_the_ending_says(run, tmp_path, capsys, monkeypatch):
+    for ending, start in ((".html", b"<!DOCTYPE"), (".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml")):
+        out = tmp_path / f"p{ending}"
+        assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--against", "truth.altitude_m", "--out", out)[0] == 0
+        assert out.read_bytes().startswith(start)
+    assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--out", tmp_path / "p.doc")[0] == 2
+    assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--from", "9000")[0] == 2
+    code, out, _ = command(capsys, monkeypatch, "plot", run.folder)
+    assert code == 0 and len(out.splitlines()) == len(run) and "Mach number" in out
+
+
+def test_comparison_finds_exactly_what_differs(run, other):
+    assert [row[0] for row in differences_table(run, other).rows] == ["seed"]
+    changed = [row for row in figures_table(run, other).rows if row[-1].strip("+-0.,")]
+    assert [row[0] for row in changed] == ["propellant used"]
+    assert float(changed[0][-1]) == pytest.approx(3.0, abs=1e-3)
+
+
+def test_overlay_holds_the_curves_of_both(run, other):
+    both = {figure.key: figure for figure in comparison_report(run, other).figures()}
+    names = run.folder.name, other.folder.name
+    speed = {trace.name: trace for trace in both["overview"].panels[1].traces}
+    assert set(speed) == set(names)
+    assert speed[names[0]].x[-1] - speed[names[1]].x[-1] == pytest.approx(10.0)
+    assert speed[names[0]].dash != speed[names[1]].dash, "they differ in print too"
+
+
+def test_compare_writes_a_page_and_says_so(run, other, tmp_path, capsys, monkeypatch):
+    code, out, _ = command(capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html")
+    assert code == 0 and "seed" in out and out.endswith("c.html\n")
+    assert Path(tmp_path / "c.html").stat().st_size < 7_000_000
+
+
+def test_export_wants_exactly_one_form(run, tmp_path, capsys, monkeypatch):
+    assert command(capsys, monkeypatch, "export", run.folder)[0] == 2
+    assert command(capsys, monkeypatch, "export", run.folder, "--format", "xls")[0] == 2
+    assert command(capsys, monkeypatch, "export", run.folder, "--format", "csv", "--nesc")[0] == 2
+    code, out, _ = command(capsys, monkeypatch, "export", run.folder, "-", "--format", "oem")
+    assert code == 0 and out.startswith("CCSDS_OEM_VERS = 2.0")
+    assert command(capsys, monkeypatch, "export", run.folder, "-", "--format", "mat")[0] == 2
