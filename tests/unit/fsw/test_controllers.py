@@ -1,0 +1,208 @@
+"""The controllers closed around a rigid body with ideal torque: predictions in closed form for each."""
+
+from math import degrees, exp, radians
+
+import numpy as np
+import pytest
+from pyquaternion import Quaternion
+
+from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
+
+DT = 0.02
+X, Y, Z = np.eye(3)
+NORTH, EAST, UP = X, Y, -Z
+
+
+def memory(configuration, phase_start=-100.0):
+    fsw = np.zeros(1, FSW)[0]
+    fsw["configuration"], fsw["phase_start"], fsw["healthy"] = configuration, phase_start, 1
+    return fsw
+
+
+def demand(name, onboard, nav, guide, fsw, dt=DT):
+    fsw["demand"] = 0.0
+    attitude_control(CONTROLLERS.names.index(name), onboard[0], nav, guide, dt, fsw)
+    return np.array(fsw["demand"][3:])
+
+
+def inertia(onboard, configuration):
+    return np.array(onboard[0]["vehicle"]["configuration"][configuration]["inertia"])
+
+
+# ---- bank to steer (S1 section 4) -------------------------------------------------------------------------------------------------
+
+
+def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
+    """Straight flight along north without gravity, so that the path does not turn."""
+    nav = np.zeros(1, NAV)[0]
+    path = Quaternion(axis=X, degrees=bank_deg)
+    q = path * Quaternion(axis=Z, degrees=-beta_deg) * Quaternion(axis=Y, degrees=alpha_deg)
+    nav["q_I2B"], nav["w_B"], nav["imu_rate_B"] = q.elements, rate, rate
+    nav["v_I"], nav["speed"], nav["up_I"], nav["north_I"], nav["east_I"] = 3000.0 * X, 3000.0, UP, NORTH, EAST
+    nav["alpha"], nav["beta"], nav["bank"] = radians(alpha_deg), radians(beta_deg), radians(bank_deg)
+    nav["wing_open"] = 1
+    return nav
+
+
+def commanded(bank_deg=0.0, alpha_deg=-10.0):
+    guide = np.zeros(1, GUIDE)[0]
+    guide["bank"], guide["alpha"], guide["thrust_direction_N"] = radians(bank_deg), radians(alpha_deg), (0.0, 0.0, -1.0)
+    return guide
+
+
+def test_bank_torque_turns_the_vehicle_about_the_velocity(onboard):
+    torque = demand("bank_to_steer", onboard, flying(alpha_deg=-12.0, beta_deg=3.0), commanded(60.0, -12.0), memory(ENTRY))
+    turning = torque / inertia(onboard, ENTRY)
+    velocity_B = flying(-12.0, 3.0)
+    q = Quaternion(velocity_B["q_I2B"])
+    assert turning / np.linalg.norm(turning) == pytest.approx(q.inverse.rotate(X), abs=1e-9)
+
+
+def test_after_the_trim_wing_bank_torque_turns_about_the_body_axis(onboard):
+    fsw = memory(ENTRY)
+    fsw["wing_out"] = 1
+    torque = demand("bank_to_steer", onboard, flying(alpha_deg=-6.0), commanded(60.0), fsw)
+    assert torque[0] > 100.0
+    assert torque[1:] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("error_deg", [-14.0, -9.9, 0.0, 9.9, 13.0])
+def test_angle_loops_of_attack_and_sideslip_close_beyond_ten_degrees_only(onboard, error_deg):
+    p = onboard[0]["control"]["bank_to_steer"]
+    outside = np.sign(error_deg) * max(abs(error_deg) - degrees(p["angle_limit"]), 0.0)
+    torque = demand("bank_to_steer", onboard, flying(alpha_deg=-10.0 + error_deg), commanded(), memory(ENTRY))
+    assert torque[1] == pytest.approx(-p["angle_gain"] * radians(outside) * inertia(onboard, ENTRY)[1], abs=1e-6)
+    torque = demand("bank_to_steer", onboard, flying(beta_deg=error_deg), commanded(), memory(ENTRY))
+    about = Quaternion(flying(beta_deg=error_deg)["q_I2B"]).rotate(torque / inertia(onboard, ENTRY))
+    assert about[2] == pytest.approx(p["angle_gain"] * radians(outside), abs=1e-9)  # about z of V, to the right
+
+
+@pytest.mark.parametrize("wing", [0, 1])
+def test_rate_of_the_angle_of_attack_decays_with_the_damping_gain(onboard, wing):
+    """w' = -k w beyond the deadband d: w - d falls as exp(-k t), one factor 1 - k T each cycle."""
+    p = onboard[0]["control"]["bank_to_steer"]
+    gain = p["damping_after_wing"] if wing else p["damping"]
+    rate, start, fsw = radians(6.0), radians(6.0), memory(ENTRY)
+    fsw["wing_out"] = wing
+    for _ in range(round(0.5 / DT)):
+        torque = demand("bank_to_steer", onboard, flying(0.0 if wing else -10.0, rate=(0.0, rate, 0.0)), commanded(), fsw)
+        rate += DT * torque[1] / inertia(onboard, ENTRY)[1]
+    dead = p["rate_deadband"]
+    assert rate - dead == pytest.approx((start - dead) * exp(-0.5 * gain), rel=0.03)
+
+
+def test_wing_that_does_not_report_itself_open_has_its_angle_of_attack_closed_after_the_patience(onboard):
+    p, fsw = onboard[0]["control"]["bank_to_steer"], memory(ENTRY)
+    fsw["wing_out"], fsw["wing_time"] = 1, 100.0
+    nav = flying(alpha_deg=-8.0)
+    nav["wing_open"] = 0
+    for late, failed in ((-0.1, 0), (0.1, 1)):
+        nav["t"] = 100.0 + p["wing_patience"] + late
+        torque = demand("bank_to_steer", onboard, nav, commanded(), fsw)
+        assert fsw["wing_failed"] == failed
+        assert (torque[1] > 50.0) == bool(failed)
+    nav["wing_open"] = 1  # a late signal does not open the loop again
+    assert demand("bank_to_steer", onboard, nav, commanded(), fsw)[1] > 50.0
+
+
+# ---- rate damping under the parachute (S1 section 5) -----------------------------------------------------------------------------------
+
+
+def hanging(roll_deg=0.0, rate=(0.0, 0.0, 0.0), t=0.0):
+    """Upright, y of B south but for a roll error; ``roll_to_south`` is goal minus actual."""
+    nav = flying()
+    upright = Quaternion(matrix=np.column_stack([-UP, -NORTH, -EAST]))
+    nav["q_I2B"] = (upright * Quaternion(axis=X, degrees=-roll_deg)).elements
+    nav["w_B"], nav["roll_to_south"], nav["t"] = rate, radians(roll_deg), t
+    return nav
+
+
+def test_nothing_is_done_for_thirteen_seconds_and_small_rates_are_left_alone_afterwards(onboard):
+    p = onboard[0]["control"]["rate_damping"]
+    swinging = np.radians([0.0, 9.0, -9.0])
+    assert p["rest"] == 13.0
+    assert demand("rate_damping", onboard, hanging(50.0, swinging, 12.9), commanded(), memory(ENTRY, 0.0)) == pytest.approx(0.0)
+    torque = demand("rate_damping", onboard, hanging(50.0, swinging, 13.1), commanded(), memory(ENTRY, 0.0))
+    beyond = np.radians(9.0) - p["rate_deadband"]
+    assert torque[1:] == pytest.approx(np.array([-1.0, 1.0]) * p["damping"] * beyond * inertia(onboard, ENTRY)[1:])
+    quiet = 0.99 * np.array([0.0, p["rate_deadband"], -p["rate_deadband"]])
+    assert demand("rate_damping", onboard, hanging(0.0, quiet, 20.0), commanded(), memory(ENTRY, 0.0)) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_roll_under_the_parachute_takes_the_time_of_its_rate(onboard):
+    zone = onboard[0]["control"]["rate_damping"]["roll"]
+    error, rate, fsw, t = radians(40.0), 0.0, memory(ENTRY, -100.0), 0.0
+    while error > zone["near"]:
+        torque = demand("rate_damping", onboard, hanging(degrees(error), (rate, 0.0, 0.0), t), commanded(), fsw)
+        rate += DT * torque[0] / inertia(onboard, ENTRY)[0]
+        error -= DT * rate
+        t += DT
+    assert t == pytest.approx((radians(40.0) - zone["near"]) / zone["rate"] + 1.0 / zone["rate_gain"], rel=0.03)
+
+
+# ---- thrust vector (S1 section 6) -------------------------------------------------------------------------------------------------
+
+
+def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):
+    """Thrust axis in I and roll error, by cycle, of a lander slewed from a tilt towards the vertical."""
+    onboard[0]["control"]["thrust_vector"]["error"] = formulation
+    fsw, guide = memory(LANDER), commanded()
+    upright = Quaternion(matrix=np.column_stack([-UP, -NORTH, -EAST]))
+    q = upright * Quaternion(axis=goal_tilt, degrees=60.0) * Quaternion(axis=X, degrees=roll_deg)
+    rate, principal = np.zeros(3), inertia(onboard, LANDER)
+    axes, errors = [], []
+    for _ in range(round(duration / DT)):
+        nav = hanging(rate=rate)
+        nav["q_I2B"] = q.elements
+        torque = demand("thrust_vector", onboard, nav, guide, fsw)
+        rate = rate + DT * (torque - np.cross(rate, principal * rate)) / principal
+        q = (q * Quaternion(axis=rate, radians=np.linalg.norm(rate) * DT)).normalised
+        axes.append(q.rotate(-X))
+        errors.append(np.array(fsw["attitude_error"]))
+    return np.array(axes), np.array(errors)
+
+
+@pytest.mark.parametrize("towards_deg", [0.0, 30.0, 117.0])
+def test_decoupled_slew_moves_the_thrust_axis_along_one_great_circle_whatever_the_roll_error(onboard, towards_deg):
+    """Eq. 8: pitch and yaw are driven as one rotation; the thrust never leaves the plane of its first and its wanted direction."""
+    tilt = np.array([0.0, np.cos(radians(towards_deg)), np.sin(radians(towards_deg))])
+    axes, errors = slewed(onboard, tilt, DECOUPLED, roll_deg=70.0, duration=14.0)
+    normal = np.cross(axes[0], UP) / np.linalg.norm(np.cross(axes[0], UP))
+    assert np.max(np.abs(np.degrees(axes @ normal))) < 3.0  # of 60: the rate loop lags while the body rolls under the command
+    assert np.linalg.norm(errors[-1]) < radians(1.0)
+
+
+def test_shortest_path_slew_leads_the_thrust_astray_when_there_is_a_roll_error(onboard):
+    tilt = np.array([0.0, 1.0, 0.0])
+    off = {}
+    for formulation in (DECOUPLED, SHORTEST_PATH):
+        axes, _ = slewed(onboard, tilt, formulation, roll_deg=110.0)
+        normal = np.cross(axes[0], UP) / np.linalg.norm(np.cross(axes[0], UP))
+        off[formulation] = np.max(np.abs(np.degrees(axes @ normal)))
+    assert off[SHORTEST_PATH] > 5.0 * off[DECOUPLED]
+
+
+def test_slew_of_the_thrust_axis_takes_the_time_of_its_rate_limit(onboard):
+    zone = onboard[0]["control"]["thrust_vector"]["pitch_yaw"]
+    axes, errors = slewed(onboard, Y, DECOUPLED)
+    angle = np.arccos(np.clip(axes @ UP, -1.0, 1.0))
+    inner = zone["proportional"] / zone["derivative"] * zone["near"]
+    start = zone["near"] + (zone["rate"] ** 2 - inner**2) / (2.0 * zone["deceleration"])
+    predicted = (radians(60.0) - start) / zone["rate"] + (zone["rate"] - inner) / zone["deceleration"]
+    assert DT * np.argmax(angle < zone["near"]) == pytest.approx(predicted, abs=0.15)
+    assert np.max(np.abs(np.diff(angle))) / DT < 1.01 * zone["rate"]
+
+
+def test_bandwidth_of_a_phase_scales_the_natural_frequency(onboard):
+    """Half the bandwidth: a quarter of the stiffness, half the damping, the same damping ratio."""
+    small = hanging(roll_deg=2.0)
+    full = demand("thrust_vector", onboard, small, commanded(), memory(LANDER))[0]
+    damped = demand("thrust_vector", onboard, hanging(rate=(0.01, 0.0, 0.0)), commanded(), memory(LANDER))[0]
+    onboard[0]["mission"]["phases"][0]["bandwidth"] = 0.5
+    assert demand("thrust_vector", onboard, small, commanded(), memory(LANDER))[0] == pytest.approx(0.25 * full)
+    slower = demand("thrust_vector", onboard, hanging(rate=(0.01, 0.0, 0.0)), commanded(), memory(LANDER))[0]
+    assert slower == pytest.approx(0.5 * damped)
