@@ -5,9 +5,13 @@ from math import degrees
 import numpy as np
 import pyarrow as pa
 import pytest
+from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.navigation import NAV
+from edl6dof.jit import kernel
 from edl6dof.sim.records import build_records
 from edl6dof.studies import call_time, guidance
 from edl6dof.studies.cases import draw
@@ -68,6 +72,35 @@ def test_figures_of_a_flight_are_its_own_telemetry(nominal):
     assert figures["bank_travel_deg"] <= 20.0 * np.ptp(rows["t_s"][lift])  # the rate limit
     assert 0.0 <= figures["saturation_s"] < np.ptp(rows["t_s"][lift])
     assert 0.05 < figures["tracking_error_m_s2"] < 5.0
+
+
+@kernel
+def _allocate(n):
+    """An array for each turn, to see that allocations are counted."""
+    total = 0.0
+    for i in range(n):
+        total += np.full(10, float(i))[3]
+    return total
+
+
+def allocations(function, *arguments):
+    before = rtsys.get_allocation_stats().alloc
+    function(*arguments)
+    return rtsys.get_allocation_stats().alloc - before
+
+
+def test_no_entry_law_allocates(nominal):
+    """Calls in mid entry, counted by numba's own runtime: a hundred allocate no more than one."""
+    _nrt_python.memsys_enable_stats()
+    assert allocations(_allocate, 50) - allocations(_allocate, 10) == 40
+    loaded = edl6dof.load("tianwen1", ["flight_software.guidance.entry.law=etpc"])
+    onboard, state = build_records(loaded).onboard, edl6dof.fly(loaded, save_at_s=120.0).saved
+    navs, memories = np.zeros(1, NAV), np.zeros(1, ENTRY_MEMORY)
+    navs[0], memories[0] = state.fsw["nav"][0], state.fsw["entry"][0]
+    for law in range(len(ENTRY_LAWS.members)):
+        rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
+        once, often = (allocations(call_time._repeat, law, *rest, n) for n in (1, 100))
+        assert once == often, ENTRY_LAWS.names[law]
 
 
 def test_small_run_comes_out_whole(monkeypatch):

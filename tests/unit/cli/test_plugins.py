@@ -100,6 +100,12 @@ def test_scenario_loaded_past_the_command_line_says_what_to_do(tmp_path):
         load_scenario(scenario_with(tmp_path, "law.py"))
 
 
+def test_environment_may_name_plugins_and_is_named_in_their_mistakes(tmp_path, monkeypatch):
+    monkeypatch.setenv("EDL6DOF_PLUGINS", str(tmp_path / "gone.py"))
+    with pytest.raises(ConfigError, match=r"^EDL6DOF_PLUGINS: plugin .*gone.py is no such file$"):
+        plugins.activate([])
+
+
 def test_plugins_cannot_be_set_on_the_command_line():
     from edl6dof.sim.scenario import load_scenario
 

@@ -219,3 +219,14 @@ def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
     assert flight.success
     assert flight.metrics["parachute_miss_m"] < 2500.0
     assert abs(flight.metrics["parachute_downrange_m"]) < 1500.0
+
+
+@pytest.mark.parametrize("law", ["npc", "etpc", "bank_profile"])
+@pytest.mark.parametrize("response", ["ideal", "rate_limited"])
+def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
+    """Without attitude dynamics the guided laws still end near the target; the open loop ends where its profile ends."""
+    sets = ["mission.goal=deployment", "dynamics=point_mass", f"point_mass.bank_response={response}"]
+    flight = edl6dof.fly("tianwen1", [*sets, f"flight_software.guidance.entry.law={law}"])
+    assert flight.success
+    if law != "bank_profile":
+        assert flight.metrics["parachute_miss_m"] < 3000.0

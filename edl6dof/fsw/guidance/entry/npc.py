@@ -74,7 +74,7 @@ def guide(onboard, nav, mem, out):
         memory.shift = onboard.reference.shift
         if nav.drag >= p.start_drag:
             memory.started = 1
-    if memory.started != 0 and nav.speed > entry.align_speed:
+    if memory.started != 0 and nav.speed > max(entry.align_speed, entry.heading.speed):
         # the shift may not leave what the present bank angle can follow
         own = cos(reference_bank(onboard, 0.0, nav.speed))
         solve(onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)

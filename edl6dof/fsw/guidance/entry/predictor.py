@@ -1,7 +1,7 @@
 """Onboard prediction of the entry: a point mass over the rotating ellipsoid with the believed air and airframe.
 
 Flown in Cartesian planet-fixed axes from the navigated state to the parachute, with the bank profile of the reference shifted by one
-number and with level wings below the alignment speed, as the shared steering will command it.  Steps are taken for a fixed loss of
+number, and with level wings where the shared steering aligns the heading or levels them.  Steps are taken for a fixed loss of
 speed, so they are steps of energy wherever drag counts.  Source: equations of motion of Lu 2014, "Entry guidance: a unified method",
 section II (there in spherical coordinates, with energy as independent variable); left out: J2, wind, the time a bank reversal takes.
 """
@@ -69,11 +69,12 @@ def predict(onboard, nav, out, shift, lateral):
     here, target = unit(r), aim_direction(onboard)
     ahead = unit(sub(target, scale(dot(target, here), here)))
     least, most = cos(entry.bank_max), cos(entry.bank_min)
+    steered_above = max(entry.align_speed, entry.heading.speed)
     t, dt = 0.0, 0.0
     r_old, speed, speed_old, end_speed = r, norm(v), norm(v), 0.0
     for _ in range(MAX_STEPS):
         cos_bank, sin_bank = 1.0, 0.0
-        if speed >= entry.align_speed:
+        if speed >= steered_above:
             cos_bank = clamp(cos(reference_bank(onboard, shift, speed)), least, most)
             sin_bank = lateral * sqrt(1.0 - cos_bank * cos_bank)
         a1, drag, mach = accelerations(onboard, r, v, out, cos_bank, sin_bank)
