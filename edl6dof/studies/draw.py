@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from edl6dof.post.report.figure import BLACK, Axis, Figure, Panel, Trace
-from edl6dof.post.report.paper import write_png
+from edl6dof.post.report.paper import write_figure
 from edl6dof.studies import study
 
 
 def save_drawing(drawing: study.Drawing, folder: Path) -> Path:
     """Write ``<folder>/<name>.png`` and return its path."""
     path = folder / f"{drawing.name}.png"
-    write_png(figure_of(drawing), path)
+    write_figure(figure_of(drawing), path)
     return path
 
 
