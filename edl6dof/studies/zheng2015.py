@@ -2,7 +2,9 @@
 
 Table 1 and the text give means and 3-sigma errors of the entry state and a largest density dispersion of 20 %, taken here as the
 3-sigma of one factor per flight.  That is the harder reading: the paper's terminal altitudes lie within 100 m of each other, which a factor
-of 1 +- 7 % cannot give.  The bank profile of the reference trajectory is not printed; see scenarios/zheng2015.yaml.
+of 1 +- 7 % cannot give, and which a density drawn anew at every step would.  So the entries are flown three times: with the outer loop of
+the text (the figures held against the published ones), with the reference drag as planned, and that without density dispersion, which
+comes nearest to what is printed.  The bank profile of the reference trajectory is not printed; see scenarios/zheng2015.yaml.
 """
 
 from __future__ import annotations
@@ -22,16 +24,18 @@ from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Repo
 
 SCENARIO = "zheng2015"
 SEED = 2015
+DENSITY = "atmosphere.density_factor"
 SPREADS = (
     Spread("initial.longitude_deg", 0.0, 0.1),
     Spread("initial.latitude_deg", 0.0, 0.01),
     Spread("initial.speed_m_s", 6000.0, 5.0),
     Spread("initial.flight_path_angle_deg", -15.0, 0.01),
     Spread("initial.azimuth_deg", 90.0, 0.01),
-    Spread("atmosphere.density_factor", 1.0, 0.2),
+    Spread(DENSITY, 1.0, 0.2),
 )
 #: Whether the law has its outer loop, or follows the reference drag as planned.
 UPDATE = "flight_software.guidance.entry.tracking.update"
+WAYS = ("outer loop", "fixed", "fixed, nominal density")
 #: Virtual state (m/s3) below which saturation counts as over.
 CONVERGED = 0.01
 #: and for how long it must stay there.
@@ -41,22 +45,25 @@ HEIGHT_OFFSET_M = 5000.0
 
 
 def run(runs: int, progress: Progress) -> Report:
-    """Fly the dispersed entries, with the outer loop and without, and one entry in full for the figures."""
+    """Fly the dispersed entries in each of the ``WAYS``, and one entry in full for the figures."""
     truths, loaded = draw(SPREADS, runs, SEED), load_scenario(SCENARIO)
-    cases = [
-        Case(number, truth=truth, belief={UPDATE: update}, label={"outer_loop": update})
-        for number, (update, truth) in enumerate(product((True, False), truths))
-    ]
+    cases = [_case(number, *choice) for number, choice in enumerate(product(WAYS, truths))]
     table = fly_cases(loaded, cases, collect=_figures, progress=lambda done, row: progress(done, len(cases)))
-    updated, fixed = table[:runs], table[runs:]
+    updated, fixed, dense = (table[start : start + runs] for start in range(0, len(cases), runs))
     shown = fly(load_scenario(SCENARIO, cases[runs].overrides({})))
     history = _history(shown)
-    findings = (*_accuracy(updated, fixed), *_tracking(updated, _figures(shown), history), *_ends(shown, updated))
+    findings = (*_accuracy(updated, fixed, dense), *_tracking(updated, _figures(shown), history), *_ends(shown, updated))
     remarks = (
         "The outer loop (eq. 12) scales the reference drag to the range to go; 'fixed' follows the reference as planned.",
         "Density is one factor for each flight, 3 sigma 20 %; figures 3 to 5 and 'run shown' are the first run, fixed.",
     )
     return Report(findings, _drawings(history, updated), table, len(table), remarks)
+
+
+def _case(number: int, way: str, truth: dict[str, float]) -> Case:
+    if way == "fixed, nominal density":
+        truth = {path: value for path, value in truth.items() if path != DENSITY}
+    return Case(number, truth=truth, belief={UPDATE: way == "outer loop"}, label={"way": way})
 
 
 def _figures(flight: Flight) -> dict[str, float]:
@@ -121,15 +128,20 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     return {name: values[control] for name, values in columns.items()} | {"planned_deg": np.interp(speed[control], speeds, banks)}
 
 
-def _accuracy(table: pa.Table, fixed: pa.Table) -> tuple[Finding, ...]:
-    miss, without = (values(rows, "parachute_miss_m") / 1e3 for rows in (table, fixed))
+def _accuracy(updated: pa.Table, fixed: pa.Table, dense: pa.Table) -> tuple[Finding, ...]:
+    miss, without, calm = (values(table, "parachute_miss_m") / 1e3 for table in (updated, fixed, dense))
+    note = "fixed, nominal density"
     return (
         Finding("within 3 km of the target", "%", _share(miss, 3.0), 79.2, ">="),
         Finding("within 5 km of the target", "%", _share(miss, 5.0), 98.2, ">="),
         Finding("RMS miss", "km", _rms(miss), 2.47, "<="),
         Finding("largest miss", "km", float(miss.max())),
-        Finding("fixed: within 3 km", "%", _share(without, 3.0), note="no outer loop"),
-        Finding("fixed: RMS miss", "km", _rms(without), note="no outer loop"),
+        Finding("within 3 km, fixed", "%", _share(without, 3.0), note="no outer loop"),
+        Finding("RMS miss, fixed", "km", _rms(without), note="no outer loop"),
+        Finding("within 3 km", "%", _share(calm, 3.0), 79.2, note=note),
+        Finding("within 5 km", "%", _share(calm, 5.0), 98.2, note=note),
+        Finding("RMS miss", "km", _rms(calm), 2.47, note=note),
+        Finding("spread of terminal altitude, 3 sigma", "km", 3e-3 * float(np.std(values(dense, "parachute_altitude_m"))), 0.05, note=note),
     )
 
 
