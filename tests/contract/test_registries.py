@@ -14,8 +14,9 @@ from edl6dof.config.base import Params
 from edl6dof.config.introspect import bounds, field_slot
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
-from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
 from edl6dof.fsw.navigation import NAV, navigate
@@ -262,6 +263,19 @@ def test_entry_law_levels_the_wings_below_the_alignment_speed(shared_onboard, in
     guide = guided()
     entry_guidance(index, shared_onboard[0], nav, np.zeros(1, ENTRY_MEMORY)[0], guide)
     assert guide["bank"] == 0.0
+
+
+@pytest.mark.parametrize("index", range(len(REVERSALS.members)), ids=REVERSALS.names)
+def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(shared_onboard, whole_grid, index):
+    for nav, sign, wanted in product(whole_grid[::3], (1.0, -1.0), (0.9, -0.4)):
+        answers = []
+        for _ in range(2):
+            memory, out = np.zeros(1, REVERSALS.memory)[0], np.zeros(1, GUIDE)[0]
+            out["drag_ratio"], out["lift_ratio"] = 1.0, 1.0
+            out["range_to_go"], out["crossrange"] = to_target(shared_onboard[0], nav)
+            answers.append([bank_side(index, shared_onboard[0], nav, memory, out, wanted, sign) for _ in range(3)])
+        assert set(answers[0]) <= {1.0, -1.0}
+        assert answers[0] == answers[1]
 
 
 @pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
