@@ -30,6 +30,7 @@ def fly(
     out: Annotated[Path | None, typer.Option(help="Run folder; runs/<name> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
+    report: Annotated[bool, typer.Option("--report", help="Write the report too.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the verdict only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")] = False,
     save_state: Annotated[float | None, typer.Option(metavar="T", help="Keep the state at time T (s) as state.npz.")] = None,
@@ -41,7 +42,7 @@ def fly(
     """
     from edl6dof.app.fly import FlyOptions, run_fly
 
-    options = FlyOptions(scenario, tuple(sets or ()), out, force, replay, quiet, as_json, save_state, start)
+    options = FlyOptions(scenario, tuple(sets or ()), out, force, replay, report, quiet, as_json, save_state, start)
     raise typer.Exit(run_fly(options))
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
-from edl6dof.post.files import atomic_file, refuse_existing_file
+from edl6dof.app.report import write_page
+from edl6dof.post.files import refuse_existing_file
 from edl6dof.post.report.document import Cell, Table, Text
 from edl6dof.post.run import Run
 from edl6dof.post.tables import open_table
@@ -15,7 +16,6 @@ from edl6dof.post.tables import open_table
 
 def run_compare(first: Path, second: Path, out: Path | None, force: bool) -> int:
     """Print the tables of two runs and write the page with their plots."""
-    from edl6dof.post.report.page import page
     from edl6dof.post.review.overlay import comparison_report
 
     one, two = Run(first), Run(second)
@@ -33,7 +33,6 @@ def run_compare(first: Path, second: Path, out: Path | None, force: bool) -> int
                 console.print(table)
             elif isinstance(block, Text):
                 console.print(block.words, markup=False)
-    with atomic_file(target, force) as partial:
-        partial.write_text(page(report), encoding="utf-8")
+    write_page(report, target, force)
     console.print(str(target), markup=False)
     return 0

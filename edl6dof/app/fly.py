@@ -31,6 +31,7 @@ class FlyOptions:
     out: Path | None
     force: bool
     replay: bool
+    report: bool
     quiet: bool
     as_json: bool
     save_state_s: float | None
@@ -70,6 +71,10 @@ def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: 
         with _progress(talk) as report:
             flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
         write_files(flight, folder, options.replay)
+        if options.report:
+            from edl6dof.app.report import report_of, write_page
+
+            write_page(report_of(folder), folder / "report.html", force=False)
     return flight
 
 

@@ -10,16 +10,23 @@ from edl6dof.post.run import TELEMETRY, Run, refusal
 
 
 def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> int:
-    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the figures for papers beside it instead."""
+    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers beside it instead."""
     target = out or folder / "report.html"
-    targets = [target.with_suffix(".pdf")] * pdf + [target.with_suffix("")] * png or [target]
-    for path in targets:
-        if path.suffix:
-            refuse_existing_file(path, force)
+    print_out = target.with_suffix(".pdf")
+    for path in [print_out] * pdf or [target] * (not png):
+        refuse_existing_file(path, force)
     report = report_of(folder)
-    for path in targets:
-        _write(report, path, force)
-        print(path)
+    if png:
+        _write_figures(report, target.with_suffix(""), force)
+    if pdf:
+        from edl6dof.post.report.paper import write_pdf
+
+        with atomic_file(print_out, force) as partial:
+            write_pdf(report, partial)
+        print(print_out)
+    if not (pdf or png):
+        write_page(report, target, force)
+        print(target)
     return 0
 
 
@@ -36,16 +43,19 @@ def report_of(folder: Path) -> Report:
     raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
 
 
-def _write(report: Report, path: Path, force: bool) -> None:
-    from edl6dof.post.report import page, paper
+def write_page(report: Report, path: Path, force: bool) -> None:
+    """Write a report as one HTML file."""
+    from edl6dof.post.report.page import page
 
-    if path.suffix == ".pdf":
+    with atomic_file(path, force) as partial:
+        partial.write_text(page(report), encoding="utf-8")
+
+
+def _write_figures(report: Report, folder: Path, force: bool) -> None:
+    from edl6dof.post.report.paper import write_figure
+
+    for figure in report.figures():
+        path = folder / f"{figure.key}.png"
         with atomic_file(path, force) as partial:
-            paper.write_pdf(report, partial)
-    elif not path.suffix:
-        for figure in report.figures():
-            with atomic_file(path / f"{figure.key}.png", force) as partial:
-                paper.write_figure(figure, partial)
-    else:
-        with atomic_file(path, force) as partial:
-            partial.write_text(page.page(report), encoding="utf-8")
+            write_figure(figure, partial)
+        print(path)

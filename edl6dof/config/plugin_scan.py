@@ -11,6 +11,9 @@ from pathlib import Path
 #: Environment variable that names plugin files, separated as in PATH.
 VARIABLE = "EDL6DOF_PLUGINS"
 
+#: Size, in bytes, of the largest file that is read as a scenario; a page with a scenario printed in it is none.
+LARGEST = 2_000_000
+
 _NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:", re.MULTILINE)
 
 
@@ -27,7 +30,7 @@ def scenarios_naming_plugins(arguments: Iterable[str | Path]) -> Iterator[Path]:
         if file is None:
             continue
         try:
-            if _NAMES_PLUGINS.search(file.read_bytes()):
+            if file.stat().st_size <= LARGEST and _NAMES_PLUGINS.search(file.read_bytes()):
                 yield file
         except OSError:  # whoever reads it in earnest says so
             continue

@@ -15,6 +15,7 @@ from edl6dof.config import yamltree
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.extends import EXTENDS, lay_over
 from edl6dof.config.locate import find_include, find_shipped, near_names, resolve_scenario, shown
+from edl6dof.config.plugin_scan import LARGEST
 from edl6dof.config.wording import got
 from edl6dof.config.yamltree import Mark, dotted, parse_yaml
 
@@ -31,8 +32,6 @@ __all__ = [
 
 #: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that file.
 INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
-
-MAX_BYTES = 2_000_000
 
 
 @dataclass
@@ -158,8 +157,8 @@ def _read_text(path: Path) -> str:
         if path.exists() and not path.is_file():
             raise ConfigError([Problem(file, 0, 0, "", "is not a regular file")])
         size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise ConfigError([Problem(file, 0, 0, "", f"has {size} bytes; at most {MAX_BYTES} are allowed")])
+        if size > LARGEST:
+            raise ConfigError([Problem(file, 0, 0, "", f"has {size} bytes; at most {LARGEST} are allowed")])
         content = path.read_bytes()
     except FileNotFoundError:
         raise ConfigError([Problem(file, 0, 0, "", "no such file")]) from None

@@ -13,6 +13,7 @@ from edl6dof.post.report.document import Report, Section
 from edl6dof.post.report.figure import BLUE, GOOD, GREEN, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.post.report.page import page
 from edl6dof.post.review.build import flight_report
+from edl6dof.post.review.overlay import comparison_report, lighter
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,15 @@ def test_console_of_the_browser_is_heard(tmp_path):
 
 def test_no_error_on_the_console_and_no_call_to_the_network(shown):
     assert shown.console == []
+
+
+def test_two_flights_compared_are_painted(run, tmp_path):
+    browser()
+    (tmp_path / "two.html").write_text(page(comparison_report(run, run)), encoding="utf-8")
+    seen = show(tmp_path / "two.html", tmp_path)
+    assert seen.console == []
+    for colour in (BLUE, lighter(BLUE)):
+        assert share(seen.pixels, colour) * seen.pixels.shape[0] * seen.pixels.shape[1] > 600, colour
 
 
 def test_verdict_curves_and_phases_are_painted(shown):

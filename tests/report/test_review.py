@@ -5,12 +5,17 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import numpy as np
+import plotly.graph_objects as go
 import pytest
 
+import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
+from edl6dof.post.report.drawing import drawing
+from edl6dof.post.results import write_run
 from edl6dof.post.review import actuators, phase_planes, trajectory
 from edl6dof.post.review.build import flight_report
+from edl6dof.post.run import Run
 
 
 @pytest.fixture(scope="module")
@@ -105,3 +110,47 @@ def test_every_axis_is_titled_with_its_unit(figures):
         for panel in figure.panels:
             for axis in (panel.x, panel.y):
                 assert axis.names or "(" in axis.title or axis.title == "Mach number", (figure.key, axis.title)
+
+
+@pytest.fixture(scope="module")
+def faulty(tmp_path_factory):
+    """D2 stops in the thick of the lift phase."""
+    flight = edl6dof.fly("tianwen1", ["faults=[{thruster: D2, kind: stuck_off, at: {time_s: 110}}]"])
+    folder = tmp_path_factory.mktemp("runs") / "faulty"
+    folder.mkdir()
+    write_run(flight, folder)
+    return Run(folder)
+
+
+def test_failed_thruster_is_marked_from_its_failure_on(faulty):
+    panel = {figure.key: figure for figure in flight_report(faulty).figures()}["thrusters"].panels[0]
+    (band,) = panel.bands
+    assert panel.y.names[round(sum(band.y) / 2)] == "D2"
+    assert band.x[0] == pytest.approx(110.0, abs=0.03)
+    after = panel.heat.x > 111.0
+    assert not panel.heat.values[panel.y.names.index("D2"), after].any()
+
+
+def test_diagnosis_shows_the_torque_that_never_came(faulty):
+    """D2 pushes 250 N on an arm of 1.06 m about roll: the residual must reach that and not much more."""
+    figure = {figure.key: figure for figure in flight_report(faulty).figures()}["diagnosis"]
+    roll = next(trace for trace in figure.panels[0].traces if trace.name == "roll")
+    missing = (roll.x > 110.0) & (roll.x < faulty.when["diagnosis"])
+    assert 200.0 < np.nanmax(np.abs(roll.y[missing])) < 330.0
+    assert np.nanmax(np.abs(roll.y[roll.x < 109.0])) < 60.0
+    assert "D2" in figure.panels[2].y.names
+    found = figure.panels[3].traces[0]
+    assert found.x[np.argmax(found.y > 0.0)] == pytest.approx(faulty.when["diagnosis"], abs=0.05)
+
+
+def test_subtitle_names_what_was_made_to_fail(faulty):
+    assert "D2 stuck off at 110.0 s" in flight_report(faulty).subtitle
+
+
+def test_flight_without_flight_software_has_a_report_too(tmp_path):
+    flight = edl6dof.fly("nesc/case06")
+    write_run(flight, tmp_path)
+    report = flight_report(Run(tmp_path))
+    assert {section.key for section in report.sections} >= {"verdict", "events", "trajectory", "configuration", "software"}
+    for figure in report.figures():
+        go.Figure(drawing(figure))

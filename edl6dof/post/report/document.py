@@ -59,7 +59,7 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in its contents."""
+    """A part of the report with an entry in its contents; keys are letters, digits and ``_``, each once in a report."""
 
     key: str
     title: str

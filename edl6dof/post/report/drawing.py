@@ -16,7 +16,7 @@ TOP, BOTTOM, GAP_SHARED, GAP, TITLE = 34, 52, 26, 84, 22
 #: Share of the width between columns.
 COLUMN_GAP = 0.11
 #: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
-_BESIDE = ("top center", "middle right", "bottom center", "middle left")
+_BESIDE = ("top center", "bottom center", "middle right", "middle left")
 _DASHES = {"solid": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 
 

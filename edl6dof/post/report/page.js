@@ -1,7 +1,7 @@
 "use strict";
 // Draws every figure when the page opens, a few at a time, so that the words can be read meanwhile; and again at paper width to print.
 (() => {
-  const figures = JSON.parse(document.getElementById("figures").textContent);
+  const figures = JSON.parse(document.getElementById("figure-data").textContent);
   const places = [...document.querySelectorAll("div.plot")];
   const PAPER_WIDTH = 686; // px, the text of an A4 page
   const SHRINK = 0.76;

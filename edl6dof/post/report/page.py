@@ -38,7 +38,7 @@ def page(report: Report) -> str:
             "<main>\n",
             *(_section(section) for section in report.sections),
             f"<footer>{escape(report.footer)}</footer>\n</main></div>\n",
-            f"<script type='application/json' id='figures'>{_drawings(report)}</script>\n",
+            f"<script type='application/json' id='figure-data'>{_drawings(report)}</script>\n",
             f"<script>{plotly_js()}</script>\n<script>\n{script}</script>\n</body>\n</html>\n",
         ]
     )

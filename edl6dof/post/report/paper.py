@@ -47,8 +47,8 @@ _SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"
 #: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
 _BESIDE: tuple[dict[str, Any], ...] = (
     {"xytext": (0, 4), "ha": "center", "va": "bottom"},
-    {"xytext": (5, 0), "ha": "left", "va": "center"},
     {"xytext": (0, -4), "ha": "center", "va": "top"},
+    {"xytext": (5, 0), "ha": "left", "va": "center"},
     {"xytext": (-5, 0), "ha": "right", "va": "center"},
 )
 _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.post.report.document import Report, Section
-from edl6dof.post.review import actuators, attitude, descent, disturbance, guidance, phase_planes, site, trajectory, words
+from edl6dof.post.review import actuators, attitude, descent, diagnosis, disturbance, guidance, phase_planes, site, trajectory, words
 from edl6dof.post.run import Run
 
 
@@ -18,6 +18,7 @@ def flight_report(run: Run) -> Report:
         Section("phase_planes", "Phase planes", list(phase_planes.figures(run))),
         Section("actuators", "Thrusters and propellant", list(actuators.figures(run))),
         Section("disturbances", "Disturbances", list(disturbance.figures(run))),
+        Section("diagnosis", "Fault diagnosis", list(diagnosis.figures(run))),
         Section("chute", "Parachute", list(descent.parachute(run))),
         Section("landing", "Powered descent", list(descent.powered(run))),
         Section("site", "Ground track and landing site", list(site.figures(run))),
@@ -26,7 +27,7 @@ def flight_report(run: Run) -> Report:
     ]
     return Report(
         title=run.name,
-        subtitle=str(run.scenario.get("description") or ""),
+        subtitle=words.subtitle(run),
         verdict=words.verdict(run),
         mood=words.mood(run.summary),
         facts=words.facts(run),

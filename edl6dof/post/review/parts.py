@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ TIME = "time since entry (s)"
 #: Events worth a line across a plot, and the word beside it.
 EVENTS: dict[str, str] = {
     "fault": "fault",
+    "diagnosis": "diagnosed",
     "trim_wing": "trim wing",
     "mortar": "parachute",
     "heat_shield": "heat shield",
@@ -48,7 +50,7 @@ def over_time(run: Run, title: str, curves: Sequence[Curve], rows: np.ndarray, s
 def stacked(key: str, title: str, panels: Sequence[Panel], caption: str = "", height: int = 190) -> Figure:
     """Panels over time, one above the other; events are named in the first, and panels without a curve are left out."""
     drawn = [panel for panel in panels if panel.traces]
-    below = [replace(panel, marks=[replace(mark, label="") for mark in panel.marks]) for panel in drawn[1:]]
+    below = [replace(panel, marks=[replace(mark, label="") if mark.axis == "x" else mark for mark in panel.marks]) for panel in drawn[1:]]
     return Figure(key, title, [*drawn[:1], *below], caption, share_x=True, height=height)
 
 
@@ -63,8 +65,8 @@ def event_marks(run: Run, t: np.ndarray) -> list[Mark]:
 def phase_bands(run: Run) -> list[Band]:
     """The mission phases as bands over time."""
     keys, colours = phase_keys(run), phase_colours(run)
-    ends = [*(run.when[key] for key in keys[1:]), float(run.t[-1])]
-    return [Band(colours[key], x=(run.when[key], end), opacity=0.75) for key, end in zip(keys, ends, strict=True)]
+    starts = [*(run.when[key] for key in keys), float(run.t[-1])]
+    return [Band(colours[key], x=span, opacity=0.75) for key, span in zip(keys, pairwise(starts), strict=True)]
 
 
 def phase_legend(run: Run) -> list[Trace]:

@@ -69,8 +69,21 @@ def limits(run: Run) -> Table:
 
 def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    rows = comparison(run.summary["figures"], run.summary["published"])
+    rows = [[*row[:-1], _kept(*row[-2:])] for row in comparison(run.summary["figures"], run.summary["published"])]
     return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
+
+
+def _kept(bound: str, difference: str) -> Cell:
+    """A published bound that was kept or not; other differences are neither good nor bad."""
+    if difference == "kept":
+        return Cell(difference, "good")
+    return Cell(difference, "warn" if bound.startswith(("<=", ">=")) else "plain")
+
+
+def subtitle(run: Run) -> str:
+    """Description of the scenario, and what was made to fail."""
+    faults = [f"{event['name']} at {event['t_s']:.1f} s" for event in run.events if event["key"] == "fault"]
+    return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
 
 
 def timeline(run: Run) -> Table:
