@@ -74,11 +74,22 @@ def schema() -> None:
 
 
 @app.command()
-def replay(run: Annotated[Path, typer.Argument(help="Run folder.")]) -> None:
-    """Open the 3D replay of a run."""
-    from edl6dof.app.inspect import run_replay
+def replay(
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; several share one scene.")],
+    web: Annotated[bool, typer.Option("--web", help="Show it in the browser, served to this machine only.")] = False,
+    html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline.")] = None,
+    screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) without opening a window.")] = None,
+    at: Annotated[float | None, typer.Option(metavar="T", help="Time of the picture, s; the end if not given.")] = None,
+    page: Annotated[str, typer.Option(help="Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Thrusters.")] = "",
+    force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+) -> None:
+    """Show the 3D replay of one flight, or of several in one scene.
 
-    raise typer.Exit(run_replay(run))
+    Exit status: 0 shown or written, 1 the viewer does not run here, 2 bad input.
+    """
+    from edl6dof.app.replay import ReplayOptions, run_replay
+
+    raise typer.Exit(run_replay(ReplayOptions(tuple(runs), web, html, screenshot, at, page, force)))
 
 
 @app.command()

@@ -86,11 +86,11 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
     if flight.saved is not None:
         flight.saved.save(folder / "state.npz")
     if replay:
-        from edl6dof.post.replay import history, write_replay
+        from edl6dof.post.replay.recording import history, write_replay
 
         shown = history(flight)
         flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
-        write_replay(shown, folder / "replay.rrd")
+        write_replay([shown], folder / "replay.rrd")
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:

@@ -1,11 +1,10 @@
-"""``edl6dof check``, ``schema`` and ``replay``."""
+"""``edl6dof check`` and ``schema``."""
 
 from __future__ import annotations
 
 import json
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from edl6dof.config.errors import ConfigError
@@ -54,14 +53,3 @@ def scenario_schema() -> dict[str, Any]:
     schema["$defs"].update(campaign["$defs"])
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
     return schema
-
-
-def run_replay(run: Path) -> int:
-    """Open the recording of a run in the viewer."""
-    import subprocess
-
-    recording = run / "replay.rrd" if run.is_dir() else run
-    if not recording.is_file():
-        print(f"{recording}: no such replay; fly with the replay on, or name a run folder", file=sys.stderr)
-        return BAD_INPUT
-    return subprocess.run([sys.executable, "-m", "rerun", str(recording)], check=False).returncode

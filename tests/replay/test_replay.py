@@ -9,51 +9,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from made_up import DIAGNOSIS, FAILURE, SHELL, SHIELD, read, synthetic_flight
 from pyquaternion import Quaternion
 
-from edl6dof.post.history import spans, thin
-from edl6dof.post.motion import Motion, Site
-from edl6dof.post.replay import history, write_replay
-from edl6dof.sim.channels import CHANNELS
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.post.replay.history import spans, thin
+from edl6dof.post.replay.motion import Motion
+from edl6dof.post.replay.recording import history, write_replay
+from edl6dof.post.replay.site import Site
 from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
 
 pytest.importorskip("rerun")
-
-MORTAR, SHIELD, SHELL, END = 6.0, 10.0, 14.0, 20.0
-RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
-
-
-def synthetic_flight() -> SimpleNamespace:
-    """20 s of made-up telemetry over the Tianwen-1 site, with every separation in it."""
-    scenario = load_scenario("tianwen1").scenario
-    t = np.arange(0.0, END + 0.01, 0.02)
-    rng = np.random.default_rng(3)
-    tm = {"t_s": t}
-    for k, channel in enumerate(CHANNELS):
-        tm[channel.name] = np.sin(0.1 * (k + 1) * t) + 0.01 * k
-    tm["truth.height_m"] = np.maximum(900.0 - 45.0 * t, 0.7)
-    tm["truth.altitude_m"] = tm["truth.height_m"] - 4099.4
-    tm["truth.site_east_m"], tm["truth.site_north_m"], tm["truth.site_up_m"] = 3.0 * t, 200.0 - 10.0 * t, tm["truth.height_m"]
-    q = rng.normal(size=4) + 0.1 * np.outer(np.sin(t), rng.normal(size=4))
-    for axis, column in zip("wxyz", (q / np.linalg.norm(q, axis=1, keepdims=True)).T, strict=True):
-        tm[f"truth.q_I2B_{axis}"] = column
-    for name, (start, stop) in RELEASES.items():
-        on = (t >= start) & ((t < stop) | (stop == END))
-        for axis, offset in zip(("east", "north", "up"), (5.0, 5.0, 30.0), strict=True):
-            tm[f"truth.{name}_{axis}_m"] = np.where(on, tm[f"truth.site_{axis}_m"] + offset, np.nan)
-    names = [phase.name for phase in scenario.mission.phases]
-    tm["guide.phase"] = np.floor(t / END * (len(names) - 0.01))
-    tm["truth.engine_thrust_n"] = np.where(t > SHELL, 3000.0, 0.0)
-    tm["truth.footpads"] = np.where(t > 19.5, 4.0, 0.0)
-    for k, jet in enumerate(scenario.vehicle.rcs.thrusters):
-        tm[f"rcs.{jet.name}"] = np.clip(np.sin(t + k), 0.0, 1.0)
-    keys = {"mortar": MORTAR, "heat_shield": SHIELD, "landing_legs": 12.0, "backshell": SHELL, "trim_wing": 4.0, "end": END}
-    order = sorted(keys.items(), key=lambda item: item[1])
-    events = [{"t_s": when, "key": key, "name": key, "detail": "detail"} for key, when in order]
-    return SimpleNamespace(
-        telemetry=tm, events=events, phase_names=names, scenario=scenario, outcome="landed within limits", name="synthetic"
-    )
 
 
 @pytest.fixture(scope="module")
@@ -64,23 +29,8 @@ def flight() -> SimpleNamespace:
 @pytest.fixture(scope="module")
 def replay(flight, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("replay") / "replay.rrd"
-    write_replay(history(flight), path)
+    write_replay([history(flight)], path)
     return path
-
-
-def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
-    """Times (s) and component values of all rows of an entity that are not static."""
-    from rerun.chunk import RrdReader
-
-    rows: list[tuple[float, dict]] = []
-    for chunk in RrdReader(path).stream().filter(content=[entity], is_static=False).to_chunks():
-        batch = chunk.to_record_batch()
-        times = batch.column("sim_time").to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64) / 1e9
-        columns = {n: batch.column(n).to_pylist() for n in batch.schema.names if ":" in n}
-        rows += [(t, {n: values[i] for n, values in columns.items()}) for i, t in enumerate(times)]
-    rows.sort(key=lambda row: row[0])
-    names = sorted({n for _, row in rows for n in row})
-    return np.array([t for t, _ in rows]), {n: [row.get(n) for _, row in rows] for n in names}
 
 
 def test_file_is_sound_and_small(replay):
@@ -113,7 +63,26 @@ def test_entities_and_components(replay):
         "/site/labels/touchdown": "Points3D:positions",
         "/plots/altitude_km": "Scalars:scalars",
         "/plots/thruster_duty/fine": "Scalars:scalars",
-        "/states/phase": "StateChange:state",
+        "/phase": "StateChange:state",
+        "/rcs/D7": "StateChange:state",
+        "/site/ground/rocks/0": "InstancePoses3D:scales",
+        "/site/ground_track": "LineStrips3D:strips",
+        "/site/sky": "Transform3D:scale",
+        "/site/markers/target": "LineStrips3D:strips",
+        "/site/vehicle/trim_wing": "Transform3D:quaternion",
+        "/site/vehicle/failed/D7": "Mesh3D:vertex_positions",
+        "/site/vehicle/failed/D7/diagnosis": "Points3D:labels",
+        "/site/vehicle/attitude_frame": "TransformAxes3D:axis_length",
+        "/site/velocity_frame": "TransformAxes3D:axis_length",
+        "/site/arrows/velocity": "Arrows3D:vectors",
+        "/site/arrows/lift": "Arrows3D:vectors",
+        "/site/arrows/thrust": "Arrows3D:vectors",
+        "/site/arrows/disturbance_torque": "Arrows3D:vectors",
+        "/globe/planet": "Mesh3D:vertex_positions",
+        "/globe/track": "LineStrips3D:strips",
+        "/phase_plane/roll/zones": "LineStrips2D:strips",
+        "/phase_plane/yaw/way": "LineStrips2D:strips",
+        "/plots/disturbance_torque_x_nm": "Scalars:scalars",
         "/events": "TextLog:text",
         "/readout": "TextDocument:text",
     }
@@ -134,7 +103,10 @@ def test_blueprint_travels_with_the_file(replay):
         for cell in column.column("ViewBlueprint:display_name").to_pylist()
         for name in cell or []
     }
-    assert {"Chase", "Descent", "Whole flight", "Landing", "Readout", "Phases", "Events", "Mach number (1)"} <= names
+    assert {
+        *("Chase", "Descent", "Whole flight", "Landing", "Site", "Globe", "Body, frames, forces", "Readout", "Phases", "Events"),
+        *("Mach number (1)", "Roll: error (deg), rate (deg/s)", "Disturbance torque x (N m)", "Thrusters A1 to D7"),
+    } <= names
 
 
 def test_pose_is_that_of_the_telemetry(flight, replay):
@@ -173,8 +145,8 @@ def test_duty_is_the_mean_between_rows(flight, replay):
     jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if jet.group == "axial"]
     values = np.array(columns["Scalars:scalars"])
     for k, name in enumerate(jets):
-        assert values[7, k] == pytest.approx(flight.telemetry[f"rcs.{name}"][28:32].mean(), abs=1e-7)
-    assert len(values) == len(times) == 251
+        assert values[7, k] == pytest.approx(flight.telemetry[f"rcs.{name}"][56:64].mean(), abs=1e-7)
+    assert len(values) == len(times) == 126
 
 
 def test_silent_thrusters_show_no_flame(replay):
@@ -188,7 +160,7 @@ def test_silent_thrusters_show_no_flame(replay):
 
 
 def test_phases_events_and_units(flight, replay):
-    times, columns = read(replay, "/states/phase")
+    times, columns = read(replay, "/phase")
     assert [cell[0] for cell in columns["StateChange:state"]] == flight.phase_names
     assert times[0] == 0.0
     assert np.all(np.diff(times) > 0.0)
@@ -206,6 +178,60 @@ def test_parts_leave_the_vehicle_when_the_telemetry_says_so(replay):
         assert cleared == [pytest.approx(when, abs=0.041)]
 
 
+def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(replay):
+    times, columns = read(replay, "/site/vehicle/failed/D7")
+    assert times[0] == pytest.approx(FAILURE, abs=0.041)
+    colours = np.array(columns["Mesh3D:vertex_colors"][0], np.uint32)
+    red, green, blue = (colours >> 24) & 255, (colours >> 16) & 255, (colours >> 8) & 255
+    assert np.all((red > 200) & (green < 80) & (blue < 80))
+    times, columns = read(replay, "/site/vehicle/failed/D7/diagnosis")
+    assert times.tolist() == [DIAGNOSIS]
+    assert columns["Points3D:labels"][0] == ["diagnosed: D7 stuck off"]
+    times, columns = read(replay, "/rcs/D7")
+    failed = [t for t, cell in zip(times, columns["StateChange:state"], strict=True) if cell == ["failed"]]
+    assert failed == [pytest.approx(FAILURE, abs=0.041)]
+    assert len(read(replay, "/rcs/D8")[0]) > 1
+    assert len(read(replay, "/site/vehicle/failed/D8")[0]) == 0
+
+
+def test_trim_wing_swings_out_to_the_vehicle_files_place_and_square_to_the_axis(flight, replay):
+    times, columns = read(replay, "/site/vehicle/trim_wing")
+    wing, rows = flight.scenario.vehicle.trim_wing, [i for i, q in enumerate(columns["Transform3D:quaternion"]) if q]
+    poses = [Quaternion(*np.roll(columns["Transform3D:quaternion"][i][0], 1)) for i in rows]
+    hinge = np.array(columns["Transform3D:translation"][rows[0]][0])
+    angles = [np.degrees((pose.inverse * poses[-1]).angle) for pose in poses]
+    assert angles[0] == pytest.approx(90.0 + flight.scenario.vehicle.aero.capsule.backshell_cone_angle_deg, abs=0.01)
+    assert np.all(np.diff(angles) < 0.0)
+    assert times[rows[1]] > 4.0 and times[rows[-1]] == pytest.approx(4.7, abs=0.05)
+    assert np.allclose(poses[-1].rotate([0.0, 0.0, 1.0]), [1.0, 0.0, 0.0], atol=1e-6), "the open plate faces the flow"
+    span = abs(wing.position_z_m) - abs(hinge[2])
+    assert np.allclose(hinge + poses[-1].rotate([span, 0.0, 0.0]), [wing.position_x_m, 0.0, wing.position_z_m], atol=1e-6)
+
+
+def test_arrows_end_when_their_force_does(flight, replay):
+    times, columns = read(replay, "/site/arrows/thrust")
+    shown = np.array([len(cell or []) for cell in columns["Arrows3D:vectors"]])
+    assert times[0] > SHELL - 0.1 and np.all(shown == 1)
+    times, columns = read(replay, "/site/arrows/lift")
+    lengths = [len(cell or []) for cell in columns["Arrows3D:vectors"]]
+    assert lengths[-1] == 0 and times[-1] == pytest.approx(6.0, abs=0.2), "none under the parachute"
+    force = np.stack([flight.telemetry[f"truth.aero_force_{axis}_n"] for axis in "xyz"], axis=-1)
+    assert np.linalg.norm(force[0]) > 0.0
+
+
+def test_several_flights_share_one_scene(flight, tmp_path):
+    from rerun.chunk import RrdReader
+
+    write_replay([history(flight), history(flight)], tmp_path / "two.rrd", ["one", "two"])
+    held = {c.entity_path for c in RrdReader(tmp_path / "two.rrd").stream().collect().schema().component_columns()}
+    own = {"vehicle", "path", "trail", "parachute", "markers/vehicle", "vehicle/lander", "vehicle/failed/D7"}
+    assert {f"/site/flight_1/{name}" for name in own} <= held
+    assert {"/site/ground", "/plots/mach/flight_1", "/globe/flight_1/track"} <= held
+    assert "/site/flight_1/ground" not in held and "/site/flight_1/camera" not in held
+    one, two = (read(tmp_path / "two.rrd", entity)[1]["Transform3D:translation"] for entity in ("/site/vehicle", "/site/flight_1/vehicle"))
+    assert one == two
+
+
 def test_site_frame_agrees_with_the_kernels(flight):
     site, terrain = Site(flight.scenario), flight.scenario.terrain
     lat, lon = np.radians(terrain.site_latitude_deg), np.radians(terrain.site_longitude_deg)
@@ -219,8 +245,8 @@ def test_site_frame_agrees_with_the_kernels(flight):
 
 def test_ground_passes_under_the_vehicle(flight):
     motion = Motion(history(flight))
-    ground = motion.ground_up(motion.centre[:, 0], motion.centre[:, 1])
-    assert np.allclose(motion.centre[:, 2] - ground, motion.height, atol=0.5)
+    ground = motion.site.ground(motion.centre[:, 0], motion.centre[:, 1])[1]
+    assert np.allclose(motion.centre[:, 2] - ground, motion.height, atol=1.5)  # the made-up ground is level
 
 
 def test_a_flight_that_ends_early_can_be_shown(flight, tmp_path):
@@ -228,11 +254,11 @@ def test_a_flight_that_ends_early_can_be_shown(flight, tmp_path):
     short.telemetry = {name: values[:3].copy() for name, values in flight.telemetry.items()}
     short.telemetry["truth.site_east_m"][2] = np.nan
     short.events, short.phase_names, short.outcome = [], [], "not finite"
-    write_replay(history(short), tmp_path / "short.rrd")
+    write_replay([history(short)], tmp_path / "short.rrd")
     times, _ = read(tmp_path / "short.rrd", "/site/vehicle")
     assert len(times) == 2
     short.telemetry["truth.site_east_m"][:] = np.nan
-    write_replay(history(short), tmp_path / "nothing.rrd")
+    write_replay([history(short)], tmp_path / "nothing.rrd")
     assert (tmp_path / "nothing.rrd").stat().st_size > 0
 
 

@@ -3,53 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, radians, sin, sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from edl6dof.post import turns
-from edl6dof.post.history import History, vector
-
-if TYPE_CHECKING:
-    from edl6dof.sim.scenario import Scenario
-
-
-class Site:
-    """The landing-site frame L and the shape of the ground around it."""
-
-    def __init__(self, scenario: Scenario) -> None:
-        terrain, planet = scenario.terrain, scenario.planet
-        lat, lon = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
-        east = (-sin(lon), cos(lon), 0.0)
-        north = (-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat))
-        up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
-        self.axes = np.array([east, north, up])  #: turns components in F into components in L
-        self.elevation = terrain.site_elevation_m
-        self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
-        self.spin = planet.rotation_rate_rad_s
-        e2 = self.flattening * (2.0 - self.flattening)
-        prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
-        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
-
-    def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
-        """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
-
-        F and I coincide at t = 0.
-        """
-        to_F = turns.about_z(-self.spin * np.asarray(t))
-        return turns.multiply(turns.from_axes(self.axes), turns.multiply(to_F, q_I2B))
-
-    def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
-        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the limb."""
-        a = self.radius + np.asarray(elevation)
-        squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
-        place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
-        up = self.axes[2]
-        k2 = up[0] ** 2 + up[1] ** 2 + squash * up[2] ** 2
-        k1 = place[..., 0] * up[0] + place[..., 1] * up[1] + squash * place[..., 2] * up[2]
-        k0 = place[..., 0] ** 2 + place[..., 1] ** 2 + squash * place[..., 2] ** 2 - a**2
-        return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
+from edl6dof.post.replay import turns
+from edl6dof.post.replay.history import History, vector
+from edl6dof.post.replay.site import Site
 
 
 class Motion:
@@ -63,11 +22,9 @@ class Motion:
         self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))  #: B to L
         self.nose = self.centre - turns.rotate(self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m"))  #: origin of B
         self.height = flight["truth.height_m"]
-        self.elevation = flight["truth.altitude_m"] - self.height
         self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
         self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
         self.backshell = vector(flight.columns, "truth.backshell", "east north up", "_m")
-        self._far = np.linalg.norm(self.centre[:, :2] - self.centre[-1:, :2], axis=-1)
 
     @property
     def last(self) -> np.ndarray:
@@ -78,12 +35,6 @@ class Motion:
         """Row at which a discarded part is first on its own."""
         rows = np.flatnonzero(np.isfinite(place[:, 0]))
         return int(rows[0]) if len(rows) else None
-
-    def ground_up(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
-        """Up coordinate of the ground (m): as high as it was under the vehicle at that distance from the end of the flight."""
-        order = np.argsort(self._far, kind="stable")
-        distance = np.hypot(np.asarray(east) - self.last[0], np.asarray(north) - self.last[1])
-        return self.site.surface(east, north, np.interp(distance, self._far[order], self.elevation[order]))
 
     def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Rows, confluence points, quaternions and scales of the canopy: x from the confluence to the canopy.
@@ -112,9 +63,9 @@ class Motion:
         reach = np.linalg.norm(line, axis=-1)
         line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
         spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
-        ground = self.ground_up(confluence[:, 0], confluence[:, 1])
-        fallen = free & (confluence[:, 2] - ground < 3.0)
-        spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if fallen.any() else 1.0
+        ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
+        fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
+        spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if len(fallen) else 1.0
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 

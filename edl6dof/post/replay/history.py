@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,7 +19,9 @@ POSES = (
     *(f"truth.{body}_{axis}_m" for body in ("site", "canopy", "heat_shield", "backshell") for axis in ("east", "north", "up")),
     *(f"truth.q_I2B_{axis}" for axis in "wxyz"),
     *(f"truth.centre_{axis}_m" for axis in "xyz"),
+    *(f"truth.v_{axis}_m_s" for axis in ("north", "east", "down")),
     *("t_s", "truth.height_m", "truth.altitude_m", "truth.heat_flux_w_cm2", "truth.engine_thrust_n", "truth.footpads", "guide.phase"),
+    *("truth.trim_wing", *(f"truth.aero_force_{axis}_n" for axis in "xyz"), *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
 )
 
 
@@ -50,6 +53,13 @@ class Flown(Protocol):
         """Columns by name."""
 
 
+class Known(NamedTuple):
+    """What the flight software found out about a thruster, and when."""
+
+    t_s: float
+    text: str
+
+
 class History:
     """One flight, thinned for the eye.
 
@@ -58,6 +68,8 @@ class History:
         columns: telemetry columns by name at these rows, those that the flight has.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
         jets: names of the thrusters.
+        failures: true state of the thrusters that fail, by name, at these rows; 0 works.
+        diagnosed: what the flight software found out, by thruster.
         when: time (s) of the first event of each key.
     """
 
@@ -76,6 +88,10 @@ class History:
         self.duty = np.zeros((len(rows), len(self.jets)), np.float32)
         for k, jet in enumerate(self.jets if len(rows) else ()):
             self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
+
+        states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
+        self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
+        self.diagnosed = _diagnosed(flight.events, self.jets)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
@@ -98,6 +114,16 @@ def _drawable(table: Mapping[str, np.ndarray]) -> np.ndarray:
 def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     counts = np.diff(np.append(rows, len(values)))
     return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
+
+
+def _diagnosed(events: Iterable[dict[str, Any]], jets: Iterable[str]) -> dict[str, Known]:
+    found: dict[str, Known] = {}
+    for event in events:
+        if event["key"].startswith("diagnos"):
+            for jet in jets:
+                if re.search(rf"\b{re.escape(jet)}\b", event["name"]):
+                    found.setdefault(jet, Known(float(event["t_s"]), str(event["name"])))
+    return found
 
 
 def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:

@@ -1,0 +1,123 @@
+"""``edl6dof replay``: show one flight or several, in the viewer, the browser, a file or a picture."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from edl6dof.post.files import atomic_file, refuse_existing_file
+from edl6dof.post.run import Run, refusal
+from edl6dof.sim.scenario import Scenario, load_scenario
+
+BAD_INPUT = 2
+FAILED = 1
+RECORDING = "replay.rrd"
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """Options of ``edl6dof replay``."""
+
+    runs: tuple[Path, ...]
+    web: bool
+    html: Path | None
+    screenshot: Path | None
+    at_s: float | None
+    page: str
+    force: bool
+
+
+class FlownRun:
+    """A run folder as a flight that can be replayed."""
+
+    def __init__(self, folder: Path) -> None:
+        self._run = Run(folder)
+        self.name, self.outcome = self._run.name, str(self._run.summary["outcome"])
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The resolved scenario."""
+        return load_scenario(str(self._run.folder / "scenario.yaml"), ()).scenario
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases."""
+        return self._run.phase_names
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """The timeline."""
+        return self._run.events
+
+    @property
+    def telemetry(self) -> Mapping[str, np.ndarray]:
+        """Columns by name."""
+        return self._run
+
+
+def run_replay(options: ReplayOptions) -> int:
+    """Do what the options ask for; returns the exit status."""
+    from edl6dof.post.replay.viewer import NoViewer, open_viewer, screenshot
+
+    targets = [path for path in (options.html, options.screenshot) if path is not None]
+    for path in targets:
+        refuse_existing_file(path, options.force)
+    for run in options.runs:
+        if not run.exists():
+            raise refusal(run, "no such replay; name the folder of a run, or its recording")
+    try:
+        with _recording(options) as recording:
+            if options.screenshot is not None:
+                with atomic_file(options.screenshot, options.force) as partial:
+                    screenshot(recording, partial, _time(options))
+            if options.html is not None:
+                from edl6dof.post.replay.page import write_page
+
+                with atomic_file(options.html, options.force) as partial:
+                    write_page(recording, partial, f"edl6dof replay: {', '.join(_labels(options.runs))}")
+            for path in targets:
+                print(path)
+            return 0 if targets else open_viewer(recording, options.web)
+    except NoViewer as error:
+        print(error, file=sys.stderr)
+        return FAILED
+
+
+@contextmanager
+def _recording(options: ReplayOptions) -> Iterator[Path]:
+    """The recording that the flight wrote where that will do, else a new one for the time being."""
+    alone = options.runs[0]
+    ready = alone if alone.is_file() else alone / RECORDING
+    if len(options.runs) == 1 and ready.is_file() and (not options.page or alone.is_file()):
+        yield ready
+        return
+    from edl6dof.post.replay.recording import history, write_replay
+
+    flights = [history(FlownRun(folder)) for folder in options.runs]
+    if not all(len(flight.t) for flight in flights):
+        raise refusal(alone, "no row of the telemetry can be drawn")
+    labels = _labels(options.runs) if len(flights) > 1 else ()
+    with TemporaryDirectory(prefix="edl6dof-") as folder:
+        write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight")
+        yield Path(folder) / RECORDING
+
+
+def _labels(runs: Sequence[Path]) -> list[str]:
+    """Folder names; with their parents where they are the same."""
+    names = [run.resolve().name for run in runs]
+    return names if len(set(names)) == len(names) else ["/".join(run.resolve().parts[-2:]) for run in runs]
+
+
+def _time(options: ReplayOptions) -> float:
+    """The time asked for, or the end of the first flight."""
+    if options.at_s is not None:
+        return options.at_s
+    return float(Run(options.runs[0]).events[-1]["t_s"])

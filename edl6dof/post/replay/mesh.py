@@ -1,0 +1,132 @@
+"""Triangle meshes from simple shapes: surfaces of revolution, rods, boxes, a flame, a sphere, a rock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+RGB = tuple[int, int, int]
+
+WHITE: RGB = (236, 234, 228)
+
+
+class Mesh(NamedTuple):
+    """A triangle mesh; arrays of one row per vertex, and the triangles' vertex numbers."""
+
+    positions: np.ndarray
+    triangles: np.ndarray
+    normals: np.ndarray
+    colours: np.ndarray
+
+
+def merge(meshes: Iterable[Mesh]) -> Mesh:
+    """One mesh of several."""
+    parts = list(meshes)
+    starts = np.cumsum([0] + [len(part.positions) for part in parts[:-1]])
+    triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)])
+    return Mesh(*(np.concatenate([part[i] for part in parts]) if i != 1 else triangles for i in range(4)))
+
+
+def _quads(points: np.ndarray, normals: np.ndarray, colours: np.ndarray) -> Mesh:
+    """Mesh of separate quadrilaterals: corners (n, 4, 3), corner normals (n, 4, 3), face colours (n, 3)."""
+    n = len(points)
+    triangles = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(n)[:, None, None]).reshape(-1, 3)
+    lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
+    normals = normals / np.where(lengths > 0.0, lengths, 1.0)
+    return Mesh(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), np.repeat(colours, 4, axis=0).astype(np.uint8))
+
+
+def revolve(
+    profile: Sequence[tuple[float, float]],
+    colour: RGB | Callable[[int, int], RGB],
+    segments: int = 48,
+    axis: tuple[np.ndarray, np.ndarray] | None = None,
+) -> Mesh:
+    """Surface of revolution of a smooth (x, r) profile about x, or about ``axis`` (origin, unit direction).
+
+    ``colour`` is one colour, or a function of segment around and step along the profile.
+    """
+    x, r = np.asarray(profile, dtype=float).T
+    slope = np.stack([np.gradient(r), -np.gradient(x)], axis=-1)  # outward normal (nx, nr), up to sign
+    slope *= -1.0 if np.mean(slope[:, 1]) < 0.0 else 1.0
+    turn = np.linspace(0.0, 2.0 * pi, segments + 1)
+    around = np.stack([np.zeros_like(turn), np.cos(turn), np.sin(turn)], axis=-1)
+    ahead = np.array([1.0, 0.0, 0.0])
+    points = x[None, :, None] * ahead + r[None, :, None] * around[:, None, :]
+    normals = slope[None, :, :1] * ahead + slope[None, :, 1:] * around[:, None, :]
+
+    def corners(grid: np.ndarray) -> np.ndarray:
+        return np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+
+    steps = len(x) - 1
+    paint = colour if callable(colour) else lambda _i, _j: colour
+    colours = np.array([paint(i, j) for i in range(segments) for j in range(steps)])
+    mesh = _quads(corners(points), corners(normals), colours)
+    if axis is None:
+        return mesh
+    origin, direction = axis
+    side = np.cross(direction, [0.0, 0.0, 1.0] if abs(direction[2]) < 0.9 else [0.0, 1.0, 0.0])
+    side /= np.linalg.norm(side)
+    turned = np.stack([direction, side, np.cross(direction, side)])
+    return mesh._replace(positions=origin + mesh.positions @ turned, normals=mesh.normals @ turned)
+
+
+def rod(start: Sequence[float], end: Sequence[float], radius: float, colour: RGB, end_radius: float | None = None) -> Mesh:
+    """Round rod or cone frustum between two points."""
+    a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+    length = float(np.linalg.norm(b - a))
+    tip = radius if end_radius is None else end_radius
+    return revolve([(0.0, radius), (length, tip)], colour, 12, (a, (b - a) / length))
+
+
+def box(centre: Sequence[float], size: Sequence[float], colour: RGB) -> Mesh:
+    """Axis-parallel box."""
+    faces, normals = [], []
+    for axis in range(3):
+        for sign in (-1.0, 1.0):
+            normal, u, v = np.zeros(3), np.zeros(3), np.zeros(3)
+            normal[axis], u[(axis + 1) % 3], v[(axis + 2) % 3] = sign, 1.0, 1.0
+            corners = np.array([normal - u - v, normal + u - v, normal + u + v, normal - u + v])
+            faces.append(corners * np.asarray(size) / 2.0 + np.asarray(centre))
+            normals.append(np.tile(normal, (4, 1)))
+    return _quads(np.array(faces), np.array(normals), np.tile(colour, (6, 1)))
+
+
+def plume(core: bool) -> Mesh:
+    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around it."""
+    reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
+    stations = np.linspace(0.0, 1.0, 13)
+    width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9
+    mesh = revolve([(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], WHITE, 20)
+    hot, cold = np.array([[255, 252, 235], [255, 214, 130]] if core else [[255, 186, 84], [255, 92, 24]])
+    colours = hot + (cold - hot) * (mesh.positions[:, :1] / reach)
+    return mesh._replace(colours=colours.astype(np.uint8), normals=np.zeros_like(mesh.normals))
+
+
+def grid_triangles(rows: int, columns: int) -> np.ndarray:
+    """Triangles between ``rows`` x ``columns`` vertices that close up around the columns."""
+    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
+    a, b = i * columns + j, i * columns + (j + 1) % columns
+    return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
+
+
+def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> Mesh:
+    """A mesh that shows its colours whatever the light: its normals are zero."""
+    return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))
+
+
+def rock(seed: int) -> Mesh:
+    """A boulder of unit size: a dented sphere, lit from the west."""
+    random = np.random.default_rng(seed)
+    rows, columns = 7, 9
+    polar = np.linspace(0.02, pi - 0.02, rows)[:, None]
+    around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
+    radius = 0.5 * random.uniform(0.72, 1.0, (rows, columns))
+    radius[[0, -1]] = 0.4
+    place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around], axis=-1)
+    light = np.clip(0.55 + 0.45 * (place @ [-0.7, -0.3, 0.65]), 0.2, 1.1)
+    colours = np.array([150, 98, 70]) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
+    return bright((radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3))

@@ -1,0 +1,64 @@
+"""A made-up flight with everything in it, and a reader of recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from edl6dof.sim.channels import CHANNELS
+from edl6dof.sim.scenario import load_scenario
+
+MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
+RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
+
+
+def synthetic_flight() -> SimpleNamespace:
+    """20 s of made-up telemetry over the Tianwen-1 site, with every separation in it."""
+    scenario = load_scenario("tianwen1").scenario
+    t = np.arange(0.0, END + 0.01, 0.02)
+    rng = np.random.default_rng(3)
+    tm = {"t_s": t}
+    for k, channel in enumerate(CHANNELS):
+        tm[channel.name] = np.sin(0.1 * (k + 1) * t) + 0.01 * k
+    tm["truth.height_m"] = np.maximum(900.0 - 45.0 * t, 0.7)
+    tm["truth.altitude_m"] = tm["truth.height_m"] - 4099.4
+    tm["truth.site_east_m"], tm["truth.site_north_m"], tm["truth.site_up_m"] = 3.0 * t, 200.0 - 10.0 * t, tm["truth.height_m"]
+    q = rng.normal(size=4) + 0.1 * np.outer(np.sin(t), rng.normal(size=4))
+    for axis, column in zip("wxyz", (q / np.linalg.norm(q, axis=1, keepdims=True)).T, strict=True):
+        tm[f"truth.q_I2B_{axis}"] = column
+    for name, (start, stop) in RELEASES.items():
+        on = (t >= start) & ((t < stop) | (stop == END))
+        for axis, offset in zip(("east", "north", "up"), (5.0, 5.0, 30.0), strict=True):
+            tm[f"truth.{name}_{axis}_m"] = np.where(on, tm[f"truth.site_{axis}_m"] + offset, np.nan)
+    names = [phase.name for phase in scenario.mission.phases]
+    tm["guide.phase"] = np.floor(t / END * (len(names) - 0.01))
+    tm["truth.engine_thrust_n"] = np.where(t > SHELL, 3000.0, 0.0)
+    tm["truth.footpads"] = np.where(t > 19.5, 4.0, 0.0)
+    tm["truth.trim_wing"] = np.clip((t - 4.0) / 0.7, 0.0, 1.0)
+    for k, jet in enumerate(scenario.vehicle.rcs.thrusters):
+        tm[f"rcs.{jet.name}"] = np.clip(np.sin(t + k), 0.0, 1.0)
+        tm[f"fault.{jet.name}"] = np.where((jet.name == "D7") & (t >= FAILURE), 1, 0)
+    keys = {"mortar": MORTAR, "heat_shield": SHIELD, "landing_legs": 12.0, "backshell": SHELL, "trim_wing": 4.0, "end": END}
+    order = sorted(keys.items(), key=lambda item: item[1])
+    events = [{"t_s": when, "key": key, "name": key, "detail": "detail"} for key, when in order]
+    events.insert(2, {"t_s": DIAGNOSIS, "key": "diagnosis", "name": "diagnosed: D7 stuck off", "detail": ""})
+    return SimpleNamespace(
+        telemetry=tm, events=events, phase_names=names, scenario=scenario, outcome="landed within limits", name="synthetic"
+    )
+
+
+def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
+    """Times (s) and component values of all rows of an entity that are not static."""
+    from rerun.chunk import RrdReader
+
+    rows: list[tuple[float, dict]] = []
+    for chunk in RrdReader(path).stream().filter(content=[entity], is_static=False).to_chunks():
+        batch = chunk.to_record_batch()
+        times = batch.column("sim_time").to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64) / 1e9
+        columns = {n: batch.column(n).to_pylist() for n in batch.schema.names if ":" in n}
+        rows += [(t, {n: values[i] for n, values in columns.items()}) for i, t in enumerate(times)]
+    rows.sort(key=lambda row: row[0])
+    names = sorted({n for _, row in rows for n in row})
+    return np.array([t for t, _ in rows]), {n: [row.get(n) for _, row in rows] for n in names}

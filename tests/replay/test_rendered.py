@@ -1,0 +1,82 @@
+"""The replay drawn for real: by the native viewer without a window, and by Chromium from the HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from live_page import opened, settled
+from made_up import synthetic_flight
+from PIL import Image
+
+from edl6dof.post.replay.page import write_page
+from edl6dof.post.replay.recording import history, write_replay
+from edl6dof.post.replay.viewer import NoViewer, screenshot
+
+SIZE = (1280, 800)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("rendered") / "replay.rrd"
+    write_replay([history(synthetic_flight())], path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def picture(recording, tmp_path_factory) -> np.ndarray:
+    """The replay at 16 s: the lander alone under its engine."""
+    path = tmp_path_factory.mktemp("shot") / "shot.png"
+    try:
+        screenshot(recording, path, 16.0, SIZE)
+    except NoViewer as missing:
+        pytest.skip(f"the native viewer does not run here (Debian: apt-get install mesa-vulkan-drivers): {missing}")
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def share(pixels: np.ndarray, low: tuple[int, int, int], high: tuple[int, int, int]) -> float:
+    """Share of the pixels between two colours."""
+    return float(np.mean(np.all((pixels >= low) & (pixels <= high), axis=-1)))
+
+
+def ground_is_drawn(pixels: np.ndarray) -> bool:
+    """Whether the lower half of the chase view is rust-coloured."""
+    height, width, _ = pixels.shape
+    return share(pixels[int(0.48 * height) : int(0.75 * height), : int(0.44 * width)], (90, 40, 20), (235, 175, 130)) > 0.3
+
+
+def test_terrain_sky_vehicle_path_and_failure_are_in_the_chase_view(picture):
+    height, width, _ = picture.shape
+    assert (width, height) == SIZE
+    chase = picture[int(0.12 * height) : int(0.78 * height), : int(0.44 * width)]
+    below, above = chase[len(chase) // 2 :], chase[: len(chase) // 5]
+    assert share(below, (90, 40, 20), (235, 175, 130)) > 0.5, "rust-coloured ground"
+    assert share(above, (120, 85, 60), (235, 190, 160)) > 0.5, "dusty sky"
+    assert share(chase, (185, 185, 180), (245, 245, 240)) > 5e-4, "the white backshell"
+    assert share(chase, (240, 110, 160), (255, 145, 195)) > 2e-3, "the path in the colour of its phase"
+    assert share(chase, (225, 20, 20), (255, 70, 70)) > 5e-4, "the thruster that was found to have failed"
+
+
+def test_curves_and_phase_colours_are_painted(picture):
+    height, width, _ = picture.shape
+    plots = picture[int(0.35 * height) : int(0.78 * height), int(0.58 * width) :]
+    assert share(plots, (70, 165, 215), (100, 195, 250)) > 5e-4, "the blue curves"
+    lanes = picture[int(0.8 * height) : int(0.97 * height), : int(0.57 * width)]
+    assert len(np.unique(lanes[:, ::4].reshape(-1, 3), axis=0)) > 20, "lanes in the colours of the phases"
+
+
+def test_html_file_plays_from_disk_without_network_or_error(recording, tmp_path):
+    page = tmp_path / "replay.html"
+    try:
+        write_page(recording, page, "made up & <tested>")
+    except NoViewer as missing:
+        pytest.skip(f"the viewer's program cannot be had here: {missing}")
+    assert "https://" not in page.read_text(encoding="utf-8").split("<script>")[0]
+    with opened(page, tmp_path / "profile", SIZE) as browser:
+        shown = settled(browser, ground_is_drawn).astype(int)
+        assert browser.problems == []
+        assert browser.value("document.title") == "made up & <tested>"
+    assert ground_is_drawn(shown)
+    assert share(shown[:, int(0.58 * SIZE[0]) :], (70, 165, 215), (100, 195, 250)) > 3e-4, "curves"

@@ -1,0 +1,99 @@
+"""``edl6dof replay`` on run folders: what it refuses, what it writes, and that it stays on this machine."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import edl6dof
+from edl6dof.app import replay as command
+from edl6dof.config.errors import ConfigError
+from edl6dof.post.replay import viewer
+from edl6dof.post.replay.recording import history, write_replay
+from edl6dof.post.results import write_run
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory) -> Path:
+    """The folder of a flight of 20 s, without its replay."""
+    folder = tmp_path_factory.mktemp("runs") / "short"
+    folder.mkdir()
+    write_run(edl6dof.fly("tianwen1", ["simulation.time_limit_s=20"]), folder)
+    return folder
+
+
+def options(*runs: Path, **more: object) -> command.ReplayOptions:
+    return command.ReplayOptions(runs, **{"web": False, "html": None, "screenshot": None, "at_s": None, "page": "", "force": False} | more)
+
+
+@pytest.fixture
+def shown(monkeypatch) -> list[tuple[Path, bytes, bool]]:
+    """What would have been opened: path, beginning of the file, in the browser or not."""
+    seen: list[tuple[Path, bytes, bool]] = []
+
+    def instead(recording: Path, web: bool) -> int:
+        seen.append((recording, recording.read_bytes()[:4], web))
+        return 0
+
+    monkeypatch.setattr(viewer, "open_viewer", instead)
+    return seen
+
+
+def test_a_run_without_a_recording_is_drawn_anew_and_leaves_nothing(run, shown):
+    assert command.run_replay(options(run, web=True)) == 0
+    (path, beginning, web), before = shown[0], sorted(run.iterdir())
+    assert beginning == b"RRF2" and web
+    assert not path.exists()
+    assert sorted(run.iterdir()) == before
+
+
+def test_what_is_drawn_from_the_folder_is_what_was_drawn_from_the_flight(run, tmp_path):
+    import subprocess
+    import sys
+
+    flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=20"])
+    write_replay([history(flight)], tmp_path / "a.rrd")
+    write_replay([history(command.FlownRun(run))], tmp_path / "b.rrd")
+    words = [sys.executable, "-m", "rerun", "rrd", "compare", "--unordered", str(tmp_path / "a.rrd"), str(tmp_path / "b.rrd")]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_several_runs_get_labels_that_tell_them_apart(run):
+    assert command._labels([run, run.parent / "other"]) == ["short", "other"]
+    assert command._labels([Path("/x/a/run"), Path("/x/b/run")]) == ["a/run", "b/run"]
+
+
+def test_refusals_name_the_file(run, tmp_path):
+    with pytest.raises(ConfigError, match="telemetry.parquet: no such file"):
+        command.run_replay(options(tmp_path))
+    (tmp_path / "there.png").write_bytes(b"mine")
+    with pytest.raises(ConfigError, match="exists"):
+        command.run_replay(options(run, screenshot=tmp_path / "there.png"))
+    assert (tmp_path / "there.png").read_bytes() == b"mine"
+
+
+def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys):
+    def cannot(*_: object) -> None:
+        raise viewer.NoViewer("no viewer here")
+
+    monkeypatch.setattr(viewer, "screenshot", cannot)
+    assert command.run_replay(options(run, screenshot=tmp_path / "x.png")) == 1
+    assert capsys.readouterr().err == "no viewer here\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_servers_listen_on_this_machine_only():
+    """The web viewer answers on the loopback address and on no other address of this machine."""
+    import socket
+
+    port, data = viewer.free_port(), viewer.free_port()
+    with viewer.serving("--serve-web", "--web-viewer-port", str(port), "--port", str(data)):
+        viewer.wait_for(port)
+        with open("/proc/net/tcp", encoding="ascii") as table:
+            rows = [line.split() for line in table.readlines()[1:]]
+        listening = {row[1].split(":")[0] for row in rows if row[3] == "0A" and int(row[1].split(":")[1], 16) in (port, data)}
+        assert listening == {"0100007F"}
+    with socket.socket() as probe:
+        assert probe.connect_ex((viewer.HOST, port)) != 0, "and it is gone afterwards"

@@ -1,0 +1,128 @@
+"""Ground, shapes and phase planes of the replay against the vehicle file, the true terrain and the control laws."""
+
+from __future__ import annotations
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
+from edl6dof.environment.terrain import ground as true_ground
+from edl6dof.fsw.control import phase_plane as law
+from edl6dof.fsw.control.phase_plane import switch_axis
+from edl6dof.fsw.control.zones import ZoneParams, target_rate
+from edl6dof.post.replay import craft
+from edl6dof.post.replay.globe import planet
+from edl6dof.post.replay.landscape import Landscape
+from edl6dof.post.replay.phase_plane import boundaries, squeeze
+from edl6dof.post.replay.site import Site
+from edl6dof.sim.scenario import load_scenario
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario("tianwen1").scenario
+
+
+@pytest.fixture(scope="module")
+def site(scenario) -> Site:
+    return Site(scenario)
+
+
+def test_ground_is_that_of_the_simulation(scenario, site):
+    terrain, grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
+    fill_terrain_grid(grid[0])
+    fill_terrain(terrain[0], scenario.terrain, grid[0])
+    for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
+        lat, lon = radians(scenario.terrain.site_latitude_deg + dlat), radians(scenario.terrain.site_longitude_deg + dlon)
+        height = true_ground(terrain[0], grid[0], lat, lon)[0]
+        e2 = site.flattening * (2.0 - site.flattening)
+        prime = site.radius / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
+        place = np.array([(prime + height) * np.cos(lat) * np.cos(lon), (prime + height) * np.cos(lat) * np.sin(lon), 0.0])
+        place[2] = (prime * (1.0 - e2) + height) * np.sin(lat)
+        east, north, up = site.axes @ (place - site.origin)
+        elevation, drawn = site.ground(east, north)
+        assert float(elevation) == pytest.approx(height, abs=5.0)
+        assert float(drawn) == pytest.approx(up, abs=6.0)
+
+
+def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
+    landscape, again = (Landscape(site, np.array([200.0, -50.0, 0.0]), 6e5) for _ in range(2))
+    mesh = landscape.mesh()
+    assert np.array_equal(mesh.positions, again.mesh().positions)
+    offset = np.hypot(mesh.positions[:, 0] - 200.0, mesh.positions[:, 1] + 50.0)
+    near = mesh.positions[offset < 5.9]
+    assert np.allclose(near[:, 2], site.ground(near[:, 0], near[:, 1])[1], atol=1e-6)
+    far = mesh.positions[(offset > 200.0) & (offset < 2000.0)]
+    relief = far[:, 2] - site.ground(far[:, 0], far[:, 1])[1]
+    assert 0.2 < np.std(relief) < 20.0, "craters and ripples, not mountains"
+    rocks = landscape.rocks()
+    distance = np.hypot(rocks.places[:, 0] - 200.0, rocks.places[:, 1] + 50.0)
+    assert distance.min() > 2.5, "none under the lander"
+    assert np.all(np.abs(rocks.places[:, 2] - landscape.height(*rocks.places[:, :2].T)) < 1.0)
+    assert np.sum(rocks.sizes[:, 0] > 0.5) < np.sum(rocks.sizes[:, 0] < 0.5), "more small ones than large ones"
+
+
+def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
+    vehicle = scenario.vehicle
+    shield, shell = craft.heat_shield(vehicle), craft.backshell(vehicle)
+    radius = np.hypot(shield.positions[:, 1], shield.positions[:, 2])
+    assert 2.0 * radius.max() == pytest.approx(vehicle.aero.capsule.diameter_m, rel=1e-9)
+    assert shield.positions[:, 0].max() == pytest.approx(0.0, abs=1e-9), "the nose is the origin"
+    flank = shield.positions[(radius > 0.55) & (radius < 1.5) & (np.linalg.norm(shield.normals, axis=1) > 0.5)]
+    outer = flank[flank[:, 0] > -0.5 * (np.hypot(flank[:, 1], flank[:, 2]))]
+    slope = np.polyfit(np.hypot(outer[:, 1], outer[:, 2]), outer[:, 0], 1)[0]
+    assert np.degrees(np.arctan2(1.0, -slope)) == pytest.approx(vehicle.aero.capsule.cone_half_angle_deg, abs=6.0)
+    assert np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
+    lander = craft.lander(vehicle).positions
+    for jet in vehicle.rcs.thrusters:
+        assert np.min(np.linalg.norm(lander - jet.position_m, axis=1)) < 0.12, jet.name
+    feet = craft.legs(vehicle).positions
+    for pad in vehicle.landing_gear.footpads_m:
+        assert np.min(np.linalg.norm(feet - pad, axis=1)) < 0.01
+    canopy, lines = craft.canopy(vehicle)
+    assert np.hypot(canopy.positions[:, 1], canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
+        0.68 * vehicle.parachute.diameter_m, rel=0.01
+    )
+    assert lines[..., 0].max() >= vehicle.parachute.line_length_m
+
+
+def test_zone_lines_are_those_that_the_control_law_steers_for():
+    """The yellow line is the law's own target rate; near and far bounds stand where the parameters say."""
+    params = ZoneParams(rate_deg_s=6.0, far_deg=25.0, near_deg=2.0, deceleration_deg_s2=3.0)
+    record = np.zeros(1, dtype_of(ZoneParams))
+    fill(record[0], params)
+    control = type("Control", (), {"roll": params, "pitch_yaw": params})()
+    lines = boundaries(control, 1)
+    curve = np.sinh(lines[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
+    for error, rate in curve[1:-1:7]:
+        assert np.degrees(target_rate(record[0], np.radians(error), 1.0)) == pytest.approx(rate, rel=1e-6)
+    upright = sorted({round(float(line[0, 0]), 9) for line, _ in lines if line[0, 0] == line[1, 0]})
+    assert upright == pytest.approx(sorted([squeeze(k) for k in (-25.0, -2.0, 2.0, 25.0)]))
+
+
+def test_deadband_lines_are_where_the_switching_law_begins_to_fire():
+    params = law.PhasePlaneParams(deadband_deg=2.0, rate_limit_deg_s=30.0)
+    record = np.zeros(1, dtype_of(law.PhasePlaneParams))
+    fill(record[0], params)
+    right = np.sinh(boundaries(params, 0)[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
+    for error, rate in right[(np.abs(right[:, 1]) < 8.0) & (np.abs(right[:, 1]) > 0.2)][::3]:
+        inside, outside = (switch_axis(record[0], 0, np.radians(error + d), np.radians(rate)) for d in (-0.01, 0.01))
+        assert (inside, outside) == (0, 1), (error, rate)
+
+
+def test_globe_shows_the_map():
+    mesh = planet(3396.19, Site(load_scenario("tianwen1").scenario).relief.map)
+    assert np.allclose(np.linalg.norm(mesh.positions, axis=1), 3396.19, atol=1e-6)
+    tone = mesh.colours.astype(int).sum(axis=1)
+    olympus, hellas = (_nearest(mesh.positions, lat, lon) for lat, lon in ((18.65, -133.8), (-42.4, 70.5)))
+    assert tone[olympus] > tone[hellas] + 150
+    assert mesh.triangles.max() == len(mesh.positions) - 1
+
+
+def _nearest(positions: np.ndarray, lat_deg: float, lon_deg: float) -> int:
+    lat, lon = np.radians([lat_deg, lon_deg])
+    way = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+    return int(np.argmax(positions @ way))
