@@ -142,12 +142,12 @@ def flown_loops(scenario: Scenario) -> dict[str, Loop]:
     own = lander.against_disturbance == "integral"
     loops = {
         "bank": loop(steer.bank),
-        "angle of attack held": loop(steer.held_alpha),
+        "alpha held": loop(steer.held_alpha),
         "parachute roll": loop(control.rate_damping.roll),
         "lander pitch and yaw": loop(lander.pitch_yaw, pole, own),
         "lander roll": loop(lander.roll, pole, own),
     }
     for phase in scenario.mission.phases:
         if phase.control == "thrust_vector" and phase.bandwidth != 1.0:
-            loops[f"lander pitch and yaw, {phase.name}"] = loops["lander pitch and yaw"].with_bandwidth(phase.bandwidth)
+            loops[phase.name] = loops["lander pitch and yaw"].with_bandwidth(phase.bandwidth)
     return loops

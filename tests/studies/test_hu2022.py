@@ -73,7 +73,7 @@ def test_torque_step_is_the_one_announced_and_the_integral_answers_like_its_line
 
 def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    assert found(report, "landed from dispersed entries") == 100.0
+    assert found(report, "dispersed entries landed") == 100.0
     assert all(row["landed"] for row in rows_of(report, "avoidance").values())
     assert report.table.num_rows == 2 * ENTRIES + len(rigs.AGAINST_STEP) + len(rigs.AVOIDANCE) + len(rigs.WING)
     assert report.runs == report.table.num_rows + 1
@@ -81,7 +81,7 @@ def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
 
 def test_decoupled_formulation_finds_the_thrust_direction_sooner(report):
     assert found(report, "decoupled is no slower") >= 75.0
-    assert found(report, "thrust direction found, decoupled") < found(report, "thrust direction found, shortest path")
+    assert found(report, "thrust found, decoupled") < found(report, "thrust found, shortest path")
 
 
 def test_estimator_answers_a_step_with_a_tenth_of_the_error_of_an_integral(report):
@@ -92,7 +92,7 @@ def test_estimator_answers_a_step_with_a_tenth_of_the_error_of_an_integral(repor
 
 def test_dead_d7_shows_in_roll_unless_diagnosis_or_estimator_deal_with_it(report):
     rows = rows_of(report, "avoidance")
-    neither = rows["D7 dead, neither diagnosed nor estimated"]["peak_error_deg"]
+    neither = rows["D7 dead, integral alone"]["peak_error_deg"]
     assert neither > 5.0
     assert rows["D7 dead, diagnosed"]["peak_error_deg"] < 0.2 * neither
     assert rows["all sound"]["peak_error_deg"] < 0.5

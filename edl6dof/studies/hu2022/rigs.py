@@ -43,12 +43,12 @@ _NO_DIAGNOSIS = "flight_software.diagnosis.enabled=false"
 AVOIDANCE: dict[str, tuple[str, ...]] = {
     "all sound": _EAST,
     "D7 dead, diagnosed": (*_EAST, _D7),
-    "D7 dead, not diagnosed": (*_EAST, _D7, _NO_DIAGNOSIS),
-    "D7 dead, neither diagnosed nor estimated": (*_EAST, _D7, _NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4"),
+    "D7 dead, undiagnosed": (*_EAST, _D7, _NO_DIAGNOSIS),
+    "D7 dead, integral alone": (*_EAST, _D7, _NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4"),
 }
 
 #: A trim wing that stays shut, with the angle of attack held by thrusters or left to trim.
-HELD = "angle of attack held"
+HELD = "alpha held"
 _STUCK_WING = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
 WING: dict[str, tuple[str, ...]] = {
     HELD: (_STUCK_WING,),
