@@ -241,6 +241,29 @@ def refly(
 
 
 @app.command()
+def faults(
+    scenario: Annotated[str, typer.Argument(help="Scenario file, or the name of a shipped one.")] = "tianwen1",
+    kinds: Annotated[str, typer.Option(help="Kinds, with commas: stuck_off, stuck_on, degraded, or all.")] = "stuck_off",
+    phases: Annotated[str, typer.Option(help="Phases, with commas; one of each kind of attitude control if not given.")] = "",
+    thrusters: Annotated[str, typer.Option(help="Thrusters, with commas; all if not given.")] = "",
+    after: Annotated[float, typer.Option(metavar="S", help="Time from the start of the phase to the fault.")] = 1.0,
+    sets: Sets = None,
+    out: Annotated[Path | None, typer.Option(help="Folder; runs/faults-<scenario> if not given.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Threads; as many as there are cores if not given.")] = None,
+) -> None:
+    """Fail every thruster in every phase, one flight each: who survives, who is found out, how fast.
+
+    Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
+    """
+    from edl6dof.app.faults import FaultOptions, run_faults
+
+    options = FaultOptions(scenario, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers)
+    raise typer.Exit(run_faults(options))
+
+
+@app.command()
 def version() -> None:
     """Print the version."""
     from edl6dof import __version__

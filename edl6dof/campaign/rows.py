@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import pyarrow as pa
+from pydantic import BaseModel
 
 from edl6dof.campaign.case import Case
 from edl6dof.sim.flight import Flight
@@ -18,13 +20,21 @@ Row = dict[str, Any]
 
 def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
     """Row of a case that has flown: what was changed, how it ended, every figure of the flight, what the caller adds."""
-    row: Row = {"case": case.index, **case.label, **changes}
+    row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
     for more in (flight.metrics, collect(flight) if collect is not None else {}):
         if twice := row.keys() & more.keys():
             raise ValueError(f"column given twice: {', '.join(sorted(twice))}")
         row.update(more)
     return row
+
+
+def _plain(value: Any) -> Any:
+    """Parameter models, such as those of faults, as JSON text without what they leave at the default."""
+    models = value if isinstance(value, list) else [value]
+    if not models or not all(isinstance(model, BaseModel) for model in models):
+        return value
+    return json.dumps([model.model_dump(mode="json", exclude_defaults=True) for model in models])
 
 
 def failed_row(case: Case, reason: str) -> Row:

@@ -6,6 +6,7 @@ from edl6dof.fsw.allocation import ATTITUDE, AXIAL, allocate, effects
 from edl6dof.fsw.check_out import check_out
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
+from edl6dof.fsw.diagnosis.exercise import exercise
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.observe import observe
 from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF
@@ -113,6 +114,27 @@ def look_for_faults(onboard, dt, fsw):
 
 
 @kernel
+def test_thrusters(onboard, dt, fsw):
+    """Add an opposed pulse of two resting thrusters to the valve intervals of this control cycle."""
+    found, command = fsw.diagnosis, fsw.command
+    thrusters, count, effect = onboard.vehicle.thrusters, onboard.vehicle.n_thrusters, fsw.allocator.effect
+    exercise(
+        onboard.diagnosis.exercise,
+        thrusters,
+        count,
+        effect,
+        fsw.healthy,
+        found.hypotheses,
+        fsw.modulator,
+        command.opens,
+        command.closes,
+        fsw.nav.t,
+        dt,
+        found.exercise,
+    )
+
+
+@kernel
 def usable_groups(phase, boosting, thrusters, count, healthy):
     """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or for a lost attitude one."""
     allowed = 1 << AXIAL if boosting else 0
@@ -163,6 +185,8 @@ def steer(onboard, phase, dt, fsw):
         if abs(fsw.allocator.undelivered[i]) > 0.2 * onboard.allocation.torque_scale:
             fsw.saturated = 1
     modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
+    if guide.translating != 0:
+        test_thrusters(onboard, dt, fsw)
     remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)
 
 

@@ -125,6 +125,7 @@ TICK = np.dtype(
         *[(group, np.dtype([(channel.field, "f8") for channel in CHANNELS if channel.group == group])) for group in GROUPS],
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("fault", "i1", (MAX_THRUSTERS,)),
+        ("valve", "i1", (MAX_THRUSTERS,)),
     ],
     align=True,
 )

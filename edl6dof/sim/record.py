@@ -118,3 +118,4 @@ def record(case, plant, fsw, tick):
     for i in range(MAX_THRUSTERS):
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]
+        tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0

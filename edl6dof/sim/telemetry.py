@@ -11,7 +11,8 @@ from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
 class Telemetry(Mapping[str, np.ndarray]):
-    """``t_s``, every channel, ``rcs.<thruster>`` (mean duty of the last step, 0..1) and ``fault.<thruster>`` (0 for none).
+    """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1), ``fault.<name>`` (0 for none) and
+    ``valve.<name>`` (1 while a pulse is commanded).
 
     A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of it where no unit
     changes, else a copy.
@@ -52,9 +53,11 @@ def describe(name: str) -> tuple[str, str]:
     if name.startswith("fault."):
         codes = ", ".join(f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_KINDS, 1))
         return "", f"true state of thruster {name[6:]}: 0 works, {codes}"
+    if name.startswith("valve."):
+        return "", f"whether thruster {name[6:]} is commanded to fire in the present control cycle"
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 
 
-_PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"))
+_PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}

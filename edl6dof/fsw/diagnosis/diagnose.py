@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Params, group, param
+from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
 from edl6dof.fsw.diagnosis.hypotheses import DEGRADED, HYPOTHESES, NOTHING, STUCK_OFF, STUCK_ON, compare, forget_all, weigh
 from edl6dof.fsw.diagnosis.probe import (
     GUILTY,
@@ -53,6 +54,7 @@ class DiagnosisParams(Params):
     loss_least: float = param(0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0)
     loss_dead: float = param(0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0)
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
+    exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     trust_s: float = param(5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0)
 
 
@@ -62,6 +64,7 @@ DIAGNOSIS = np.dtype(
         ("residual", RESIDUAL),
         ("hypotheses", HYPOTHESES),
         ("probe", PROBE),
+        ("exercise", EXERCISE),
         ("streak", "i8"),
         ("found", FINDING, (MAX_FINDINGS,)),
         ("n_found", "i8"),
@@ -90,16 +93,15 @@ def condemn(i, kind, loss, confidence, t, memory, healthy, isolate):
 
 
 @kernel
-def judge_probe(params, effect, activity, load, seen, t, dt, memory, healthy, isolate):
+def judge_probe(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate):
     """Go on with a probe, and end it when it has decided."""
     i = memory.probe.suspect
-    state, confidence = follow_probe(params, effect, activity, load, seen, t, dt, memory.probe)
+    state, confidence = follow_probe(params, count, effect, activity, load, seen, t, dt, memory.probe)
     if state == GUILTY:
         memory.probe.suspect = NOBODY
         condemn(i, STUCK_ON, 0.0, confidence, t, memory, healthy, isolate)
     elif state == SOUND:
         close_probe(params, t, memory.probe, healthy, isolate)
-        forget_all(memory.hypotheses)
 
 
 @kernel
@@ -126,14 +128,14 @@ def diagnose(params, count, effect, activity, load, seen, t, dt, memory, healthy
         if known == 0:
             close_probe(params, t, memory.probe, healthy, isolate)
         else:
-            judge_probe(params, effect, activity, load, seen, t, dt, memory, healthy, isolate)
+            judge_probe(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate)
         return
     if known == 0:
         return
     best = memory.hypotheses
     before = (best.thruster, best.kind)
     weigh(params, count, effect, activity, load, memory.residual, best)
-    compare(params, count, healthy, best)
+    compare(params, count, healthy, memory.probe.trusted_until, t, best)
     if best.kind != NOTHING and best.confidence >= params.confidence:
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
     else:

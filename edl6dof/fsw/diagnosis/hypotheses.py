@@ -45,6 +45,7 @@ HYPOTHESES = np.dtype(
         ("thruster", "i8"),
         ("kind", "i8"),
         ("loss", "f8"),
+        ("evidence", "f8"),
         ("confidence", "f8"),
         # the best of "stuck on"
         ("on_thruster", "i8"),
@@ -76,7 +77,7 @@ def forget_all(memory):
         forget(memory.off[i])
         forget(memory.old[i])
         forget(memory.on[i])
-    memory.kind, memory.confidence, memory.on_evidence = NOTHING, 0.0, 0.0
+    memory.kind, memory.evidence, memory.confidence, memory.on_evidence = NOTHING, 0.0, 0.0, 0.0
 
 
 @kernel
@@ -125,13 +126,14 @@ def weigh(params, count, effect, activity, load, residual, memory):
 
 
 @kernel
-def for_loss(params, sums):
-    """Fraction of thrust lost that fits best and the evidence for it; too little a loss counts as none and starts afresh."""
+def for_loss(params, sums, afresh):
+    """Fraction of thrust lost that fits best and the evidence for it; too little a loss counts as none and, if wanted, starts afresh."""
     if sums.own <= 0.0:
         return 0.0, 0.0
     loss = min(sums.cross / sums.own, 1.0)
     if loss < params.loss_least:
-        forget(sums)
+        if afresh:
+            forget(sums)
         return 0.0, 0.0
     return loss, evidence(sums, loss)
 
@@ -146,18 +148,21 @@ def for_stuck_on(sums):
 
 
 @kernel
-def compare(params, count, healthy, memory):
+def compare(params, count, healthy, trusted_until, t, memory):
     """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share in.
 
-    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
+    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.  A thruster that a probe found
+    sound is not suspected to be stuck on before ``trusted_until`` (s).
     """
     best, total = 0.0, exp(params.prior)
     memory.kind, memory.on_evidence = NOTHING, 0.0
     for i in range(count):
         if healthy[i] == 0:
             continue
-        off_loss, off = for_loss(params, memory.off[i])
-        old_loss, old = for_loss(params, memory.old[i])
+        off_loss, off = for_loss(params, memory.off[i], True)
+        old_loss, old = for_loss(params, memory.old[i], True)
+        if t < trusted_until[i]:
+            forget(memory.on[i])
         on = for_stuck_on(memory.on[i])
         if on > memory.on_evidence:
             memory.on_thruster, memory.on_evidence = i, on
@@ -171,4 +176,5 @@ def compare(params, count, healthy, memory):
             memory.kind = STUCK_OFF if memory.loss >= params.loss_dead else DEGRADED
             if on == most:
                 memory.kind = STUCK_ON
+    memory.evidence = best
     memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

@@ -3,6 +3,7 @@
 A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number fires against it leaves the
 same residual as that one stuck off.  Where the residual cannot decide, the suspect is isolated for a fraction of a second.  If it is the
 culprit, force and torque change by exactly minus its effect; if it is sound, nothing happens, because nothing had been asked of it.
+A dead thruster that stops being commanded just then leaves the same change: every other thruster's use is weighed against the suspect.
 Suspected is a thruster for which "stuck on" has evidence but a rival, or whose effect accounts for most of a slow disturbance that is
 larger than the misalignments of engine, drag and riser explain.
 """
@@ -13,7 +14,7 @@ from math import exp
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, forget, weights
 from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, WINDOW, product
 from edl6dof.jit import kernel
 
@@ -26,7 +27,15 @@ MISALIGNMENT = 0.01  # lateral force over axial load, and torque over axial load
 LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
 
 PROBE = np.dtype(
-    [("suspect", "i8"), ("since", "f8"), ("before", "f8", (6,)), ("sums", SUMS), ("trusted_until", "f8", (MAX_THRUSTERS,))],
+    [
+        ("suspect", "i8"),
+        ("since", "f8"),
+        ("before", "f8", (6,)),
+        ("share_before", "f8", (MAX_THRUSTERS,)),
+        ("sums", SUMS),
+        ("rivals", SUMS, (MAX_THRUSTERS,)),
+        ("trusted_until", "f8", (MAX_THRUSTERS,)),
+    ],
     align=True,
 )
 
@@ -70,6 +79,11 @@ def open_probe(i, t, residual, memory, healthy, isolate):
         memory.before[j] = 0.0
         for back in range(1, BEFORE + 1):
             memory.before[j] += residual.recent[(residual.taken - back) % WINDOW, j] / BEFORE
+    for j in range(MAX_THRUSTERS):
+        memory.share_before[j] = 0.0
+        for back in range(1, BEFORE + 1):
+            memory.share_before[j] += residual.recent_share[(residual.taken - back) % WINDOW, j] / BEFORE
+        forget(memory.rivals[j])
     memory.suspect, memory.since = i, t
     forget(memory.sums)
     healthy[i], isolate[i] = 0, 1
@@ -85,7 +99,7 @@ def close_probe(params, t, memory, healthy, isolate):
 
 
 @kernel
-def follow_probe(params, effect, activity, load, seen, t, dt, memory):
+def follow_probe(params, count, effect, activity, load, seen, t, dt, memory):
     """Let one cycle of a probe count: ``UNDER_WAY``, ``SOUND`` or ``GUILTY``, and the confidence."""
     if t < memory.since + 3.0 * dt:
         return UNDER_WAY, 0.0
@@ -93,10 +107,20 @@ def follow_probe(params, effect, activity, load, seen, t, dt, memory):
     b = effect[memory.suspect]
     before = memory.before
     change = (0.0, seen[1] - before[1], seen[2] - before[2], seen[3] - before[3], seen[4] - before[4], seen[5] - before[5])
-    collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), product(change, change, weight))
-    confidence = 1.0 / (1.0 + exp(params.prior - evidence(memory.sums, 1.0)))
+    every = product(change, change, weight)
+    collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), every)
+    found = evidence(memory.sums, 1.0)
+    guilty = exp(found)
+    total = guilty + exp(params.prior)
+    for j in range(count):
+        if j != memory.suspect:
+            b = effect[j]
+            less = memory.share_before[j] - activity.share[j]
+            collect(memory.rivals[j], 1.0, less, product(change, b, weight), product(b, b, weight), every)
+            total += exp(for_loss(params, memory.rivals[j], False)[1])
+    confidence = guilty / total
     if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
         return GUILTY, confidence
-    if t >= memory.since + WINDOW * dt:
+    if t >= memory.since + WINDOW * dt or (memory.sums.cycles >= LEAST_CYCLES and found <= -params.prior):
         return SOUND, confidence
     return UNDER_WAY, confidence

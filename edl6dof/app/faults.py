@@ -1,0 +1,222 @@
+"""``edl6dof faults``: the matrix of single thruster faults."""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+from rich.text import Text
+
+from edl6dof.campaign.executor import fly_rows
+from edl6dof.campaign.faults import fault_cases, judge_fault, phases_of
+from edl6dof.campaign.rows import Row, table_of
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.wording import nearest
+from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.sim.scenario import LoadedScenario, load_scenario
+from edl6dof.vehicle.faults import THRUSTER_KINDS
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+_LEGEND = "seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named"
+
+
+@dataclass(frozen=True)
+class FaultOptions:
+    """Options of ``edl6dof faults``; lists as texts with commas, empty for the usual ones."""
+
+    scenario: str
+    kinds: str
+    phases: str
+    thrusters: str
+    after_s: float
+    sets: tuple[str, ...]
+    out: Path | None
+    force: bool
+    as_json: bool
+    workers: int | None
+
+
+def run_faults(options: FaultOptions) -> int:
+    """Fly the matrix, write its table, show it; returns the exit status."""
+    loaded = load_scenario(options.scenario, options.sets)
+    kinds, phases, thrusters = _grid(options, loaded)
+    target = options.out or Path("runs") / f"faults-{loaded.scenario.name}"
+    cases = fault_cases(thrusters, kinds, phases, options.after_s)
+    try:
+        refuse_existing(target, options.force)
+        with atomic_folder(target, options.force) as folder:
+            with _progress(len(cases), quiet=options.as_json) as progress:
+                rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
+            pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
+            summary = json.dumps(_finite(_summary(rows, kinds, phases)), indent=1, allow_nan=False) + "\n"
+            (folder / "summary.json").write_text(summary, encoding="utf-8")
+    except FolderExists as error:
+        return _refuse(str(error))
+    except OSError as error:
+        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        return INTERRUPTED
+    if options.as_json:
+        print(summary, end="")
+    else:
+        _show(Console(highlight=False, soft_wrap=True), rows, kinds, phases, thrusters, target)
+    return 0 if all(row["success"] for row in rows) else 1
+
+
+def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], list[str], list[str]]:
+    scenario = loaded.scenario
+    if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
+        raise ConfigError([Problem("--after", 0, 0, "", f"must be a time in s, 0 or more (got {options.after_s:g})")])
+    if not scenario.thruster_names:
+        raise ConfigError([Problem(options.scenario, 0, 0, "vehicle.rcs.thrusters", "there is no thruster that could fail")])
+    if not (usual := phases_of(scenario)):
+        raise ConfigError([Problem(options.scenario, 0, 0, "mission.phases", "there is no phase in which thrusters may fire")])
+    kinds = list(THRUSTER_KINDS) if options.kinds == "all" else _chosen("--kinds", options.kinds, THRUSTER_KINDS, ["stuck_off"])
+    phases = _chosen("--phases", options.phases, scenario.phase_names, usual)
+    return kinds, phases, _chosen("--thrusters", options.thrusters, scenario.thruster_names, scenario.thruster_names)
+
+
+def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]) -> list[str]:
+    """Names in a text with commas, in the order of ``allowed``."""
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    problems = []
+    for name in names:
+        if name not in allowed:
+            near = nearest(name, list(allowed))
+            hint = f"did you mean {near!r}? " if near else ""
+            problems.append(Problem(option, 0, 0, "", f"no {name!r}; {hint}({', '.join(allowed)})"))
+    if problems:
+        raise ConfigError(problems)
+    return [name for name in allowed if name in names] or list(usual)
+
+
+def _summary(rows: Sequence[Row], kinds: Sequence[str], phases: Sequence[str]) -> dict[str, Any]:
+    groups = [_group([row for row in rows if row["kind"] == kind and row["phase"] == phase]) for kind in kinds for phase in phases]
+    return {"flights": len(rows), "survived": sum(row["success"] for row in rows), "groups": groups, "rows": list(rows)}
+
+
+def _group(rows: Sequence[Row]) -> dict[str, Any]:
+    """Figures of one kind of fault in one phase."""
+    named = [row for row in rows if row.get("named") == row["thruster"]]
+    times = [row["time_to_detect_s"] for row in named if "time_to_detect_s" in row]
+    in_use = [max(row["time_to_detect_s"] - (row["unused_s"] or 0.0), 0.0) for row in named if row["kind"] != "stuck_on"]
+    return {
+        "kind": rows[0]["kind"],
+        "phase": rows[0]["phase"],
+        "flights": len(rows),
+        "survived": sum(row["success"] for row in rows),
+        "named_right": len(named),
+        "named_wrong": sum(row.get("named") not in (None, row["thruster"]) for row in rows),
+        "never_used": sum(row["kind"] != "stuck_on" and row.get("unused_s") is None for row in rows),
+        "median_time_to_detect_s": statistics.median(times) if times else None,
+        "median_from_first_use_s": statistics.median(in_use) if in_use else None,
+        "worst_landing_distance_m": max((row["landing_distance_m"] for row in rows if "landing_distance_m" in row), default=None),
+        "worst_attitude_error_deg": max((row["peak_attitude_error_deg"] or 0.0 for row in rows if row["success"]), default=None),
+    }
+
+
+def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str], thrusters: list[str], target: Path) -> None:
+    for kind in kinds:
+        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases, thrusters))
+    console.print(
+        "seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named", style="dim"
+    )
+    console.print(_overview(_summary(rows, kinds, phases)["groups"]))
+    for row in rows:
+        if not row["success"]:
+            console.print(Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red"))
+    lost = sum(not row["success"] for row in rows)
+    verdict = f"{lost} of {len(rows)} flights not within limits" if lost else f"all {len(rows)} flights landed within limits"
+    console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
+    console.print(Text(verdict, style="bold red" if lost else "bold green"))
+
+
+def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str]) -> Table:
+    """Thrusters by phases: green landed and named, yellow landed and not named, red not within limits."""
+    table = Table(title=kind.replace("_", " "), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("thruster", header_style="")
+    for phase in phases:
+        table.add_column(phase, justify="right", header_style="")
+    cells = {(row["thruster"], row["phase"]): _cell(row) for row in rows}
+    for thruster in thrusters:
+        table.add_row(thruster, *(cells[thruster, phase] for phase in phases))
+    return table
+
+
+def _cell(row: Row) -> Text:
+    right = row.get("named") == row["thruster"]
+    if right:
+        found = f"{row['time_to_detect_s']:.2f}"
+    elif row.get("named"):
+        found = str(row["named"])
+    else:
+        found = "-" if row["kind"] != "stuck_on" and row.get("unused_s") is None else "?"
+    if not row["success"]:
+        return Text(f"{row.get('cause', 'lost')} {found}", style="bold red")
+    return Text(found, style="green" if right else ("magenta" if row.get("named") else "yellow"))
+
+
+def _overview(groups: list[dict[str, Any]]) -> Table:
+    """Counts, median times from fault and from first use to the verdict, largest distance from the site and attitude error."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    headings = ("kind", "phase", "landed", "named", "wrong", "unused", "s", "s of use", "m off", "deg off")
+    for index, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if index < 2 else "right", header_style="")
+    for group in groups:
+        counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"], group["never_used"])
+        figures = [(group["median_time_to_detect_s"], 2), (group["median_from_first_use_s"], 2)]
+        figures += [(group["worst_landing_distance_m"], 0), (group["worst_attitude_error_deg"], 1)]
+        shown = ("" if value is None else f"{value:.{digits}f}" for value, digits in figures)
+        table.add_row(group["kind"], group["phase"], *map(str, counts), *shown)
+    return table
+
+
+@contextmanager
+def _progress(total: int, quiet: bool) -> Iterator[Callable[[int, Row], None] | None]:
+    """A bar on stderr, if that is a terminal; a word before the first flight has to be compiled."""
+    from edl6dof.jit import is_cached
+    from edl6dof.sim.loop import fly as compiled_loop
+
+    if not quiet and not is_cached(compiled_loop):
+        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
+        print(message, file=sys.stderr, flush=True)
+    console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("{task.fields[last]:<40}"), BarColumn(bar_width=24), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("faults", total=total, last="")
+
+        def report(done: int, row: Row) -> None:
+            bar.update(task, completed=done, last=f"{row['thruster']} {row['kind']} {row['phase']}")
+
+        yield report
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _refuse(message: str) -> int:
+    print(" ".join(message.split()), file=sys.stderr)
+    return BAD_INPUT

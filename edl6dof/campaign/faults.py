@@ -1,0 +1,55 @@
+"""One flight for each way in which one thruster can fail: cases of the fault matrix, and what a row says about each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.campaign.case import Case
+from edl6dof.sim.flight import Flight
+from edl6dof.sim.scenario import Scenario
+
+#: The phases a fault begins in unless others are asked for: one of each kind of attitude control.
+USUAL_PHASES = ("trim_aoa", "lift", "parachute", "powered_deceleration", "hazard_avoidance")
+
+
+def phases_of(scenario: Scenario) -> list[str]:
+    """The usual phases as far as the scenario has them, otherwise all in which thrusters may fire."""
+    usual = [name for name in scenario.phase_names if name in USUAL_PHASES]
+    return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
+
+
+def fault_cases(thrusters: Sequence[str], kinds: Sequence[str], phases: Sequence[str], after_s: float) -> list[Case]:
+    """A case for each kind, phase and thruster; the fault begins ``after_s`` s into the phase."""
+    grid = [(kind, phase, thruster) for kind in kinds for phase in phases for thruster in thrusters]
+    return [
+        Case(index, truth={"faults": [fault]}, label={"thruster": thruster, "kind": kind, "phase": phase})
+        for index, (kind, phase, thruster) in enumerate(grid)
+        for fault in ({"thruster": thruster, "kind": kind, "at": {"phase": phase, "plus_s": after_s}},)
+    ]
+
+
+def judge_fault(flight: Flight) -> Mapping[str, Any]:
+    """What the fault did to a flight, and what was made of it.
+
+    ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none: before that nobody can tell
+    that it is dead.  ``peak_attitude_error_deg`` is the largest error of pitch and yaw control between fault and touchdown.
+    """
+    fault = flight.loaded.truth.faults[0]
+    since = float(flight.plant["fault_since"][0][0])
+    table = flight.telemetry
+    t, end = table["t_s"], flight.metrics.get("touchdown_s", flight.time_s)
+    after = (t >= since) & (t < end)
+    error = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])
+    used = after & (table[f"valve.{fault.thruster}"] != 0)
+    named = flight.findings[0] if flight.findings else None
+    return {
+        "fault_s": since if since <= end else None,
+        "unused_s": float(t[used][0]) - since if used.any() else None,
+        "named": named.thruster if named else None,
+        "named_kind": named.kind if named else None,
+        "confidence": named.confidence if named else None,
+        "peak_attitude_error_deg": float(error[after].max()) if after.any() else None,
+    }

@@ -1,0 +1,103 @@
+"""Opposed test pulses: a thruster and its opposite number fire together for one pulse, so that nothing moves unless one of them fails.
+
+In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses only some of them at a time.
+Each horizontal pair on one line of action that has rested for a while is tested in turn; a thruster that one test makes suspect is
+tested again at once.  A test costs 8 g of propellant.  Beyond Hu et al. 2022, who wait for the thruster to be used.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.diagnosis.hypotheses import NOTHING
+from edl6dof.jit import kernel
+
+MAX_THRUSTERS = 32
+NOBODY = -1
+HORIZONTAL = 0  # thruster group that hazard avoidance depends on
+
+
+class ExerciseParams(Params):
+    """Opposed test pulses while flying sideways."""
+
+    enabled: bool = param(True, "whether resting thrusters are tested")
+    rest_s: float = param(0.3, "time without use after which a pair is tested", gt=0.0)
+    spacing_s: float = param(0.08, "time from one test to the next", gt=0.0)
+    suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
+
+
+EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=True)
+
+
+@kernel
+def opposite(effect, count, i):
+    """The thruster whose force and torque cancel those of ``i`` to a tenth, or ``NOBODY``."""
+    own = 0.0
+    for row in range(6):
+        own += effect[i, row] * effect[i, row]
+    for j in range(count):
+        both = 0.0
+        for row in range(6):
+            both += (effect[i, row] + effect[j, row]) ** 2
+        if both < 0.01 * own:
+            return j
+    return NOBODY
+
+
+@kernel
+def can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+    """Whether two thrusters are in use, shut during this cycle, and able to give a pulse within it."""
+    if j == NOBODY or healthy[i] == 0 or healthy[j] == 0:
+        return False
+    shut = closes[i] <= opens[i] and closes[j] <= opens[j] and modulator.busy_until[i] <= t and modulator.busy_until[j] <= t
+    return shut and thrusters[i].minimum_pulse <= dt + 1e-9 and thrusters[j].minimum_pulse <= dt + 1e-9
+
+
+@kernel
+def next_pair(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory):
+    """The pair to test now: a suspect's, or the one that has rested longest; (``NOBODY``, ``NOBODY``) for none."""
+    if hypotheses.kind != NOTHING and hypotheses.evidence > params.suspicion:
+        i = hypotheses.thruster
+        j = opposite(effect, count, i)
+        if can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+            return i, j
+    first, second, oldest = NOBODY, NOBODY, t - params.rest
+    if t < memory.tested + params.spacing - 1e-9:
+        return first, second
+    for i in range(count):
+        if thrusters[i].group == HORIZONTAL and memory.used[i] < oldest:
+            j = opposite(effect, count, i)
+            if can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+                first, second, oldest = i, j, memory.used[i]
+    return first, second
+
+
+@kernel
+def exercise(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory):
+    """Add an opposed test pulse, as long as the control cycle, to the valve intervals of this cycle.
+
+    Args:
+        params: exercise record.
+        thrusters: believed thrusters (group, minimum pulse).
+        count: how many there are.
+        effect: force and torque of each at full thrust, rows of 6 (N, N m).
+        healthy: whether each may be used.
+        hypotheses: what diagnosis thinks at present.
+        modulator: memory of the pulse modulation: what it owes is not touched, since the two impulses cancel.
+        opens: valve openings of this control cycle, s; those of the tested pair are written.
+        closes: valve closings, s; likewise.
+        t: present time, s.
+        dt: control cycle, s.
+        memory: ``EXERCISE`` record.
+    """
+    if params.enabled == 0:
+        return
+    for i in range(count):
+        if closes[i] > opens[i] + 0.5 * dt:
+            memory.used[i] = t
+    i, j = next_pair(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory)
+    if i != NOBODY:
+        opens[i] = opens[j] = t
+        closes[i] = closes[j] = t + dt
+        memory.used[i] = memory.used[j] = memory.tested = t

@@ -1,0 +1,89 @@
+"""Opposed test pulses: they cancel, they leave working valves alone, they reach every horizontal thruster, and a suspect goes first."""
+
+import numpy as np
+import pytest
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.allocation import effects
+from edl6dof.fsw.diagnosis.exercise import EXERCISE, NOBODY, ExerciseParams, exercise, opposite
+from edl6dof.fsw.diagnosis.hypotheses import HYPOTHESES, STUCK_OFF
+from edl6dof.fsw.modulation import MODULATOR
+from edl6dof.fsw.onboard import LANDER
+
+DT = 0.04
+
+
+@pytest.fixture(scope="module")
+def vehicle(shared_onboard):
+    return shared_onboard[0]["vehicle"]
+
+
+@pytest.fixture(scope="module")
+def effect(vehicle):
+    table = np.zeros((32, 6))
+    effects(vehicle["thrusters"], int(vehicle["n_thrusters"]), tuple(vehicle["configuration"][LANDER]["centre"]), table)
+    return table
+
+
+class Bench:
+    """The exercise in a loop over control cycles; ``firing`` valves are open already."""
+
+    def __init__(self, vehicle, effect, **settings):
+        self.vehicle, self.effect, self.count = vehicle, effect, int(vehicle["n_thrusters"])
+        self.params, self.memory = np.zeros(1, dtype_of(ExerciseParams)), np.zeros(1, EXERCISE)
+        fill(self.params[0], ExerciseParams(**settings))
+        self.hypotheses, self.modulator, self.healthy = np.zeros(1, HYPOTHESES), np.zeros(1, MODULATOR), np.ones(32, "i8")
+        self.t = 100.0
+
+    def cycle(self, firing=()):
+        opens, closes = np.full(32, self.t), np.full(32, self.t)
+        closes[list(firing)] += 0.7 * DT
+        who = (self.params[0], self.vehicle["thrusters"], self.count, self.effect, self.healthy, self.hypotheses[0], self.modulator[0])
+        exercise(*who, opens, closes, self.t, DT, self.memory[0])
+        self.t += DT
+        tested = closes - opens > 0.99 * DT
+        return {int(i) for i in np.flatnonzero(tested)}
+
+
+def test_opposite_is_the_thruster_on_the_same_line_of_action(vehicle, effect):
+    count = int(vehicle["n_thrusters"])
+    for i in range(count):
+        j = opposite(effect, count, i)
+        matches = [k for k in range(count) if np.allclose(effect[k], -effect[i], atol=1.0)]
+        assert j == (matches[0] if matches else NOBODY)
+    assert [opposite(effect, count, i) for i in range(8)] == [5, 4, 7, 6, 1, 0, 3, 2]
+
+
+def test_every_test_cancels_and_all_eight_are_reached_within_four_tenths_of_a_second(vehicle, effect):
+    bench, reached, worst = Bench(vehicle, effect), set(), 0.0
+    for _ in range(10):
+        tested = bench.cycle()
+        reached |= tested
+        worst = max(worst, np.abs(effect[sorted(tested)].sum(axis=0)).max() if tested else 0.0)
+    assert reached == set(range(8)) and worst < 1.0
+
+
+def test_a_firing_thruster_is_not_touched_nor_one_that_was_used_lately(vehicle, effect):
+    bench = Bench(vehicle, effect)
+    for _ in range(40):
+        tested = bench.cycle(firing=(0, 3))
+        assert not tested & {0, 3, 5, 6}
+
+
+def test_condemned_thruster_and_its_opposite_are_not_tested(vehicle, effect):
+    bench = Bench(vehicle, effect)
+    bench.healthy[2] = 0
+    assert not any(bench.cycle() & {2, 7} for _ in range(40))
+
+
+def test_suspect_is_tested_in_the_next_cycle(vehicle, effect):
+    bench = Bench(vehicle, effect)
+    for _ in range(10):
+        bench.cycle()
+    bench.hypotheses["thruster"], bench.hypotheses["kind"], bench.hypotheses["evidence"] = 6, STUCK_OFF, 8.0
+    assert [bench.cycle() for _ in range(3)] == [{3, 6}] * 3
+
+
+def test_switched_off_it_tests_nothing(vehicle, effect):
+    bench = Bench(vehicle, effect, enabled=False)
+    assert not any(bench.cycle() for _ in range(40))
