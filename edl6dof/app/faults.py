@@ -20,13 +20,12 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import fault_cases, judge_fault, phases_of
+from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
-from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -86,7 +85,7 @@ def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], lis
         raise ConfigError([Problem(options.scenario, 0, 0, "vehicle.rcs.thrusters", "there is no thruster that could fail")])
     if not (usual := phases_of(scenario)):
         raise ConfigError([Problem(options.scenario, 0, 0, "mission.phases", "there is no phase in which thrusters may fire")])
-    kinds = list(THRUSTER_KINDS) if options.kinds == "all" else _chosen("--kinds", options.kinds, THRUSTER_KINDS, ["stuck_off"])
+    kinds = list(KINDS) if options.kinds == "all" else _chosen("--kinds", options.kinds, KINDS, ["stuck_off"])
     phases = _chosen("--phases", options.phases, scenario.phase_names, usual)
     return kinds, phases, _chosen("--thrusters", options.thrusters, scenario.thruster_names, scenario.thruster_names)
 

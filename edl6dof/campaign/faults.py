@@ -10,6 +10,10 @@ import numpy as np
 from edl6dof.campaign.case import Case
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.scenario import Scenario
+from edl6dof.vehicle.faults import THRUSTER_KINDS
+
+#: Ways in which a thruster can fail.
+KINDS = THRUSTER_KINDS
 
 #: The phases a fault begins in unless others are asked for: one of each kind of attitude control.
 USUAL_PHASES = ("trim_aoa", "lift", "parachute", "powered_deceleration", "hazard_avoidance")
