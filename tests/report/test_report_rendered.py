@@ -13,7 +13,7 @@ from edl6dof.post.report.document import Report, Section
 from edl6dof.post.report.figure import BLUE, GOOD, GREEN, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.post.report.page import page
 from edl6dof.post.review.build import flight_report
-from edl6dof.post.review.overlay import comparison_report, lighter
+from edl6dof.post.review.overlay import comparison_report, darker
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def test_two_flights_compared_are_painted(run, tmp_path):
     (tmp_path / "two.html").write_text(page(comparison_report(run, run)), encoding="utf-8")
     seen = show(tmp_path / "two.html", tmp_path)
     assert seen.console == []
-    for colour in (BLUE, lighter(BLUE)):
+    for colour in (BLUE, darker(BLUE)):
         assert share(seen.pixels, colour) * seen.pixels.shape[0] * seen.pixels.shape[1] > 600, colour
 
 

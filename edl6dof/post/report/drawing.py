@@ -120,6 +120,7 @@ def _axis(axis: Axis, span: tuple[float, float], domain: list[float], anchor: st
         "title": {"text": axis.title.replace("\n", "<br>") if show_title else "", "standoff": 6},
         "automargin": True,
         "exponentformat": "power",
+        "minexponent": 6,
     }
     if not show_title:
         found["showticklabels"] = False

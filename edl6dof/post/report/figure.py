@@ -46,6 +46,7 @@ class Trace:
         labels: words at the points, n of them.
         colour: of the palette by order when empty.
         legend: whether the name is shown in the legend; traces of one name share an entry.
+        border: whether it is a limit or goal drawn for orientation, and not what was flown.
     """
 
     x: np.ndarray
@@ -58,6 +59,7 @@ class Trace:
     symbol: str = "circle"
     labels: Sequence[str] = ()
     legend: bool = True
+    border: bool = False
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from edl6dof.post.review.build import flight_report
 from edl6dof.post.review.words import mood, verdict
 from edl6dof.post.run import Run
 
-#: How the second flight's curves are told from the first's, which keep their colours.
-LIGHTER = 0.45
+#: Brightness of the second flight's dashed curves, which lie over the first's full ones.
+DARKER = 0.45
 
 
 def comparison_report(first: Run, second: Run) -> Report:
@@ -90,7 +90,7 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
-    """Figures of one key drawn over each other: the second flight dashed and thinner; limits and marks are the first's."""
+    """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and marks are the first's."""
     panels = [_both(panel, second.panels[k] if k < len(second.panels) else None, names) for k, panel in enumerate(first.panels)]
     return replace(first, panels=panels)
 
@@ -99,19 +99,16 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
     if two is None or one.heat is not None:
         return replace(one, title=f"{names[0]} only") if one.heat is not None else one
     mine = [_named(trace, names[0]) for trace in one.coloured()]
-    borders = {trace.name for trace in one.traces if trace.kind == "region"} | {"events", "target"}
     other = [
-        replace(
-            _named(trace, names[1]), dash="dash" if trace.dash == "solid" else "dot", colour=lighter(trace.colour), labels=(), width=1.3
-        )
+        replace(_named(trace, names[1]), dash="dash" if trace.dash == "solid" else "dot", colour=darker(trace.colour), labels=(), width=1.3)
         for trace in two.coloured()
-        if trace.name not in borders and trace.symbol != "square"
+        if not trace.border
     ]
     ranges = [
         None if axis.range is None or axis.names else widest(axis.range, beside.range) for axis, beside in ((one.x, two.x), (one.y, two.y))
     ]
     x, y = (replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True))
-    return replace(one, x=x, y=y, traces=[*other, *mine])
+    return replace(one, x=x, y=y, traces=[*mine, *other])
 
 
 def widest(one: tuple[float, float], two: tuple[float, float] | None) -> tuple[float, float]:
@@ -120,14 +117,14 @@ def widest(one: tuple[float, float], two: tuple[float, float] | None) -> tuple[f
     return (low, high) if one[0] <= one[1] else (high, low)
 
 
-def lighter(colour: str) -> str:
-    """A colour mixed with white."""
+def darker(colour: str) -> str:
+    """A colour mixed with black."""
     parts = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
-    return "#" + "".join(f"{round(part + (255 - part) * LIGHTER):02x}" for part in parts)
+    return "#" + "".join(f"{round(part * DARKER):02x}" for part in parts)
 
 
 def _named(trace: Trace, flight: str) -> Trace:
-    if trace.kind in ("points", "region"):
+    if trace.border or trace.kind == "points":
         return trace
     return replace(trace, name=f"{trace.name}, {flight}" if trace.name else flight)
 

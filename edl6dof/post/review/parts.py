@@ -73,7 +73,7 @@ def phase_legend(run: Run) -> list[Trace]:
     """Entries of the legend for :func:`phase_bands`."""
     nowhere, colours = np.array([np.nan]), phase_colours(run)
     names = {key: key.removeprefix("phase.").replace("_", " ") for key in phase_keys(run)}
-    return [Trace(nowhere, nowhere, name, "points", colours[key], symbol="square", width=3.0) for key, name in names.items()]
+    return [Trace(nowhere, nowhere, name, "points", colours[key], symbol="square", width=3.0, border=True) for key, name in names.items()]
 
 
 def phase_keys(run: Run) -> list[str]:
@@ -97,4 +97,4 @@ def placed(run: Run, x: str, y: str, events: Mapping[str, str] = EVENTS, scale: 
         (run.at(x, run.when[key]) * scale[0], run.at(y, run.when[key]) * scale[1], name) for key, name in events.items() if key in run.when
     ]
     xs, ys, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(np.array(xs), np.array(ys), "events", "points", colour="#1b1b1b", labels=labels, legend=False)
+    return Trace(np.array(xs), np.array(ys), "events", "points", colour="#1b1b1b", labels=labels, legend=False, border=True)

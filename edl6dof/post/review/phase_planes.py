@@ -133,7 +133,7 @@ def zones(gains: Mapping[str, Any]) -> Border:
     """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
     error = np.concatenate([np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]])
     wanted = aimed_rate(gains, error)
-    line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0)
+    line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0, border=True)
     marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
     return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
 
@@ -152,7 +152,7 @@ def switching(gains: Mapping[str, Any]) -> Border:
     """Where the phase-plane law begins to fire, on both sides."""
     rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
     error = firing_error(gains, rate)
-    lines = [Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0) for sign in (1.0, -1.0)]
+    lines = [Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0, border=True) for sign in (1.0, -1.0)]
     return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
 
 

@@ -68,12 +68,12 @@ def _axis(way: str, unit: str) -> Axis:
 
 
 def _target(scale: float) -> Trace:
-    return Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0)
+    return Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0, border=True)
 
 
 def _circle(radius: float, name: str) -> Trace:
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    return Trace(radius * np.cos(turn), radius * np.sin(turn), name, colour=GREEN, dash="dash", width=1.2)
+    return Trace(radius * np.cos(turn), radius * np.sin(turn), name, colour=GREEN, dash="dash", width=1.2, border=True)
 
 
 def _part(run: Run, part: str, name: str, colour: str, scale: float) -> Trace:
@@ -88,4 +88,4 @@ def _events(run: Run, scale: float, names: dict[str, str]) -> Trace:
         (run.at(EAST, run.when[key]) / scale, run.at(NORTH, run.when[key]) / scale, name) for key, name in names.items() if key in run.when
     ]
     east, north, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False)
+    return Trace(np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False, border=True)

@@ -147,7 +147,7 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
-    return [Trace(np.append(x, x[::-1]), np.append(y, np.full(len(x), edge)), "beyond a limit", "region", VERMILION)]
+    return [Trace(np.append(x, x[::-1]), np.append(y, np.full(len(x), edge)), "beyond a limit", "region", VERMILION, border=True)]
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
@@ -157,8 +157,8 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
     x = entry.speed / 1e3
     traces = forbidden(entry, found, top)
-    traces += [Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash) for border in found]
-    traces.append(Trace(x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash"))
+    traces += [Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash, border=True) for border in found]
+    traces.append(Trace(x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash", border=True))
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
@@ -176,7 +176,9 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     traces = []
     for border in (*found, Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")):
         density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
-        traces.append(Trace(entry.speed / 1e3, entry.altitude(density) / 1e3, border.name, colour=border.colour, dash=border.dash))
+        traces.append(
+            Trace(entry.speed / 1e3, entry.altitude(density) / 1e3, border.name, colour=border.colour, dash=border.dash, border=True)
+        )
     flown = run.between()
     traces.append(Trace(run["truth.airspeed_m_s"][flown] / 1e3, run["truth.altitude_m"][flown] / 1e3, "flown", colour=BLUE, width=2.2))
     names = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
