@@ -24,8 +24,15 @@ def figure_of(drawing: study.Drawing) -> Figure:
 
 
 def _panel(panel: study.Panel) -> Panel:
-    x, y = Axis(panel.x_label, panel.x_range), Axis(panel.y_label, panel.y_range)
+    counted = [curve.x for curve in panel.curves if curve.kind == "histogram"]
+    x, y = Axis(panel.x_label, panel.x_range or _bins(counted)), Axis(panel.y_label, panel.y_range)
     return Panel(x, y, [_trace(curve) for curve in panel.curves], title=panel.title, equal=panel.equal)
+
+
+def _bins(samples: list[np.ndarray]) -> tuple[float, float] | None:
+    """Range that shows the outermost bars of histograms whole."""
+    edges = [np.histogram_bin_edges(sample[np.isfinite(sample)], bins="auto") for sample in samples]
+    return (float(min(e[0] for e in edges)), float(max(e[-1] for e in edges))) if edges else None
 
 
 def _trace(curve: study.Curve) -> Trace:
@@ -37,6 +44,6 @@ def _trace(curve: study.Curve) -> Trace:
     if curve.kind == "filled":
         return Trace(np.concatenate([x, x[::-1]]), np.concatenate([y, np.zeros_like(y)]), name, kind="region")
     if curve.kind == "histogram":
-        counts, edges = np.histogram(x, bins="auto")
+        counts, edges = np.histogram(x[np.isfinite(x)], bins="auto")
         return Trace(0.5 * (edges[1:] + edges[:-1]), counts.astype(float), name, kind="bars")
     return Trace(x, y, name)

@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from edl6dof.app.study import StudyOptions, run_study
+from edl6dof.studies.draw import figure_of, save_drawing
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Report, Study
 
@@ -81,6 +82,14 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
     assert "A remark." in shown and "every published bound is kept" in shown
+
+
+def test_runs_that_did_not_arrive_are_left_out_of_a_histogram(tmp_path):
+    sample = np.array([1.0, 2.0, np.nan, 2.5])
+    lone = Drawing("lone", (Panel("", "x", "runs", (Curve(sample, sample, "", "histogram"),)),))
+    assert save_drawing(lone, tmp_path).stat().st_size > 1000
+    trace = figure_of(lone).panels[0].traces[0]
+    assert trace.y.sum() == 3.0
 
 
 def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
