@@ -95,6 +95,21 @@ def test_rate_of_the_angle_of_attack_decays_with_the_damping_gain(onboard, wing)
     assert rate - dead == pytest.approx((start - dead) * exp(-0.5 * gain), rel=0.03)
 
 
+@pytest.mark.parametrize("integrates", [True, False])
+def test_integral_takes_out_the_bank_error_of_an_aerodynamic_bank_moment(onboard, integrates):
+    """100 N m about the velocity: without the integral the error stays at moment / (inertia P), with it next to nothing is left."""
+    zone, moment, roll_inertia = onboard[0]["control"]["bank_to_steer"]["bank"], 100.0, inertia(onboard, ENTRY)[0]
+    if not integrates:
+        zone["integral"] = 0.0
+    bank, rate, fsw = 0.0, 0.0, memory(ENTRY)
+    for _ in range(round(12.0 / DT)):
+        nav = flying(0.0, bank_deg=degrees(bank), rate=(rate, 0.0, 0.0))
+        rate += DT * (demand("bank_to_steer", onboard, nav, commanded(0.0, 0.0), fsw)[0] + moment) / roll_inertia
+        bank += DT * rate
+    expected = 0.0 if integrates else degrees(moment / (roll_inertia * zone["proportional"]))
+    assert degrees(bank) == pytest.approx(expected, abs=0.05)
+
+
 def test_wing_that_does_not_report_itself_open_has_its_angle_of_attack_closed_after_the_patience(onboard):
     p, fsw = onboard[0]["control"]["bank_to_steer"], memory(ENTRY)
     fsw["wing_out"], fsw["wing_time"] = 1, 100.0
