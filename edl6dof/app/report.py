@@ -40,6 +40,10 @@ def report_of(folder: Path) -> Report:
         from edl6dof.post.review.build import flight_report
 
         return flight_report(Run(folder))
+    if (folder / "campaign.json").is_file():
+        from edl6dof.post.dispersed.build import campaign_report
+
+        return campaign_report(folder)
     raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
 
 

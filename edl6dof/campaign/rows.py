@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -16,6 +17,9 @@ from edl6dof.sim.flight import Flight
 Collect = Callable[[Flight], Mapping[str, Any]]
 
 Row = dict[str, Any]
+
+#: Where the numbers of a message begin; a cause has none, so that cases with one cause count together.
+_NUMBERS = re.compile(r"[\[(]|\b\d")
 
 
 def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
@@ -43,8 +47,9 @@ def failed_row(case: Case, reason: str) -> Row:
     changes |= {f"belief.{path}": value for path, value in case.belief.items()}
     if case.profile is not None:
         changes["profile"] = case.profile
-    cause = f"could not fly: {reason}"
-    return {"case": case.index, **case.label, **changes, "success": False, "cause": cause, "outcome": cause, "end_s": 0.0}
+    words = f"could not fly: {reason.replace('Value error, ', '')}"
+    cause = _NUMBERS.split(words)[0].rstrip(" :(")
+    return {"case": case.index, **case.label, **changes, "success": False, "cause": cause, "outcome": words, "end_s": 0.0}
 
 
 def table_of(rows: Iterable[Row]) -> pa.Table:

@@ -38,7 +38,7 @@ class Check:
 
 
 #: Limit name in the scenario, figure it bounds, label.
-_LIMITS = (
+LIMITS = (
     ("entry_load_g0", "peak_load_g0", "peak load"),
     ("entry_dynamic_pressure_pa", "peak_dynamic_pressure_pa", "peak dynamic pressure"),
     ("entry_heat_flux_w_cm2", "peak_heat_flux_w_cm2", "peak heat flux"),
@@ -60,7 +60,7 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     """Every limit that is set and that this flight reached the point to be judged by."""
     return [
         Check(label, figures[figure], limit, split_unit(name)[1].label)
-        for name, figure, label in _LIMITS
+        for name, figure, label in LIMITS
         if figure in figures and (limit := getattr(limits, name)) is not None
     ]
 
