@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, hu2022, wu2013, yan2016, zheng2015
+from edl6dof.studies import guidance, hu2022, lu_bayard, wu2013, yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -11,6 +11,7 @@ STUDIES: dict[str, Study] = {
         zheng2015,
         yan2016,
         wu2013,
+        lu_bayard,
         guidance,
         hu2022,
     )
