@@ -6,17 +6,20 @@ laws share), and the observer is told the bank angle that was flown, so saturati
 Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
 Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.drag_observer` and :mod:`~edl6dof.fsw.guidance.entry.fl`; b^ is taken
-at the measured drag with the drag rate that the model gives there; the difference is part of phi.
+at the measured drag with the drag rate that the model gives there; the difference is part of phi.  The printed time scale and gains suit
+a point mass in an exponential atmosphere.  In air with density waves phi is many times what the bank angle can do, and a rigid body's angle
+of attack oscillates: the defaults are slower, lean less on the estimated rate, and phi^ is limited before it is cancelled, which is where
+Freidovich & Khalil 2008 saturate against peaking.
 """
 
 from __future__ import annotations
 
-from math import acos, cos
+from math import cos
 
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.drag_observer import OBSERVER, observe
 from edl6dof.fsw.guidance.entry.polynomial_profile import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.range_update import tracking
@@ -30,9 +33,10 @@ from edl6dof.spatial.vector import clamp
 class EhgoFlParams(Params):
     """Extended high-gain observer with feedback linearisation."""
 
-    error_gain: float = param(0.04, "gain on the drag error, 1/s2", status="published", source="Wu 2013", gt=0.0, le=10.0)
-    rate_gain: float = param(0.4, "gain on its rate, 1/s", status="published", source="Wu 2013", gt=0.0, le=10.0)
-    epsilon_s: float = param(0.1, "time scale of the observer error", status="published", source="Wu 2013", gt=0.0, le=100.0)
+    error_gain: float = param(0.01, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
+    rate_gain: float = param(0.07, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
+    epsilon_s: float = param(2.0, "time scale of the observer error; 0.1 in the paper", gt=0.0, le=100.0)
+    share: float = param(0.3, "largest phi^ that is cancelled, as a share of what the bank angle can do", ge=0.0, le=100.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
@@ -53,7 +57,8 @@ def guide(onboard, nav, mem, out):
     out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, memory.phi
     goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.ehgo_fl.profile, drag, rate, out)
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - drag)
-    return acos(clamp((wanted - b - memory.phi) / a, -1.0, 1.0))
+    limit = -p.share * a
+    return bank_for(wanted, b + clamp(memory.phi, -limit, limit), a)
 
 
 MEMBER = Member("ehgo_fl", EhgoFlParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3.3", MEMORY)

@@ -20,10 +20,10 @@ SUTTON_GRAVES = 1.9027e-4
 class EntryLimitParams(Params):
     """What the vehicle stands during entry, as guidance knows it; every bound is met with the margin."""
 
-    heat_rate_w_cm2: float = param(120.0, "stagnation-point heat rate", status="estimate", gt=0.0)
+    heat_rate_w_cm2: float = param(200.0, "stagnation-point heat rate", status="estimate", gt=0.0)
     nose_radius_m: float = param(0.85, "nose radius that the heat rate belongs to", status="estimate", source="D/4, Viking family", gt=0.0)
-    load_g0: float = param(15.0, "aerodynamic load", status="estimate", gt=0.0)
-    dynamic_pressure_pa: float = param(15000.0, "dynamic pressure", status="estimate", gt=0.0)
+    load_g0: float = param(20.0, "aerodynamic load", status="estimate", gt=0.0)
+    dynamic_pressure_pa: float = param(25000.0, "dynamic pressure", status="estimate", gt=0.0)
     margin: float = param(0.1, "share of each upper bound that a drag profile leaves free", ge=0.0, lt=1.0)
 
 

@@ -9,26 +9,23 @@ critical damping.
 
 from __future__ import annotations
 
-from math import acos
-
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.polynomial_profile import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.vector import clamp
 
 
 class FlParams(Params):
     """Feedback linearisation of the drag."""
 
-    error_gain: float = param(0.04, "gain on the drag error, 1/s2", status="published", source="Wu 2013", gt=0.0, le=10.0)
-    rate_gain: float = param(0.4, "gain on its rate, 1/s", status="published", source="Wu 2013", gt=0.0, le=10.0)
+    error_gain: float = param(0.0064, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
+    rate_gain: float = param(0.144, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
@@ -47,7 +44,7 @@ def guide(onboard, nav, mem, out):
     out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out)
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
-    return acos(clamp((wanted - b) / a, -1.0, 1.0))
+    return bank_for(wanted, b, a)
 
 
 MEMBER = Member("fl", FlParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY)
