@@ -75,7 +75,7 @@ def schema() -> None:
 
 @app.command()
 def replay(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders; several share one scene.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders, in one scene; the first may be a campaign's.")],
     web: Annotated[bool, typer.Option("--web", help="Show it in the browser, served to this machine only.")] = False,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline.")] = None,
     screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) without opening a window.")] = None,

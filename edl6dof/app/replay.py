@@ -1,4 +1,4 @@
-"""``edl6dof replay``: show one flight or several, in the viewer, the browser, a file or a picture."""
+"""``edl6dof replay``: show one flight or several, or a whole campaign, in the viewer, the browser, a file or a picture."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from edl6dof.post.files import atomic_file, refuse_existing_file
 from edl6dof.post.run import Run, refusal
+from edl6dof.sim.flight import fly
 from edl6dof.sim.scenario import Scenario, load_scenario
 
 BAD_INPUT = 2
@@ -93,20 +94,28 @@ def run_replay(options: ReplayOptions) -> int:
 
 @contextmanager
 def _recording(options: ReplayOptions) -> Iterator[Path]:
-    """The recording that the flight wrote where that will do, else a new one for the time being."""
+    """The recording that the flight wrote where that will do, else a new one for the time being.
+
+    A campaign comes first; the flights after it, or its nominal one, fly among its trajectories.
+    """
     alone = options.runs[0]
     ready = alone if alone.is_file() else alone / RECORDING
     if len(options.runs) == 1 and ready.is_file() and (not options.page or alone.is_file()):
         yield ready
         return
+    from edl6dof.app.swarm import campaign_plan, is_campaign, trajectories
     from edl6dof.post.replay.recording import history, write_replay
 
-    flights = [history(FlownRun(folder)) for folder in options.runs]
+    plan = campaign_plan(alone) if is_campaign(alone) else None
+    flights = [history(FlownRun(folder)) for folder in options.runs[1 if plan else 0 :]]
+    if not flights and plan is not None:
+        flights = [history(fly(plan.loaded))]
     if not all(len(flight.t) for flight in flights):
         raise refusal(alone, "no row of the telemetry can be drawn")
-    labels = _labels(options.runs) if len(flights) > 1 else ()
+    labels = _labels(options.runs[-len(flights) :]) if len(flights) > 1 else ()
+    swarm = trajectories(plan) if plan is not None else ()
     with TemporaryDirectory(prefix="edl6dof-") as folder:
-        write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight")
+        write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight", swarm)
         yield Path(folder) / RECORDING
 
 

@@ -269,3 +269,25 @@ def test_thinning_keeps_both_ends():
     assert np.all(np.diff(rows) == 2)
     assert thin(np.array([1.0]), 10.0).tolist() == [0]
     assert spans(np.array([False, True, True, False, True])) == [(1, 3), (4, 5)]
+
+
+def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path):
+    from rerun.chunk import RrdReader
+
+    from edl6dof.post.replay.swarm import CAUSES, SUCCESS, Trajectory
+
+    line = np.outer(np.arange(5.0), [100.0, 0.0, -50.0])
+    cases = [Trajectory(line, ""), Trajectory(line + 1.0, ""), Trajectory(line, "crashed"), Trajectory(np.full((3, 3), np.nan), "lost")]
+    write_replay([history(flight)], tmp_path / "swarm.rrd", swarm=cases)
+    stored = {}
+    for chunk in RrdReader(tmp_path / "swarm.rrd").stream().filter(content=["/site/campaign/**", "/campaign"]).to_chunks():
+        batch = chunk.to_record_batch()
+        stored[chunk.entity_path] = {name: batch.column(name).to_pylist()[0] for name in batch.schema.names if ":" in name}
+    good, worse = stored["/site/campaign/success"], stored["/site/campaign/failure_1"]
+    assert np.allclose(good["LineStrips3D:strips"], [line, line + 1.0])
+    rgb = [
+        [(colour >> shift) & 255 for shift in (24, 16, 8)] for colour in (good["LineStrips3D:colors"][0], worse["LineStrips3D:colors"][0])
+    ]
+    assert rgb == [list(SUCCESS), list(CAUSES[0])]
+    assert stored["/site/campaign/failure_2"]["LineStrips3D:strips"] == [[]], "a case that was never anywhere is counted, not drawn"
+    assert "2 of 4 succeed" in stored["/campaign"]["TextDocument:text"][0]

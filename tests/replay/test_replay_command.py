@@ -97,3 +97,20 @@ def test_servers_listen_on_this_machine_only():
         assert listening == {"0100007F"}
     with socket.socket() as probe:
         assert probe.connect_ex((viewer.HOST, port)) != 0, "and it is gone afterwards"
+
+
+def test_trajectories_of_a_campaign_are_its_cases_flown_again(tmp_path):
+    from edl6dof.app.swarm import trajectories
+    from edl6dof.campaign.plan import plan_of
+    from edl6dof.config.source import read_document
+
+    text = "extends: tianwen1\nname: three\nsimulation: {time_limit_s: 12}\ncampaign: {cases: 3, seed: 4}\n"
+    (tmp_path / "three.yaml").write_text(text, encoding="utf-8")
+    plan = plan_of(read_document(tmp_path / "three.yaml"), ())
+    found = trajectories(plan)
+    assert len(found) == 3
+    flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=12"])
+    for one in found:
+        assert one.cause != "", "nobody lands in 12 s"
+        assert abs(float(one.places[0, 2]) - float(flight.telemetry["truth.site_up_m"][0])) < 5e3
+        assert len(one.places) == 7, "a row every two seconds"

@@ -21,7 +21,7 @@ PHASES: tuple[RGB, ...] = (
 FLIGHTS: tuple[RGB, ...] = ((255, 255, 255), (255, 92, 92), (92, 190, 255), (140, 230, 120), (240, 200, 70), (210, 140, 255))
 SPACE: RGB = (10, 9, 12)
 #: What only other views show.
-_NOT_CHASE = ("path", "markers", "labels", "drop_line", "ground_track", "arrows", "velocity_frame", "vehicle/attitude_frame")
+_NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", "arrows", "velocity_frame", "vehicle/attitude_frame")
 _NOT_AFAR = ("arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
 
 
@@ -37,6 +37,7 @@ class Shown(NamedTuple):
         groups: thruster groups.
         jets: names of the thrusters.
         flights: number of flights in the recording.
+        swarm: whether a campaign's trajectories are in it.
         globe_eye, globe_target: whence and whither the globe is seen, km in F.
     """
 
@@ -49,6 +50,7 @@ class Shown(NamedTuple):
     groups: tuple[str, ...]
     jets: tuple[str, ...]
     flights: int
+    swarm: bool
     globe_eye: np.ndarray
     globe_target: np.ndarray
 
@@ -83,7 +85,10 @@ class Layout:
 
     def _flight(self) -> rrb.Container:
         rrb = self.rrb
-        left = rrb.Horizontal(self._chase(), rrb.TextDocumentView(origin="/readout", name="Readout"), column_shares=[7, 2])
+        readout = rrb.TextDocumentView(origin="/readout", name="Readout")
+        if self.flown.swarm:
+            readout = rrb.Vertical(rrb.TextDocumentView(origin="/campaign", name="Campaign"), readout)
+        left = rrb.Horizontal(self._chase(), readout, column_shares=[7, 2])
         views = rrb.Tabs(self._afar("Descent") or self._whole(), self._whole(), self._globe(), active_tab=0)
         right = rrb.Vertical(views, self._grid("Flight"), row_shares=[2, 3])
         return rrb.Horizontal(left, right, column_shares=[11, 8], name="Flight")

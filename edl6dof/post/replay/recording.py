@@ -26,6 +26,7 @@ from edl6dof.post.replay.motion import Motion
 from edl6dof.post.replay.panels import GROUPS, PLOTS
 from edl6dof.post.replay.phase_plane import PhasePlanes
 from edl6dof.post.replay.recorder import Recorder
+from edl6dof.post.replay.swarm import Trajectory, write_swarm
 from edl6dof.post.replay.track import Track
 from edl6dof.post.replay.vehicle import Vehicle
 
@@ -38,10 +39,16 @@ def history(flight: Flown) -> History:
     return History(flight, (*charts.COLUMNS, *lanes.READOUT))
 
 
-def write_replay(flights: Sequence[History], path: Path, labels: Sequence[str] = (), page: str = "Flight") -> None:
+def write_replay(
+    flights: Sequence[History],
+    path: Path,
+    labels: Sequence[str] = (),
+    page: str = "Flight",
+    swarm: Sequence[Trajectory] = (),
+) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart; a single one needs none.
+    ``labels`` tell several flights apart; a single one needs none.  ``swarm`` are the trajectories of a campaign.
     """
     import pyarrow as pa
     import rerun as rr
@@ -50,12 +57,14 @@ def write_replay(flights: Sequence[History], path: Path, labels: Sequence[str] =
     motions = [Motion(flight) for flight in flights]
     name = first.name if len(flights) == 1 else " and ".join(labels)
     with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
-        recording.save(str(path), default_blueprint=Layout(_shown(flights, motions[0])).blueprint(page))
+        recording.save(str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(swarm))).blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [(k, flight, motion) for k, (flight, motion) in enumerate(zip(flights, motions, strict=True)) if len(flight.t)]
         parts = [part(flight, motion, recording, k, labels[k] if labels else "") for k, flight, motion in drawable for part in PARTS]
         for part in parts:
             part.statics()
+        if swarm:
+            write_swarm(recording, swarm)
         recording.flush()  # or the viewer would find them at the end of the file
         for part in parts:
             part.motions()
@@ -63,7 +72,7 @@ def write_replay(flights: Sequence[History], path: Path, labels: Sequence[str] =
     pa.default_memory_pool().release_unused()
 
 
-def _shown(flights: Sequence[History], motion: Motion) -> Shown:
+def _shown(flights: Sequence[History], motion: Motion, swarm: bool) -> Shown:
     first = flights[0]
     span = (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t))) if len(first.t) else (0.0, 1.0)
     places = motion.centre if len(motion.t) else np.zeros((1, 3))
@@ -80,6 +89,7 @@ def _shown(flights: Sequence[History], motion: Motion) -> Shown:
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         flights=len(flights),
+        swarm=swarm,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
