@@ -71,7 +71,7 @@ def test_entities_and_components(replay):
         "/site/markers/target": "LineStrips3D:strips",
         "/site/vehicle/trim_wing": "Transform3D:quaternion",
         "/site/vehicle/failed/D7": "Mesh3D:vertex_positions",
-        "/site/vehicle/failed/D7/diagnosis": "Points3D:labels",
+        "/site/vehicle/failed/D7/mark": "Points3D:labels",
         "/site/vehicle/attitude_frame": "TransformAxes3D:axis_length",
         "/site/velocity_frame": "TransformAxes3D:axis_length",
         "/site/arrows/velocity": "Arrows3D:vectors",
@@ -184,9 +184,9 @@ def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(rep
     colours = np.array(columns["Mesh3D:vertex_colors"][0], np.uint32)
     red, green, blue = (colours >> 24) & 255, (colours >> 16) & 255, (colours >> 8) & 255
     assert np.all((red > 200) & (green < 80) & (blue < 80))
-    times, columns = read(replay, "/site/vehicle/failed/D7/diagnosis")
-    assert times.tolist() == [DIAGNOSIS]
-    assert columns["Points3D:labels"][0] == ["diagnosed: D7 stuck off"]
+    times, columns = read(replay, "/site/vehicle/failed/D7/mark")
+    assert times.tolist() == [pytest.approx(FAILURE, abs=0.041), DIAGNOSIS]
+    assert columns["Points3D:labels"] == [["failed"], ["diagnosed: D7 stuck off"]]
     times, columns = read(replay, "/rcs/D7")
     failed = [t for t, cell in zip(times, columns["StateChange:state"], strict=True) if cell == ["failed"]]
     assert failed == [pytest.approx(FAILURE, abs=0.041)]

@@ -77,10 +77,14 @@ class Vehicle(Recorder):
         failed = self.flight.failures.get(jet.name, np.zeros(0))
         for begin, end in spans(failed > 0):
             self.at(self.t[begin], entity, self.mesh(craft.nozzle(jet, RED, 2.0)))
-            self.at(self.t[begin], f"{entity}/mark", self.rr.Points3D([place], colors=RED, radii=self.rr.Radius.ui_points(4.0)))
+            self._mark(self.t[begin], entity, place, "failed")
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))
         known = self.flight.diagnosed.get(jet.name)
         if known is not None:
-            name = self.rr.Points3D([place], labels=[known.text], colors=RED, radii=self.rr.Radius.ui_points(4.0), show_labels=True)
-            self.at(known.t_s, f"{entity}/diagnosis", name)
+            self._mark(known.t_s, entity, place, known.text)
+
+    def _mark(self, t: float, entity: str, place: np.ndarray, text: str) -> None:
+        """A red point with a text, which is seen through the hull."""
+        size = self.rr.Radius.ui_points(4.0)
+        self.at(t, f"{entity}/mark", self.rr.Points3D([place], labels=[text], colors=RED, radii=size, show_labels=True))
