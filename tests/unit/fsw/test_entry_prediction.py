@@ -127,9 +127,10 @@ def test_solution_of_the_corrector_is_predicted_to_hit(onboard, drag_ratio):
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
     nav, out, memory = state(33.2, 110.2, 65e3, 4820.0, -9.3, 181.4), out_record(drag_ratio), np.zeros(1, NPC_MEMORY)[0]
     memory["shift"] = record["reference"]["shift"]
-    solve(record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
+    for _ in range(2):  # a call stops after a few steps; the next one goes on from there
+        solve(record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
     assert abs(miss_of(record, nav, out, memory["shift"])) < entry["npc"]["tolerance"]
-    assert 1 <= memory["iterations"] <= entry["npc"]["iterations"]
+    assert memory["iterations"] <= 1
     assert 20.0 < degrees(acos(memory["shift"])) < 100.0
 
 

@@ -25,7 +25,7 @@ from edl6dof.registry import Member
 class DragTrackingParams(Params):
     """Feedback-linearised drag tracking."""
 
-    frequency_rad_s: float = param(0.08, "natural frequency of the drag error", gt=0.0, le=1.0)
+    frequency_rad_s: float = param(0.12, "natural frequency of the drag error", gt=0.0, le=1.0)
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
 
 
