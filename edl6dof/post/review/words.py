@@ -62,15 +62,20 @@ def limits(run: Run) -> Table:
             "-" if math.isnan(share) else f"{100.0 * share:.0f} %", "good" if limit["ok"] else "bad", share if share == share else None
         )
         rows.append(
-            [limit["name"], limit["unit"], shown, f"<= {allowed}", used, Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad")))]
+            [limit["name"], limit["unit"], shown, f"≤ {allowed}", used, Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad")))]
         )
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
 
 
 def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    rows = [[*row[:-1], _kept(*row[-2:])] for row in comparison(run.summary["figures"], run.summary["published"])]
+    rows = [[*row[:-2], _sign(row[-2]), _kept(*row[-2:])] for row in comparison(run.summary["figures"], run.summary["published"])]
     return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
+
+
+def _sign(bound: str) -> str:
+    """A bound with the sign of print."""
+    return bound.replace("<=", "≤").replace(">=", "≥")
 
 
 def _kept(bound: str, difference: str) -> Cell:
