@@ -122,7 +122,7 @@ def _diagnosed(events: Iterable[dict[str, Any]], jets: Iterable[str]) -> dict[st
         if event["key"].startswith("diagnos"):
             for jet in jets:
                 if re.search(rf"\b{re.escape(jet)}\b", event["name"]):
-                    found.setdefault(jet, Known(float(event["t_s"]), str(event["name"])))
+                    found.setdefault(jet, Known(float(event["t_s"]), str(event["name"]).partition(": ")[2] or str(event["name"])))
     return found
 
 

@@ -22,7 +22,7 @@ FLIGHTS: tuple[RGB, ...] = ((255, 255, 255), (255, 92, 92), (92, 190, 255), (140
 SPACE: RGB = (10, 9, 12)
 #: What only other views show.
 _NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", "arrows", "velocity_frame", "vehicle/attitude_frame")
-_NOT_AFAR = ("arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
+_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
 
 
 class Shown(NamedTuple):

@@ -10,7 +10,7 @@ from edl6dof.post.replay import craft, turns
 from edl6dof.post.replay.history import spans, thin
 from edl6dof.post.replay.recorder import Recorder
 
-RED = (255, 40, 40)
+RED, PALE_RED = (255, 40, 40), (255, 120, 120)
 SHIELD_COLD, SHIELD_HOT = np.array([104.0, 84.0, 70.0]), np.array([255.0, 150.0, 70.0])
 
 
@@ -87,4 +87,4 @@ class Vehicle(Recorder):
     def _mark(self, t: float, entity: str, place: np.ndarray, text: str) -> None:
         """A red point with a text, which is seen through the hull."""
         size = self.rr.Radius.ui_points(4.0)
-        self.at(t, f"{entity}/mark", self.rr.Points3D([place], labels=[text], colors=RED, radii=size, show_labels=True))
+        self.at(t, f"{entity}/mark", self.rr.Points3D([place], labels=[text], colors=PALE_RED, radii=size, show_labels=True))
