@@ -154,3 +154,10 @@ def test_flight_without_flight_software_has_a_report_too(tmp_path):
     assert {section.key for section in report.sections} >= {"verdict", "events", "trajectory", "configuration", "software"}
     for figure in report.figures():
         go.Figure(drawing(figure))
+
+
+def test_point_mass_is_shown_without_an_attitude(tmp_path):
+    write_run(edl6dof.fly("zheng2015"), tmp_path)
+    report = flight_report(Run(tmp_path))
+    keys = {section.key for section in report.sections}
+    assert {"trajectory", "guidance"} <= keys and not {"attitude", "phase_planes", "landing"} & keys

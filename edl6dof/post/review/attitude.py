@@ -12,7 +12,9 @@ from edl6dof.post.run import Run
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section, without the phase planes."""
+    """Figures of the section, without the phase planes; none for a point mass, which has no attitude."""
+    if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in "pqr"):
+        return
     whole = np.ones(len(run.t), bool)
     flown = run.between(until="touchdown")
     if has_signal(run, "truth.dynamic_pressure_pa"):

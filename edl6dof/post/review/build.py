@@ -10,7 +10,7 @@ from edl6dof.post.run import Run
 def flight_report(run: Run) -> Report:
     """The review of a run; a section about what the flight did not have is left out."""
     sections = [
-        Section("verdict", "Verdict and limits", [words.limits(run), words.published(run)]),
+        Section("verdict", "Verdict and limits", list(words.judged(run))),
         Section("events", "Timeline", [words.timeline(run)]),
         Section("trajectory", "Trajectory", list(trajectory.figures(run))),
         Section("guidance", "Entry guidance", list(guidance.figures(run))),

@@ -17,10 +17,9 @@ def figures(run: Run) -> Iterator[Figure]:
     if not has_signal(run, "guide.range_to_go_km", rows):
         return
     bank = [Curve("guide.bank_deg", "commanded", colour=VERMILION, dash="dash"), Curve("truth.bank_deg", "flown", colour=BLUE)]
-    panels = [
-        over_time(run, "bank (deg)", bank, rows, (-185.0, 185.0)),
-        over_time(run, "bank rate about\nthe body axis (deg/s)", [Curve("truth.rate_p_deg_s", colour=BLUE)], rows),
-    ]
+    panels = [over_time(run, "bank (deg)", bank, rows, (-185.0, 185.0))]
+    if has_signal(run, "truth.rate_p_deg_s", rows):
+        panels.append(over_time(run, "bank rate about\nthe body axis (deg/s)", [Curve("truth.rate_p_deg_s", colour=BLUE)], rows))
     caption = f"{int(np.nan_to_num(run.summary['figures'].get('bank_reversals') or 0.0))} bank reversals."
     yield stacked("bank", "Bank angle", panels, caption, 230)
     drag = [Curve("guide.reference_drag_m_s2", "reference", colour=GREY, dash="dash"), Curve("nav.drag_m_s2", "measured", colour=BLUE)]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.post.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.post.review.parts import has_signal
 from edl6dof.post.run import Run
 
 AXES = ("roll", "pitch", "yaw")
@@ -29,7 +30,9 @@ Border = tuple[list[Trace], list[Mark]]
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """One figure for each controller that flew."""
+    """One figure for each controller that flew; a point mass has none."""
+    if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
+        return
     phases = run.scenario["mission"]["phases"]
     flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
     for name in dict.fromkeys(phase["control"] for phase in phases):

@@ -29,10 +29,10 @@ _FACTS = (
 
 
 def mood(summary: Mapping[str, Any]) -> Mood:
-    """Good within limits, a warning when landed outside them, bad otherwise."""
+    """Good within limits, a warning when it got through outside them, bad otherwise."""
     if summary["success"]:
         return "good"
-    return "warn" if str(summary["outcome"]).startswith("landed") else "bad"
+    return "warn" if "outside limits" in str(summary["outcome"]) else "bad"
 
 
 def verdict(run: Run) -> str:
@@ -49,6 +49,14 @@ def facts(run: Run) -> list[Fact]:
         for name, label, form in _FACTS
         if figures.get(name) is not None
     ]
+
+
+def judged(run: Run) -> Iterator[Block]:
+    """Limits and published figures, as far as there are any."""
+    of_limits, of_published = limits(run), published(run)
+    yield of_limits if of_limits.rows else Text("The flight reached no point that a limit judges.")
+    if of_published.rows:
+        yield of_published
 
 
 def limits(run: Run) -> Table:
