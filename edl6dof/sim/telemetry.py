@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -19,29 +20,32 @@ class Telemetry(Mapping[str, np.ndarray]):
     """
 
     def __init__(self, log: np.ndarray, thrusters: Sequence[str]) -> None:
-        self._log, self._thrusters = log, thrusters
-        self._slots = {f"{kind}.{name}": (field, index) for index, name in enumerate(thrusters) for kind, field in _PER_THRUSTER}
-        self._names = ("t_s", *_BY_NAME, *self._slots)
+        self._log, self._thrusters = log, tuple(thrusters)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        if name in self._slots:
-            field, index = self._slots[name]
+        place = _PLACES.get(name)
+        if place is None:
+            field, index = _slots(self._thrusters)[name]
             return self._log[field][:, index]
-        if name == "t_s":
-            return self._log["t"]
-        channel = _BY_NAME[name]
-        values = self._log[channel.group][channel.field]
-        return values if channel.from_si == 1.0 else values * channel.from_si
+        group, field, from_si = place
+        values = self._log[group][field] if field else self._log[group]
+        return values if from_si == 1.0 else values * from_si
 
     def rows(self, start: int, stop: int) -> Telemetry:
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], self._thrusters)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter((*_PLACES, *_slots(self._thrusters)))
 
     def __len__(self) -> int:
-        return len(self._names)
+        return len(_PLACES) + len(_slots(self._thrusters))
+
+
+@lru_cache
+def _slots(thrusters: tuple[str, ...]) -> dict[str, tuple[str, int]]:
+    """Field and index of the columns of each thruster."""
+    return {f"{kind}.{name}": (field, index) for index, name in enumerate(thrusters) for kind, field in _PER_THRUSTER}
 
 
 def describe(name: str) -> tuple[str, str]:
@@ -61,3 +65,6 @@ def describe(name: str) -> tuple[str, str]:
 
 _PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}
+
+#: Group and field of the log record, and factor to the unit, of every column that is not of a thruster; looked up for every flight.
+_PLACES = {"t_s": ("t", "", 1.0), **{channel.name: (channel.group, channel.field, channel.from_si) for channel in CHANNELS}}
