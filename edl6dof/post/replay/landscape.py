@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.post.replay.mesh import Mesh, bright, grid_triangles
 from edl6dof.post.replay.site import Site
 
-RINGS, SPOKES = 210, 200
+RINGS, SPOKES = 190, 180
 #: Direction to the sun, east north up: low in the west-south-west, so that relief throws light and dark.
 SUN = np.array([-0.72, -0.42, 0.55])
 DARK, LIGHT, HAZE = np.array([104.0, 56.0, 34.0]), np.array([222.0, 152.0, 104.0]), np.array([206.0, 158.0, 122.0])

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 SUCCESS = (110, 205, 130)
 #: Colours of the causes of failure, the commonest first; those beyond share the last.
 CAUSES = ((240, 80, 80), (250, 170, 60), (200, 120, 245), (90, 170, 250), (240, 225, 90), (150, 150, 155))
+COLOURS = ("green", "red", "orange", "violet", "blue", "yellow", "grey")
 
 
 class Trajectory(NamedTuple):
@@ -28,11 +29,11 @@ def write_swarm(recording: rr.RecordingStream, trajectories: Sequence[Trajectory
 
     found = [one.cause for one in trajectories]
     causes = sorted(set(found) - {""}, key=lambda cause: (-found.count(cause), cause))
-    lines = [f"## {found.count('')} of {len(found)} succeed\n", "| cases | | |", "|--:|:--|:--|"]
+    lines = [f"## {found.count('')} of {len(found)} succeed\n", "| cases | colour | ending |", "|--:|:--|:--|"]
     for k, cause in enumerate(["", *causes]):
         colour = SUCCESS if not cause else CAUSES[min(k - 1, len(CAUSES) - 1)]
         strips = [one.places[np.isfinite(one.places).all(axis=-1)] for one in trajectories if one.cause == cause]
         entity = f"site/campaign/{'success' if not cause else f'failure_{k}'}"
         recording.log(entity, rr.LineStrips3D(strips, colors=colour, radii=rr.Radius.ui_points(0.8)), static=True)
-        lines.append(f"| {len(strips)} | rgb{colour} | {cause or 'success'} |")
+        lines.append(f"| {len(strips)} | {COLOURS[min(k, len(CAUSES))]} | {cause or 'success'} |")
     recording.log("campaign", rr.TextDocument("\n".join(lines), media_type="text/markdown"), static=True)
