@@ -22,8 +22,8 @@ class ExerciseParams(Params):
     """Opposed test pulses while flying sideways."""
 
     enabled: bool = param(True, "whether resting thrusters are tested")
-    rest_s: float = param(0.3, "time without use after which a pair is tested", gt=0.0)
-    spacing_s: float = param(0.08, "time from one test to the next", gt=0.0)
+    rest_s: float = param(0.2, "time without use after which a pair is tested", gt=0.0)
+    spacing_s: float = param(0.04, "time from one test to the next", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 

@@ -1,0 +1,121 @@
+"""Print what the fault tolerance promises, measured: ``python tools/fault_figures.py [-n 400] [--seed 1] [--matrix]``.
+
+1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a random time in the first
+   seconds of hazard avoidance: how often the right one is named, how fast, and how many land.
+2. n dispersed flights without a fault: how many thrusters are wrongly condemned.
+3. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does not land within limits.
+
+Each flight also gets its own direction to the safe spot.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import edl6dof
+from edl6dof.campaign.case import Case
+from edl6dof.campaign.executor import fly_rows
+from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
+from edl6dof.campaign.plan import Plan, load_plan
+from edl6dof.campaign.rows import Row
+from edl6dof.sim.flight import Flight
+
+HORIZONTAL = [f"D{i}" for i in range(1, 9)]
+PHASE = "hazard_avoidance"
+LATEST_S = 8.0
+SPOT_M = 18.0
+TERMINAL = "flight_software.guidance.powered.terminal"
+
+
+def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
+    """Cases of the plan, each with its own safe spot and, if wanted, a fault of one horizontal thruster."""
+    rng = np.random.default_rng(seed)
+    for case in plan.cases():
+        direction = rng.uniform(0.0, 2.0 * np.pi)
+        thruster, after = str(rng.choice(HORIZONTAL)), float(rng.uniform(0.0, LATEST_S))
+        spot = {
+            f"{TERMINAL}.safe_spot_north_m": SPOT_M * float(np.cos(direction)),
+            f"{TERMINAL}.safe_spot_east_m": SPOT_M * float(np.sin(direction)),
+        }
+        fault = {"faults": [{"thruster": thruster, "kind": kind, "at": {"phase": PHASE, "plus_s": after}}]} if kind else {}
+        label = {"thruster": thruster} if kind else {}
+        yield replace(case, truth={**case.truth, **fault}, belief={**case.belief, **spot}, label=label)
+
+
+def condemned(flight: Flight) -> Mapping[str, Any]:
+    """Who was named, and what the fault did if there was one."""
+    names = ", ".join(f"{one.thruster} {one.kind} at {one.t_s:.1f} s" for one in flight.findings)
+    return {"condemned": names, **(judge_fault(flight) if flight.loaded.truth.faults else {})}
+
+
+def single_faults(rows: list[Row]) -> str:
+    """Figures of the flights with one fault that began."""
+    begun = [row for row in rows if row.get("fault_s") is not None]
+    right = [row for row in begun if row["named"] == row["thruster"]]
+    times = np.array([row["time_to_detect_s"] for row in right])
+    lines = [
+        f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the fault began",
+        f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, sound thrusters condemned "
+        f"{sum(int(row['false_alarms']) for row in begun)}",
+        f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, largest {times.max():.2f} s",
+        f"  landed within limits {sum(row['success'] for row in begun)}",
+    ]
+    missed = [
+        f"  case {row['case']}: {row['thruster']} failed, condemned: {row['condemned'] or 'nobody'}" for row in begun if row not in right
+    ]
+    return "\n".join(lines + missed + lost(begun))
+
+
+def healthy(rows: list[Row]) -> str:
+    """Figures of the flights without a fault."""
+    accused = [row for row in rows if row.get("false_alarms", 0.0) > 0.0]
+    lines = [
+        f"no fault: {len(rows)} flights, {len(accused)} with a false alarm, landed within limits {sum(row['success'] for row in rows)}"
+    ]
+    return "\n".join(lines + [f"  case {row['case']}: {row['condemned']}" for row in accused] + lost(rows))
+
+
+def lost(rows: list[Row]) -> list[str]:
+    """A line for each flight that did not land within limits."""
+    return [f"  case {row['case']} {row.get('thruster', '')}: {row['outcome']}" for row in rows if not row["success"]]
+
+
+def matrix() -> str:
+    """Every thruster, kind and usual phase in the nominal flight."""
+    loaded = edl6dof.load("tianwen1")
+    lines = []
+    for kind in KINDS:
+        cases = fault_cases(loaded.scenario.thruster_names, [kind], phases_of(loaded.scenario), 1.0)
+        rows = list(fly_rows(loaded, cases, collect=judge_fault))
+        wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
+        lines.append(
+            f"{kind}: {sum(row['success'] for row in rows)} of {len(rows)} landed within limits, {wrong} sound thrusters condemned"
+        )
+        lines += [f"  {row['thruster']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]]
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Fly and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-n", type=int, default=400, help="flights with a fault, and as many without")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--matrix", action="store_true")
+    options = parser.parse_args()
+    start = time.perf_counter()
+    plan = load_plan("tianwen1_mc", cases=options.n)
+    print(single_faults(list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=condemned))), flush=True)
+    print(healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=condemned))), flush=True)
+    if options.matrix:
+        print(matrix())
+    print(f"{time.perf_counter() - start:.0f} s")
+
+
+if __name__ == "__main__":
+    main()
