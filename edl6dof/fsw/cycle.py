@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from edl6dof.fsw.allocation import ATTITUDE, AXIAL, allocate, effects
+from edl6dof.fsw.allocation.registry import allocate
+from edl6dof.fsw.allocation.wrench import ATTITUDE, AXIAL, effects
 from edl6dof.fsw.check_out import check_out
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
@@ -174,7 +175,8 @@ def steer(onboard, phase, dt, fsw):
     if wanted > 0.0 or boosting:
         allowed = usable_groups(phase, boosting, vehicle.thrusters, count, fsw.healthy)
         translating = guide.translating != 0
-        allocate(onboard.allocation, vehicle.thrusters, count, fsw.healthy, allowed, translating, boosting, fsw.demand, fsw.allocator)
+        p, work = onboard.allocation, fsw.allocator
+        allocate(p.method, p, vehicle.thrusters, count, fsw.healthy, allowed, translating, boosting, fsw.demand, work)
     else:
         for i in range(count):
             duty[i] = 0.0

@@ -12,7 +12,8 @@ import numpy as np
 
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.fsw.allocation import ALLOCATOR, AllocationParams
+from edl6dof.fsw.allocation.registry import AllocationParams
+from edl6dof.fsw.allocation.wrench import ALLOCATOR
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams

@@ -7,7 +7,9 @@ import pytest
 from scipy.optimize import linprog, lsq_linear
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation import ALLOCATOR, FINE, AllocationParams, allocate, effects
+from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, allocate
+from edl6dof.fsw.allocation.registry import AllocationParams
+from edl6dof.fsw.allocation.wrench import ALLOCATOR, FINE, effects
 from edl6dof.fsw.onboard import ENTRY, LANDER, UNDER_CHUTE
 
 GROUPS = ("horizontal", "axial", "attitude", "fine")
@@ -18,7 +20,7 @@ CENTRES = {"entry": ENTRY, "under_chute": UNDER_CHUTE, "lander": LANDER}
 
 def params(**changes):
     record = np.zeros(1, dtype_of(AllocationParams))
-    fill(record[0], AllocationParams(**changes))
+    fill(record[0], AllocationParams(least_squares=LeastSquaresParams(**changes)))
     return record[0]
 
 
@@ -53,13 +55,13 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
 
 
 def weights(p, translating):
-    force = 1.0 / (p["force_scale"] if translating else p["stray_force_scale"])
+    force = 1.0 / (p["least_squares"]["force_scale"] if translating else p["least_squares"]["stray_force_scale"])
     return np.array([0.0, force, force] + 3 * [1.0 / p["torque_scale"]])
 
 
 def cost(p, effect, thrust, demand, duty, translating=False):
     """What the docstring says is minimised: |W (B u - d)|^2 + c u."""
-    return np.sum((weights(p, translating) * (effect @ duty - demand)) ** 2) + p["use_cost"] * thrust @ duty / 250.0
+    return np.sum((weights(p, translating) * (effect @ duty - demand)) ** 2) + p["least_squares"]["use_cost"] * thrust @ duty / 250.0
 
 
 def best_cost(p, effect, thrust, demand, translating=False):
@@ -70,7 +72,7 @@ def best_duty(p, effect, thrust, demand, translating=False):
     """Least cost over 0 <= u <= 1 by scipy; the linear cost enters as rows s (u + M) with 2 M s^2 = c and M large."""
     big = 1e4
     w = weights(p, translating)
-    s = np.sqrt(p["use_cost"] * thrust / 250.0 / (2.0 * big))
+    s = np.sqrt(p["least_squares"]["use_cost"] * thrust / 250.0 / (2.0 * big))
     rows = np.vstack([w[:, None] * effect, np.diag(s)])
     return lsq_linear(rows, np.concatenate([w * demand, -big * s]), (0.0, 1.0), tol=1e-13, method="bvls").x
 

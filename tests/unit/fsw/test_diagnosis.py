@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation import effects
+from edl6dof.fsw.allocation.wrench import effects
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, FINDINGS, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.probe import NOBODY

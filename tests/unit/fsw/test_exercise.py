@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation import effects
+from edl6dof.fsw.allocation.wrench import effects
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, NOBODY, ExerciseParams, exercise, opposite
 from edl6dof.fsw.diagnosis.hypotheses import HYPOTHESES, STUCK_OFF
 from edl6dof.fsw.modulation import MODULATOR

@@ -1,0 +1,31 @@
+"""The methods of thruster allocation.
+
+Both know the groups that may fire and the thrusters that are sound, give duties within 0..1, and report what stays undelivered, which
+stops the integrators of attitude control.  On the nominal flight (``tests/flights/test_allocation_methods.py`` flies both):
+
+    method          propellant   largest roll error   thrust direction   body rate at touchdown
+    least_squares   135.1 kg     0.15 deg             3.7 deg            0.17 deg/s
+    table           138.6 kg     0.41 deg             4.4 deg            0.81 deg/s
+
+The table fires four thrusters for a roll torque where two would do, and lets one axis disturb the next.
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import param
+from edl6dof.fsw.allocation import least_squares, table
+from edl6dof.registry import Family
+
+ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
+
+_Methods = ALLOCATORS.params_model("AllocationMethods", "method", "least_squares", "Thruster allocation.")
+
+
+class AllocationParams(_Methods):
+    """Thruster allocation: the method, and what all share."""
+
+    torque_scale_nm: float = param(250.0, "torque error that weighs one; a fifth of it undelivered counts as saturated", gt=0.0)
+    fine_share: float = param(0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0)
+
+
+allocate = ALLOCATORS.switch("allocate", 9)
