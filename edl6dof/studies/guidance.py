@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from math import degrees
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -33,6 +34,7 @@ LAWS = tuple(name for name in ENTRY_LAWS.names if name != "constant_bank")
 SEED = 2021
 ENTRY = "flight_software.guidance.entry"
 
+_INERTIA = "vehicle.mass.entry_inertia_kg_m2"
 #: Three sigma, absolute.
 _ABSOLUTE = {
     "initial.flight_path_angle_deg": 0.3,
@@ -49,7 +51,7 @@ _ABSOLUTE = {
     "wind.scale": 1.5,
 }
 #: Three sigma, of the nominal value.
-_RELATIVE = {"vehicle.mass.entry_kg": 15.0 / 1285.0, **{f"vehicle.mass.entry_inertia_kg_m2.{i}": 0.1 for i in range(3)}}
+_RELATIVE = {"vehicle.mass.entry_kg": 15.0 / 1285.0, **{f"{_INERTIA}.{i}": 0.1 for i in range(3)}}
 #: Three sigma of the centre of mass (x, y, z), of the diameter: 10 mm along and 5 mm across the axis for Tianwen-1.
 _CENTRE = (0.010 / 3.4, 0.005 / 3.4, 0.005 / 3.4)
 _THRUST = 0.05
@@ -72,6 +74,19 @@ def spreads(scenario: Scenario) -> list[Spread]:
     return found
 
 
+def entries(scenario: Scenario, runs: int) -> list[dict[str, Any]]:
+    """True values of the dispersed entries.
+
+    The three moments of inertia grow and shrink together: a body whose axes are dispersed one by one may be none that exists.
+    """
+    nominal = scenario.vehicle.mass.entry_inertia_kg_m2
+    drawn: list[dict[str, Any]] = list(draw(spreads(scenario), runs, SEED))
+    for truth in drawn:
+        factor = truth[f"{_INERTIA}.0"] / nominal[0]
+        truth.update({f"{_INERTIA}.{i}": factor * value for i, value in enumerate(nominal)}, **_ALWAYS)
+    return drawn
+
+
 def run(runs: int, progress: Progress) -> Report:
     """Fly every law on every mission's dispersed entries."""
     tables: dict[str, dict[str, pa.Table]] = {}
@@ -79,13 +94,11 @@ def run(runs: int, progress: Progress) -> Report:
     total, done = len(MISSIONS) * len(LAWS) * runs, 0
     for mission in MISSIONS:
         nominal = load_scenario(mission, [f"{ENTRY}.law={LAWS[0]}", "mission.goal=deployment"])
-        truths = draw(spreads(nominal.scenario), runs, SEED)
+        truths = entries(nominal.scenario, runs)
         tables[mission], calls[mission] = {}, {}
         for law in LAWS:
             loaded = load_scenario(mission, overrides(law, nominal))
-            cases = [
-                Case(i, truth={**truth, **_ALWAYS}, profile=i, label={"mission": mission, "law": law}) for i, truth in enumerate(truths)
-            ]
+            cases = [Case(i, truth=truth, profile=i, label={"mission": mission, "law": law}) for i, truth in enumerate(truths)]
             before = done
             tables[mission][law] = fly_cases(
                 loaded, cases, collect=_figures, progress=lambda n, row, before=before: progress(before + n, total)

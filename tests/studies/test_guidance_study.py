@@ -8,6 +8,8 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
+from edl6dof.campaign.case import Case
+from edl6dof.campaign.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation import NAV
@@ -40,6 +42,16 @@ def test_dispersions_are_those_of_the_reference_about_the_nominal(nominal):
     sample = np.array([truth["initial.flight_path_angle_deg"] for truth in drawn])
     assert np.std(sample) == pytest.approx(0.1, rel=0.06)
     assert np.mean(sample) == pytest.approx(-11.581, abs=0.01)
+
+
+def test_every_dispersed_entry_is_a_body_that_exists(nominal):
+    """All cases of the published count can be built; the moments of inertia keep their ratios."""
+    truths = guidance.entries(nominal.scenario, 200)
+    variants = Variants(nominal)
+    for i, truth in enumerate(truths):
+        inertia = np.array([truth[f"vehicle.mass.entry_inertia_kg_m2.{k}"] for k in range(3)])
+        assert inertia / inertia[0] == pytest.approx(np.array([1150.0, 900.0, 950.0]) / 1150.0)
+        variants.build(Case(i, truth=truth, profile=i))
 
 
 def test_quantile_never_lies_below_the_flights_it_covers():
