@@ -75,10 +75,14 @@ def require(document: Document) -> None:
 
 
 def named_plugins(document: Document) -> list[Path]:
-    """Absolute paths of the plugins that a document names, relative ones being beside its file; wrong types are left to validation."""
+    """Absolute paths of the plugins that a document names, found beside the file or one it extends; wrong types go to validation."""
     names = document.data.get("plugins") or []
-    folder = document.files[0].resolve().parent if document.files else Path.cwd()
-    return [folder / name for name in names if isinstance(name, str)] if isinstance(names, list) else []
+    folders = [file.resolve().parent for file in document.files] or [Path.cwd()]
+
+    def found(name: str) -> Path:
+        return next((folder / name for folder in folders if (folder / name).is_file()), folders[0] / name)
+
+    return [found(name) for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
 def _problem(path: Path, document: Document | None, message: str) -> ConfigError:

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator
 from os.path import isfile, join
 from pathlib import Path
 
+from edl6dof.config.locate import find_shipped
+
 #: Environment variable that names plugin files, separated as in PATH.
 VARIABLE = "EDL6DOF_PLUGINS"
 
@@ -15,6 +17,7 @@ VARIABLE = "EDL6DOF_PLUGINS"
 LARGEST = 2_000_000
 
 _NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:", re.MULTILINE)
+_EXTENDS = re.compile(rb"^extends[ \t]*:[ \t]*[\"']?([^\s\"'#]+)", re.MULTILINE)
 
 
 def files_from_environment() -> list[Path]:
@@ -23,14 +26,30 @@ def files_from_environment() -> list[Path]:
 
 
 def scenarios_naming_plugins(arguments: Iterable[str | Path]) -> Iterator[Path]:
-    """Files among the arguments (a file, its name without .yaml, or a run folder) with a ``plugins`` key; no shipped scenario has one."""
+    """Files with a ``plugins`` key among the arguments (a file, a scenario's name, a run folder) and the scenarios they extend."""
     for text in map(str, arguments):
-        places = (text, f"{text}.yaml", join(text, "scenario.yaml"))
-        file = next((Path(place) for place in places if "\0" not in place and isfile(place)), None)
-        if file is None:
-            continue
-        try:
-            if file.stat().st_size <= LARGEST and _NAMES_PLUGINS.search(file.read_bytes()):
+        seen: set[Path] = set()
+        file = _scenario(text, Path())
+        while file is not None and file not in seen:
+            seen.add(file)
+            content = _content(file)
+            if _NAMES_PLUGINS.search(content):
                 yield file
-        except OSError:  # whoever reads it in earnest says so
-            continue
+            base = _EXTENDS.search(content)
+            file = _scenario(base.group(1).decode(errors="replace"), file.parent) if base else None
+
+
+def _scenario(text: str, folder: Path) -> Path | None:
+    """The file that an argument, or what stands after ``extends``, means; ``None`` when it is no scenario."""
+    if "\0" in text:
+        return None
+    here = join(folder, text)
+    found = next((Path(place) for place in (here, f"{here}.yaml", join(here, "scenario.yaml")) if isfile(place)), None)
+    return found or find_shipped("scenarios", text.removeprefix("scenarios/"))
+
+
+def _content(file: Path) -> bytes:
+    try:
+        return file.read_bytes() if file.stat().st_size <= LARGEST else b""
+    except OSError:  # whoever reads it in earnest says so
+        return b""

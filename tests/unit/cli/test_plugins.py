@@ -12,7 +12,7 @@ from edl6dof import jit, plugins
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.locate import find_shipped
 
-EXAMPLE = Path(__file__).parents[3] / "examples" / "energy_law.py"
+EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"
 
 LAW = """
 from edl6dof.config.base import Params
@@ -196,6 +196,16 @@ def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, m
         bank, hits = run.stdout.split()
         found.append((float(bank), int(hits)))
     assert found == [(1.25, 0), (1.25, 1), (-1.25, 0)]
+
+
+@pytest.mark.parametrize("extends", [None, "plugin/energy_law"])
+def test_plugin_of_a_shipped_or_extended_scenario_is_found(tmp_path, extends):
+    name = "plugin/energy_law"
+    if extends:
+        name = tmp_path / "mine.yaml"
+        name.write_text(f"extends: {extends}\nname: mine\n")
+    status, out, error = cli("check", name)
+    assert status == 0, error
 
 
 # ---- the example ---------------------------------------------------------------------------------------------------------------
