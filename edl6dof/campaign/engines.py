@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 from edl6dof.campaign.executor import Pilot, available_cores, in_threads
+from edl6dof.campaign.origin import source_hash
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import Row
 
@@ -76,7 +77,7 @@ class Dask:
         for first, last in ranges:
             for start in range(first, last, _TASK):
                 stop = min(start + _TASK, last)
-                waiting.append((self.client.submit(fly_range, text, start, stop, pure=False, retries=3), stop == last))
+                waiting.append((self.client.submit(fly_range, text, source_hash(), start, stop, pure=False, retries=3), stop == last))
             while len(waiting) >= ahead:
                 yield from self._next(waiting, found)
         while waiting:
@@ -109,8 +110,14 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
         yield Dask(client)
 
 
-def fly_range(plan_text: str, first: int, last: int) -> list[Row]:
-    """Fly cases on a worker, which keeps the plan and its pilot for the tasks to come."""
+def fly_range(plan_text: str, source: str, first: int, last: int) -> list[Row]:
+    """Fly cases on a worker, which keeps the plan and its pilot for the tasks to come.
+
+    Raises:
+        OSError: the worker runs other sources than the program that sent the cases.
+    """
+    if source != source_hash():
+        raise OSError("a worker of the cluster runs other sources of edl6dof than this program; install the same on all machines")
     plan, pilot = _prepared(plan_text)
     return [pilot.fly(case) for case in plan.cases(first, last)]
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +13,11 @@ import pyarrow.parquet as pq
 
 import edl6dof
 from edl6dof.campaign.engines import Engine
+from edl6dof.campaign.origin import source_hash
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import PART, Store, StoreError
-from edl6dof.jit import outside_sources
 
 
 @dataclass
@@ -125,15 +122,3 @@ def causes(store: Store) -> list[dict[str, Any]]:
 
 def _columns(store: Store, name: str) -> Iterator[str]:
     yield from store.table([name])[name].to_pylist()
-
-
-@cache
-def source_hash() -> str:
-    """Hash of every source file of the package and of the plugins: the same sources and the same plan give the same table."""
-    digest = hashlib.sha256()
-    folder = Path(edl6dof.__file__).parent
-    for file in sorted(folder.rglob("*.py")):
-        digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
-    for name in sorted(outside_sources):
-        digest.update(Path(name).read_bytes())
-    return digest.hexdigest()

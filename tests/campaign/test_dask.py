@@ -67,3 +67,10 @@ def test_no_scheduler_there(tmp_path):
     words = ("--engine", "dask", "--cluster", "tcp://127.0.0.1:9", "-q")
     status, out, err = finished("campaign", write_drop(tmp_path), *words, cwd=tmp_path)
     assert status == 2 and "Traceback" not in err and "127.0.0.1:9" in err
+
+
+def test_worker_with_other_sources_is_refused():
+    from edl6dof.campaign.engines import fly_range
+
+    with pytest.raises(OSError, match="other sources"):
+        fly_range("", "another hash", 0, 1)
