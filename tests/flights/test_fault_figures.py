@@ -1,0 +1,42 @@
+"""The figures of ``tools/fault_figures.py`` on a handful of dispersed flights; the tool flies 400 and more."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from edl6dof.campaign.executor import fly_rows
+from edl6dof.campaign.plan import load_plan
+
+TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
+FLIGHTS = 8
+
+
+@pytest.fixture(scope="module")
+def tool():
+    spec = importlib.util.spec_from_file_location("fault_figures", TOOL)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return load_plan("tianwen1_mc", cases=FLIGHTS)
+
+
+def test_dead_horizontal_thruster_is_named_and_every_flight_lands(tool, plan):
+    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.condemned))
+    begun = [row for row in rows if row.get("fault_s") is not None]
+    assert len(begun) >= FLIGHTS - 1
+    assert [row["named"] for row in begun] == [row["thruster"] for row in begun]
+    assert all(row["success"] and row["false_alarms"] == 0.0 for row in begun)
+    times = sorted(row["time_to_detect_s"] for row in begun)
+    assert times[len(times) // 2] < 1.0
+
+
+def test_nobody_is_condemned_without_a_fault(tool, plan):
+    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.condemned))
+    assert [row["condemned"] for row in rows] == [""] * FLIGHTS
