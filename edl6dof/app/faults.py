@@ -30,7 +30,9 @@ from edl6dof.sim.scenario import LoadedScenario, load_scenario
 BAD_INPUT = 2
 INTERRUPTED = 130
 
-_LEGEND = "seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named"
+_LEGEND = """\
+matrix: seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named
+below it: medians from the fault and from its first use to the verdict (s), worst distance from the site, worst attitude error"""
 
 
 @dataclass(frozen=True)
@@ -132,10 +134,8 @@ def _group(rows: Sequence[Row]) -> dict[str, Any]:
 def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str], thrusters: list[str], target: Path) -> None:
     for kind in kinds:
         console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases, thrusters))
-    console.print(
-        "seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named", style="dim"
-    )
-    console.print(_overview(_summary(rows, kinds, phases)["groups"]))
+        console.print(_overview(_summary(rows, [kind], phases)["groups"]))
+    console.print(_LEGEND, style="dim")
     for row in rows:
         if not row["success"]:
             console.print(Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red"))
@@ -148,7 +148,7 @@ def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str]
 def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str]) -> Table:
     """Thrusters by phases: green landed and named, yellow landed and not named, red not within limits."""
     table = Table(title=kind.replace("_", " "), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("thruster", header_style="")
+    table.add_column("", header_style="")
     for phase in phases:
         table.add_column(phase, justify="right", header_style="")
     cells = {(row["thruster"], row["phase"]): _cell(row) for row in rows}
@@ -173,15 +173,14 @@ def _cell(row: Row) -> Text:
 def _overview(groups: list[dict[str, Any]]) -> Table:
     """Counts, median times from fault and from first use to the verdict, largest distance from the site and attitude error."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    headings = ("kind", "phase", "landed", "named", "wrong", "unused", "s", "s of use", "m off", "deg off")
-    for index, heading in enumerate(headings):
-        table.add_column(heading, justify="left" if index < 2 else "right", header_style="")
+    for index, heading in enumerate(("phase", "landed", "named", "wrong", "s", "used", "m", "deg")):
+        table.add_column(heading, justify="right" if index else "left", header_style="", no_wrap=True)
     for group in groups:
-        counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"], group["never_used"])
+        counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"])
         figures = [(group["median_time_to_detect_s"], 2), (group["median_from_first_use_s"], 2)]
         figures += [(group["worst_landing_distance_m"], 0), (group["worst_attitude_error_deg"], 1)]
         shown = ("" if value is None else f"{value:.{digits}f}" for value, digits in figures)
-        table.add_row(group["kind"], group["phase"], *map(str, counts), *shown)
+        table.add_row(group["phase"], *map(str, counts), *shown)
     return table
 
 
