@@ -4,8 +4,8 @@ Both know the groups that may fire and the thrusters that are sound, give duties
 stops the integrators of attitude control.  On the nominal flight (``tests/flights/test_allocation_methods.py`` flies both):
 
     method          propellant   largest roll error   thrust direction   body rate at touchdown
-    least_squares   135.1 kg     0.15 deg             3.7 deg            0.17 deg/s
-    table           138.6 kg     0.41 deg             4.4 deg            0.81 deg/s
+    least_squares   136.3 kg     0.23 deg             4.4 deg            0.25 deg/s
+    table           139.1 kg     0.49 deg             3.9 deg            0.71 deg/s
 
 The table fires four thrusters for a roll torque where two would do, and lets one axis disturb the next.
 """
