@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.fsw.allocation.registry import allocate
-from edl6dof.fsw.allocation.wrench import ATTITUDE, AXIAL, effects
+from edl6dof.fsw.allocation.wrench import ATTITUDE, AXIAL, keep_effects
 from edl6dof.fsw.check_out import check_out
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
@@ -27,7 +27,6 @@ from edl6dof.mission.phases import (
     G_POWERED,
     sequence,
 )
-from edl6dof.spatial.vector import take3
 
 G0 = 9.80665
 R_WING, R_MORTAR, R_HEAT_SHIELD, R_LEGS, R_BACKSHELL, R_IGNITION, R_CUT_OFF = range(7)
@@ -155,7 +154,7 @@ def steer(onboard, phase, dt, fsw):
     count = vehicle.n_thrusters
     for i in range(6):
         fsw.demand[i] = 0.0
-    effects(vehicle.thrusters, count, take3(vehicle.configuration[fsw.configuration].centre, 0), fsw.allocator.effect)
+    keep_effects(vehicle, fsw.configuration, fsw.allocator)
     observe(onboard, dt, fsw)
     look_for_faults(onboard, dt, fsw)
     if check_out(onboard, dt, fsw):

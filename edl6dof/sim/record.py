@@ -26,7 +26,6 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
-from edl6dof.vehicle.rcs import MAX_THRUSTERS
 from edl6dof.vehicle.trim_wing import wing_opening
 
 
@@ -111,11 +110,11 @@ def record(case, plant, fsw, tick):
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
     tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_found
-    tick.diagnosis.in_use = 0.0
+    in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
         if fsw.healthy[i] != 0:
-            tick.diagnosis.in_use += 2.0**i
-    for i in range(MAX_THRUSTERS):
+            in_use |= 1 << i
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]
         tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0
+    tick.diagnosis.in_use = in_use

@@ -50,34 +50,39 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
     torque_weight = 1.0 / params.torque_scale**2
     for row in range(ROWS):
         residual[row] = demand[row]
+    order, n = memory.order, 0
+    # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
+    for fine_turn in (True, False):
+        for i in range(count):
+            if usable(i, thrusters, healthy, mask) and (thrusters[i].group == FINE) == fine_turn:
+                order[n] = i
+                n += 1
     gain, price = memory.gain, memory.price
     for i in range(count):
+        duty[i] = 0.0
+    for k in range(n):
+        i = order[k]
         stray = effect[i, 1] * effect[i, 1] + effect[i, 2] * effect[i, 2]
         turn = effect[i, 3] * effect[i, 3] + effect[i, 4] * effect[i, 4] + effect[i, 5] * effect[i, 5]
         curve = axial_weight * effect[i, 0] * effect[i, 0] + force_weight * stray + torque_weight * turn
-        gain[i] = 1.0 / curve if usable(i, thrusters, healthy, mask) and curve > 0.0 else 0.0
+        gain[k] = 1.0 / curve if curve > 0.0 else 0.0
         # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
-        price[i] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
-        duty[i] = 0.0
-    for sweep in range(2 * p.sweeps):
-        # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
-        fine_turn = sweep % 2 == 0
-        if fine_turn:
-            change = 0.0
-        for i in range(count):
-            if gain[i] == 0.0 or (thrusters[i].group == FINE) != fine_turn:
-                continue
+        price[k] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
+    for _ in range(p.sweeps):
+        change = 0.0
+        for k in range(n):
+            i = order[k]
             slope = axial_weight * effect[i, 0] * residual[0]
             slope += force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2])
             slope += torque_weight * (effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5])
-            new = min(max(duty[i] + (slope - price[i]) * gain[i], 0.0), 1.0)
+            new = min(max(duty[i] + (slope - price[k]) * gain[k], 0.0), 1.0)
             move = new - duty[i]
             if move != 0.0:
                 duty[i] = new
                 change = max(change, abs(move))
                 for row in range(ROWS):
                     residual[row] -= effect[i, row] * move
-        if change < p.tolerance and not fine_turn:
+        if change < p.tolerance:
             break
 
 

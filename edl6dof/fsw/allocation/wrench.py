@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from math import copysign
+
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.vector import take3
 
 MAX_THRUSTERS = 32
 ROWS = 6  # force x, y, z; torque x, y, z
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(4)
+NO_TORQUE = 1e-9  # N m, a demand that is none
 
 ALLOCATOR = np.dtype(
     [
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
+        ("effect_of", "i8"),  # configuration that these effects belong to, plus one; 0 before the first
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
-        # least squares: duty per slope of the squared error (0: may not fire), and slope that pays for the use
+        # least squares: who may fire, in turn; for each, duty per slope of the squared error, and slope that pays for the use
+        ("order", "i8", (MAX_THRUSTERS,)),
         ("gain", "f8", (MAX_THRUSTERS,)),
         ("price", "f8", (MAX_THRUSTERS,)),
     ],
@@ -41,21 +47,20 @@ def usable(i, thrusters, healthy, mask):
 
 
 @kernel
-def authority(effect, thrusters, count, healthy, group, row, sign):
-    """Largest demand along one row that the healthy thrusters of a group can meet together."""
-    total = 0.0
+def fine_enough(share, effect, thrusters, count, healthy, demand):
+    """Whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of it."""
+    x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):
-        if healthy[i] != 0 and thrusters[i].group == group:
-            total += max(sign * effect[i, row], 0.0)
-    return total
+        if healthy[i] != 0 and thrusters[i].group == FINE:
+            x += max(copysign(1.0, demand[3]) * effect[i, 3], 0.0)
+            y += max(copysign(1.0, demand[4]) * effect[i, 4], 0.0)
+            z += max(copysign(1.0, demand[5]) * effect[i, 5], 0.0)
+    return abs(demand[3]) <= share * x + NO_TORQUE and abs(demand[4]) <= share * y + NO_TORQUE and abs(demand[5]) <= share * z + NO_TORQUE
 
 
 @kernel
-def fine_enough(share, effect, thrusters, count, healthy, demand):
-    """Whether the fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of it."""
-    for row in range(3, 6):
-        if abs(demand[row]) > 1e-9:
-            sign = 1.0 if demand[row] > 0.0 else -1.0
-            if abs(demand[row]) > share * authority(effect, thrusters, count, healthy, FINE, row, sign):
-                return False
-    return True
+def keep_effects(vehicle, configuration, memory):
+    """Work out ``memory.effect`` when the vehicle has another configuration, and so another centre of mass, than before."""
+    if memory.effect_of != configuration + 1:
+        memory.effect_of = configuration + 1
+        effects(vehicle.thrusters, vehicle.n_thrusters, take3(vehicle.configuration[configuration].centre, 0), memory.effect)

@@ -130,21 +130,20 @@ def for_loss(params, sums, afresh):
     """Fraction of thrust lost that fits best and the evidence for it; too little a loss counts as none and, if wanted, starts afresh."""
     if sums.own <= 0.0:
         return 0.0, 0.0
-    loss = min(sums.cross / sums.own, 1.0)
-    if loss < params.loss_least:
+    if sums.cross < params.loss_least * sums.own:
         if afresh:
             forget(sums)
         return 0.0, 0.0
+    loss = min(sums.cross / sums.own, 1.0)
     return loss, evidence(sums, loss)
 
 
 @kernel
 def for_stuck_on(sums):
     """Evidence that a valve stays open; evidence against it starts afresh."""
-    found = evidence(sums, 1.0) if sums.cycles > 0.0 else 0.0
-    if found < 0.0:
+    if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
-    return max(found, 0.0)
+    return evidence(sums, 1.0) if sums.cycles > 0.0 else 0.0
 
 
 @kernel

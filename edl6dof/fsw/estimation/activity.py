@@ -54,7 +54,8 @@ def expect(effect, count, begin, end, lag, memory):
     for i in range(count):
         on = 0.0
         for k in range(KEPT):
-            on += max(min(memory.closes[k, i] + lag, end) - max(memory.opens[k, i] + lag, begin), 0.0)
+            if memory.closes[k, i] > memory.opens[k, i]:
+                on += max(min(memory.closes[k, i] + lag, end) - max(memory.opens[k, i] + lag, begin), 0.0)
         share = on / (end - begin)
         memory.share[i] = share
         if share > 0.0:
