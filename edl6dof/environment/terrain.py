@@ -37,6 +37,9 @@ class TerrainParams(Params):
     slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
     slope_radius_m: float = param(2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3)
+    ellipse_length_m: float = param(0.0, "planned landing ellipse, for drawings: long axis; 0 for none", record=False, ge=0.0, le=1e6)
+    ellipse_width_m: float = param(0.0, "planned landing ellipse: short axis", record=False, ge=0.0, le=1e6)
+    ellipse_azimuth_deg: float = param(0.0, "planned landing ellipse: direction of the long axis", record=False, ge=-360.0, le=360.0)
 
 
 #: The parameters; ``offset`` m: added to the map so that it agrees with the site; ``tilt_*``: rise per metre.

@@ -69,6 +69,7 @@ def test_entities_and_components(replay):
         "/site/ground_track": "LineStrips3D:strips",
         "/site/sky": "Transform3D:scale",
         "/site/markers/target": "LineStrips3D:strips",
+        "/site/markers/ellipse": "LineStrips3D:strips",
         "/site/vehicle/trim_wing": "Transform3D:quaternion",
         "/site/vehicle/failed/D7": "Mesh3D:vertex_positions",
         "/site/vehicle/failed/D7/mark": "Points3D:labels",

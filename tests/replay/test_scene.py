@@ -15,6 +15,7 @@ from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
 from edl6dof.post.replay import craft
 from edl6dof.post.replay.globe import planet
+from edl6dof.post.replay.ground import planned_ellipse
 from edl6dof.post.replay.landscape import Landscape
 from edl6dof.post.replay.phase_plane import boundaries, squeeze
 from edl6dof.post.replay.site import Site
@@ -46,6 +47,15 @@ def test_ground_is_that_of_the_simulation(scenario, site):
         elevation, drawn = site.ground(east, north)
         assert float(elevation) == pytest.approx(height, abs=5.0)
         assert float(drawn) == pytest.approx(up, abs=6.0)
+
+
+def test_planned_ellipse_is_56_by_22_km_along_the_flight(scenario):
+    site = scenario.terrain
+    east, north = planned_ellipse(site.ellipse_length_m, site.ellipse_width_m, radians(site.ellipse_azimuth_deg))
+    far = np.hypot(east, north)
+    assert (2.0 * far.max(), 2.0 * far.min()) == pytest.approx((56e3, 22e3))
+    flight = np.radians(scenario.initial.azimuth_deg)
+    assert abs(east[far.argmax()] * np.cos(flight) - north[far.argmax()] * np.sin(flight)) < 1e-3 * far.max()
 
 
 def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):

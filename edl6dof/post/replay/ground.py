@@ -20,7 +20,7 @@ class Ground(Recorder):
     """Writes ``/site/ground``, ``/site/sky`` and the target."""
 
     def statics(self) -> None:
-        """Landscape, rocks, rings around touchdown and target."""
+        """Landscape, rocks, rings around touchdown and target, the planned ellipse."""
         if self.number:
             return
         rr, motion = self.rr, self.motion
@@ -37,6 +37,7 @@ class Ground(Recorder):
         limit = self.flight.scenario.limits.landing_distance_m
         circles = [self._ring(landscape, r, np.zeros(3)) for r in (0.01 * limit, 0.1 * limit, limit)]
         self.static("site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2)))
+        self._ellipse(landscape)
         self.marker("target", [0.0, 0.0, float(motion.site.ground(0.0, 0.0)[1])], TARGET)
         if self.flight["truth.footpads"][-1] > 0.0:
             self.marker("touchdown", [*motion.last[:2], float(motion.last[2] - motion.height[-1])], (120, 235, 140))
@@ -56,6 +57,14 @@ class Ground(Recorder):
         tint = np.column_stack([np.outer(255.0 * bright, [1.0, 1.0, 1.0]), np.full(len(rows), 255.0)]).astype(np.uint8)
         self.columns("site/sky/dome", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
+    def _ellipse(self, landscape: Landscape) -> None:
+        site = self.flight.scenario.terrain
+        if site.ellipse_length_m > 0.0:
+            east, north = planned_ellipse(site.ellipse_length_m, site.ellipse_width_m, np.radians(site.ellipse_azimuth_deg))
+            line = np.column_stack([east, north, landscape.height(east, north) + 100.0])
+            drawn = self.rr.LineStrips3D([line], colors=TARGET, radii=self.rr.Radius.ui_points(0.8))
+            self.static("site/markers/ellipse", drawn)
+
     def _ring(self, landscape: Landscape, radius: float, centre: np.ndarray) -> np.ndarray:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         east, north = centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
@@ -68,3 +77,10 @@ class Ground(Recorder):
             some = slice(kind, None, KINDS_OF_ROCK)
             poses = self.rr.InstancePoses3D(translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some])
             self.static(f"site/ground/rocks/{kind}", self.mesh(rock(kind)), poses)
+
+
+def planned_ellipse(length: float, width: float, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
+    """East and north (m) of an ellipse around the site with its long axis along ``azimuth`` (rad)."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 361)
+    along, across = 0.5 * length * np.cos(turn), 0.5 * width * np.sin(turn)
+    return along * np.sin(azimuth) + across * np.cos(azimuth), along * np.cos(azimuth) - across * np.sin(azimuth)
