@@ -17,7 +17,7 @@ from pathlib import Path
 import numba
 import numpy as np
 
-from edl6dof.fsw.onboard import FSW
+from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim import records
 from edl6dof.sim.channels import TICK
@@ -28,7 +28,7 @@ from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-    "case": records.CASE, "onboard": records.ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensed": SENSED, "fsw": FSW
+    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensed": SENSED, "fsw": FSW
 }  # fmt: skip
 
 
