@@ -20,6 +20,8 @@ from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
 BAD_INPUT = 2
+#: Columns beyond which a table needs short numbers to fit a terminal.
+WIDE = 8
 INTERRUPTED = 130
 
 
@@ -80,6 +82,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
     console = Console(highlight=False, soft_wrap=True)
     for grid in report.grids:
         console.print(_grid(grid))
+        console.print()
     count = f", {report.runs} runs" if study.counted else ""
     table = Table(title=f"{study.title}{count}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (("figure", 0), ("unit", 0), ("computed", 1), ("published", 1), ("", 0), ("note", 0)):
@@ -96,16 +99,25 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 
 def _grid(grid: Grid) -> Table:
+    """A table whose numbers are never cut: narrow gaps, headings of many columns in small words below each other."""
+    wide = len(grid.heads) > WIDE
     table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    if wide:
+        table.box, table.padding = None, (0, 1, 0, 0)
     for index, head in enumerate(grid.heads):
-        table.add_column(head, justify="right" if index else "left", header_style="", no_wrap=not index)
+        longest = max(len(_cell(row[index], wide)) for row in grid.rows)
+        table.add_column(head, justify="right" if index else "left", header_style="dim" if wide else "", min_width=longest, overflow="fold")
     for row in grid.rows:
-        table.add_row(*(value if isinstance(value, str) else _plain(value) for value in row))
+        table.add_row(*(_cell(value, wide) for value in row))
     return table
 
 
-def _plain(value: float) -> str:
-    return "-" if value != value else f"{value:.4g}"
+def _cell(value: str | float, short: bool) -> str:
+    if isinstance(value, str):
+        return value
+    if value != value:
+        return "-"
+    return f"{value:.0f}" if short and abs(value) >= 99.5 else f"{value:.{3 if short else 4}g}"
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:

@@ -175,8 +175,8 @@ def quantile(miss: np.ndarray, share: float) -> float:
 
 
 _HEADS = (
-    "law", "miss mean km", "miss 99 % km", "box kept %", "altitude mean km", "lowest km", "Mach", "tracking RMS m/s2",
-    "bank travel deg", "propellant kg", "saturated s", "call us",
+    "law", "miss mean km", "miss 99 % km", "box kept %", "alt. mean km", "alt. low km", "Mach", "drag RMS m/s2",
+    "bank path deg", "fuel kg", "lim. s", "call us",
 )  # fmt: skip
 
 
@@ -212,7 +212,7 @@ def _findings(tables: dict[str, dict[str, pa.Table]], calls: dict[str, dict[str,
 
 _REMARKS = (
     "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure and total angle of attack.",
-    "Laws without a reference drag have no tracking error; saturated is the time with the bank magnitude at its least or largest value.",
+    "Laws without a reference drag have no drag error; 'lim.' is the time with the bank magnitude at its least or largest value.",
     "bank_profile flies the planned bank open loop: what the dispersions do without guidance.",
 )
 
