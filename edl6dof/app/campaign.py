@@ -16,6 +16,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.campaign import run
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.plan import Plan, load_plan
@@ -27,9 +28,6 @@ from edl6dof.post.folder import FolderExists, atomic_folder
 
 if TYPE_CHECKING:
     from edl6dof.campaign.compare import Comparison
-
-BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
@@ -59,7 +57,7 @@ def run_campaign(options: CampaignOptions) -> int:
         with store.lock():
             return _fly(plan, store, options)
     except StoreError as error:
-        return _refuse(str(error))
+        return refuse(str(error))
 
 
 def _check(options: CampaignOptions) -> None:
@@ -110,7 +108,7 @@ def _fly(plan: Plan, store: Store, options: CampaignOptions) -> int:
             return INTERRUPTED
         except OSError as error:
             words = f"{error.strerror or error}; what has flown is kept; go on with: edl6dof campaign {store.folder} --resume"
-            return _refuse(f"{store.folder}: {words}")
+            return refuse(f"{store.folder}: {words}")
     _show(store, options)
     return 0
 
@@ -208,9 +206,9 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
             wrong = differences(store, plan, number, flight)
             write_files(flight, partial, replay)
     except (StoreError, FolderExists) as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     except OSError as error:
-        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+        return refuse(f"{target}: cannot be written: {error.strerror or error}")
     print(f"{target}: case {number}, {flight.outcome}")
     print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
     return 1 if wrong else 0
@@ -223,7 +221,7 @@ def run_compare(first: Path, second: Path, as_json: bool) -> int:
     try:
         result = compare(Store(first), Store(second))
     except StoreError as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     if as_json:
         print(json.dumps(result.data, indent=1))
         return 0
@@ -246,11 +244,6 @@ def _show_comparison(console: Console, result: Comparison) -> None:
             numbers = (figure.mean_a, figure.mean_b, figure.difference, figure.half_width)
             table.add_row(figure.figure, *(f"{number:.5g}" for number in numbers[:3]), f"+-{numbers[3]:.2g}")
     console.print(table if table.row_count else "no figure differs clearly")
-
-
-def _refuse(message: str) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT
 
 
 def _problem(place: str, message: str) -> ConfigError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import statistics
 import sys
@@ -19,16 +18,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.jsontext import json_text
 from edl6dof.config.wording import nearest
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
-
-BAD_INPUT = 2
-INTERRUPTED = 130
 
 _LEGEND = """\
 matrix: seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named
@@ -63,12 +61,12 @@ def run_faults(options: FaultOptions) -> int:
             with _progress(len(cases), quiet=options.as_json) as progress:
                 rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
             pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
-            summary = json.dumps(_finite(_summary(rows, kinds, phases)), indent=1, allow_nan=False) + "\n"
+            summary = json_text(_summary(rows, kinds, phases))
             (folder / "summary.json").write_text(summary, encoding="utf-8")
     except FolderExists as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     except OSError as error:
-        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+        return refuse(f"{target}: cannot be written: {error.strerror or error}")
     except KeyboardInterrupt:
         print("interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
@@ -205,16 +203,3 @@ def _progress(total: int, quiet: bool) -> Iterator[Callable[[int, Row], None] | 
             bar.update(task, completed=done, last=f"{row['thruster']} {row['kind']} {row['phase']}")
 
         yield report
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _refuse(message: str) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT

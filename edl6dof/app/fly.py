@@ -12,14 +12,12 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 from edl6dof.sim.state import State
-
-BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
@@ -46,9 +44,9 @@ def run_fly(options: FlyOptions) -> int:
         refuse_existing(target, options.force)
         flight = _fly_into(target, options, loaded, state)
     except FolderExists as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     except OSError as error:
-        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+        return refuse(f"{target}: cannot be written: {error.strerror or error}")
     except KeyboardInterrupt:
         print("interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
@@ -105,11 +103,6 @@ def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
         show_flight(console, flight)
         files = ", ".join(sorted(path.name for path in target.iterdir()))
         console.print(f"{target}: {files}", markup=False)
-
-
-def _refuse(message: str) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT
 
 
 def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:

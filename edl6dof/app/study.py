@@ -13,16 +13,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.config.wording import nearest
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
-BAD_INPUT = 2
 #: Columns beyond which a table needs short numbers to fit a terminal.
 WIDE = 8
-INTERRUPTED = 130
 
 
 @dataclass(frozen=True)
@@ -45,10 +44,10 @@ def run_study(options: StudyOptions) -> int:
     if study is None:
         near = nearest(options.name, list(STUDIES))
         hint = f"; did you mean {near!r}?" if near else ""
-        return _refuse(f"{options.name}: no such study{hint} (studies: {', '.join(STUDIES)})")
+        return refuse(f"{options.name}: no such study{hint} (studies: {', '.join(STUDIES)})")
     if options.runs is not None and (options.runs < 1 or not study.counted):
         reason = "must be 1 or more" if study.counted else f"{study.name} is a fixed set of flights"
-        return _refuse(f"-n {options.runs}: {reason}")
+        return refuse(f"-n {options.runs}: {reason}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
     try:
@@ -58,9 +57,9 @@ def run_study(options: StudyOptions) -> int:
                 report = study.run(runs, progress)
             write_study(study, report, folder)
     except FolderExists as error:
-        return _refuse(str(error))
+        return refuse(str(error))
     except OSError as error:
-        return _refuse(f"{target}: cannot be written: {error.strerror or error}")
+        return refuse(f"{target}: cannot be written: {error.strerror or error}")
     except KeyboardInterrupt:
         print("interrupted; nothing was written", file=sys.stderr)
         return INTERRUPTED
@@ -150,8 +149,3 @@ def _progress(study: Study, quiet: bool) -> Iterator[Progress]:
     yield report
     if talk:
         console.print(" " * 60, end="\r")
-
-
-def _refuse(message: str) -> int:
-    print(" ".join(message.split()), file=sys.stderr)
-    return BAD_INPUT

@@ -14,12 +14,11 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.ending import refuse
 from edl6dof.config.wording import nearest
 from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
 from edl6dof.verify.runner import Report, run_case
-
-BAD_INPUT = 2
 
 
 def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
@@ -28,12 +27,12 @@ def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
     if unknown:
         near = nearest(unknown[0], list(CASES))
         hint = f"; did you mean {near!r}?" if near else ""
-        return _refuse(f"{unknown[0]}: no such check case{hint} (cases: {', '.join(CASES)})")
+        return refuse(f"{unknown[0]}: no such check case{hint} (cases: {', '.join(CASES)})")
     if plots is not None:
         try:
             plots.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            return _refuse(f"{plots}: cannot be written: {error.strerror or error}")
+            return refuse(f"{plots}: cannot be written: {error.strerror or error}")
     begin = time.perf_counter()
     reports = _run(names or list(CASES), quiet=as_json)
     seconds = time.perf_counter() - begin
@@ -113,8 +112,3 @@ def _verdict(reports: Sequence[Report], seconds: float) -> Text:
         return Text(f"FAILED: {', '.join(failed)}; {count} comparisons in {seconds:.1f} s", style="bold red")
     ran = sum(not report.skipped for report in reports)
     return Text(f"all within tolerance: {count} comparisons in {ran} cases, {seconds:.1f} s", style="bold green")
-
-
-def _refuse(message: str) -> int:
-    print(message, file=sys.stderr)
-    return BAD_INPUT

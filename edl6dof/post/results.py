@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from edl6dof import __version__
+from edl6dof.config.jsontext import json_text
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
@@ -23,8 +23,8 @@ def write_run(flight: Flight, folder: Path) -> None:
     """Write these files into ``folder``, which exists."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
     write_telemetry(flight, folder / "telemetry.parquet")
-    (folder / "events.json").write_text(_json(flight.events), encoding="utf-8")
-    (folder / "summary.json").write_text(_json(summary(flight)), encoding="utf-8")
+    (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
+    (folder / "summary.json").write_text(json_text(summary(flight)), encoding="utf-8")
 
 
 def summary(flight: Flight) -> dict[str, Any]:
@@ -69,18 +69,3 @@ def write_telemetry(flight: Flight, path: Path) -> None:
         for start in range(0, rows, ROW_GROUP):
             part = [pa.array(values) for values in flight.telemetry.rows(start, start + ROW_GROUP).values()]
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
-
-
-def _json(value: Any) -> str:
-    return json.dumps(_finite(value), indent=1, allow_nan=False) + "\n"
-
-
-def _finite(value: Any) -> Any:
-    """JSON has no NaN: a figure that could not be formed becomes null."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import math
 from pathlib import Path
-from typing import Any
 
 from edl6dof import __version__
+from edl6dof.config.jsontext import json_text
 from edl6dof.config.units import split_unit
 from edl6dof.studies.draw import save_drawing
 from edl6dof.studies.study import Report, Study
@@ -23,7 +21,7 @@ def write_study(study: Study, report: Report, folder: Path) -> None:
 
 def to_json(study: Study, report: Report) -> str:
     """Findings as JSON text; what could not be formed is null."""
-    return json.dumps(_finite({**study.as_dict(report), "edl6dof_version": __version__}), indent=1, allow_nan=False) + "\n"
+    return json_text({**study.as_dict(report), "edl6dof_version": __version__})
 
 
 def write_table(study: Study, report: Report, path: Path) -> None:
@@ -35,13 +33,3 @@ def write_table(study: Study, report: Report, path: Path) -> None:
         schema = schema.set(index, column.with_metadata({"unit": split_unit(column.name.rpartition(".")[2])[1].label}))
     schema = schema.with_metadata({"study": study.name, "source": study.source, "edl6dof_version": __version__})
     pq.write_table(report.table.cast(schema), path, compression="zstd")
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
