@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from math import isclose
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from pydantic import BaseModel
@@ -18,6 +18,9 @@ from edl6dof.config.dtype import in_record
 from edl6dof.config.units import split_unit
 from edl6dof.sim.records import CASE
 from edl6dof.sim.scenario import Scenario
+
+#: Names of fields and indices of list items, from a model inwards.
+Keys = tuple[str | int, ...]
 
 
 class NotApplied(Exception):
@@ -31,35 +34,42 @@ def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, 
         NotApplied: the record, or the validated scenario where the record has no such field, holds another value.
     """
     true, believed = variant.loaded.truth, variant.loaded.scenario
+    words = {kind: variant.parts.case.view(kind) for kind in (np.float64, np.int64)}
     row: dict[str, Any] = {}
     for path, wanted in case_truth.items():
-        row[f"truth.{path}"] = _confirmed(path, wanted, true)
-        _compare_record(variant.parts.case[0], path, true, row[f"truth.{path}"])
+        keys, row[f"truth.{path}"] = _confirmed(path, wanted, true)
+        _compare_record(words, path, keys, row[f"truth.{path}"])
     for path, wanted in told.items():
-        row["profile" if path == "profile" else f"belief.{path}"] = _confirmed(path, wanted, believed)
+        row["profile" if path == "profile" else f"belief.{path}"] = _confirmed(path, wanted, believed)[1]
     return row
 
 
-def _confirmed(path: str, wanted: Any, model: BaseModel) -> Any:
-    value = value_at(model, path)
+def _confirmed(path: str, wanted: Any, model: BaseModel) -> tuple[Keys, Any]:
+    keys, value = _walk(model, path)
     if not _same(value, wanted):
         raise NotApplied(f"{path} should be {wanted!r} and is {value!r}")
-    return value
+    return keys, value
 
 
 def value_at(model: Any, path: str) -> Any:
     """Value of a validated model at a dotted path; list items by index or by name."""
+    return _walk(model, path)[1]
+
+
+def _walk(value: Any, path: str) -> tuple[Keys, Any]:
+    """Names of fields and indices of list items that a dotted path means, and the value there."""
+    keys: list[str | int] = []
     for part in path.split("."):
-        if isinstance(model, BaseModel):
-            model = getattr(model, part)
-        elif isinstance(model, Mapping):
-            model = model[part]
+        if isinstance(value, list | tuple):
+            keys.append(index := _index(value, part))
+            value = value[index]
         else:
-            model = model[_index(model, part)]
-    return model
+            keys.append(part)
+            value = value[part] if isinstance(value, dict) else getattr(value, part)
+    return tuple(keys), value
 
 
-def _index(items: Any, part: str) -> int:
+def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
     names = [getattr(item, "name", None) for item in items]
     return names.index(part) if part in names else int(part)
 
@@ -73,43 +83,39 @@ def _same(value: Any, wanted: Any) -> bool:
     return not isinstance(wanted, bool | int | str) or value == wanted
 
 
-def _compare_record(record: np.void, path: str, model: BaseModel, value: Any) -> None:
-    field = _record_field(path, _names(path, model))
-    if field is None or not isinstance(value, bool | int | float):
+class _Place(NamedTuple):
+    """Where the case record holds a parameter: as which kind of number of eight bytes, how many of them in front, its unit in SI."""
+
+    kind: type
+    index: int
+    to_si: float
+
+
+def _compare_record(words: Mapping[type, np.ndarray], path: str, keys: Keys, value: Any) -> None:
+    place = _place(keys)
+    if place is None or not isinstance(value, bool | int | float):
         return
-    keys, to_si = field
-    for key in keys:
-        record = record[key]
-    if not isclose(float(record), float(value) * to_si, rel_tol=1e-12):
-        raise NotApplied(f"{path} should be {value!r} and its record holds {float(record) / to_si!r}")
-
-
-def _names(path: str, model: BaseModel) -> tuple[int | None, ...]:
-    """Index that each part of a path means where it stands in a list."""
-    found: list[int | None] = []
-    value: Any = model
-    for part in path.split("."):
-        found.append(None if isinstance(value, BaseModel | Mapping) else _index(value, part))
-        value = value_at(value, part)
-    return tuple(found)
+    held = float(words[place.kind][place.index])
+    if not isclose(held, float(value) * place.to_si, rel_tol=1e-12):
+        raise NotApplied(f"{path} should be {value!r} and its record holds {held / place.to_si!r}")
 
 
 @cache
-def _record_field(path: str, indices: tuple[int | None, ...]) -> tuple[tuple[str | int, ...], float] | None:
-    """Keys of the case record's field that holds a path, and the factor to SI; ``None`` where the value stays in Python."""
-    dtype, model, to_si = CASE, Scenario, 1.0
-    keys: list[str | int] = []
-    for part, index in zip(path.split("."), indices, strict=True):
-        if index is not None:
+def _place(keys: Keys) -> _Place | None:
+    """Place of a parameter in the case record; ``None`` where its value stays in Python."""
+    dtype, model, offset, to_si = CASE, Scenario, 0, 1.0
+    for depth, key in enumerate(keys):
+        if isinstance(key, int):
             if not dtype.shape:
                 return None
-            keys.append(index)
             dtype, model = dtype.base, (get_args(model) or (None,))[0]
+            offset += key * dtype.itemsize
             continue
-        target, unit = split_unit(part)
-        info = model.model_fields.get(part) if isinstance(model, type) and issubclass(model, BaseModel) else None
-        if info is None or (keys and not in_record(info)) or target not in (dtype.names or ()):
+        target, unit = split_unit(key)
+        info = model.model_fields.get(key) if isinstance(model, type) and issubclass(model, BaseModel) else None
+        if info is None or (depth and not in_record(info)) or target not in (dtype.names or ()):
             return None
-        keys.append(target)
-        dtype, model, to_si = dtype[target], info.annotation, unit.to_si
-    return (tuple(keys), to_si) if dtype.names is None and not dtype.shape else None
+        dtype, model, offset, to_si = dtype[target], info.annotation, offset + dtype.fields[target][1], unit.to_si
+    if dtype.names is not None or dtype.shape:
+        return None
+    return _Place(np.float64 if dtype.kind == "f" else np.int64, offset // dtype.itemsize, to_si)

@@ -1,8 +1,9 @@
 """Scenarios that differ from a loaded one in a few values, without reading and checking the whole document for each.
 
-The values of a changed section are put into the plain data that was read from the file, and that section is validated again; records
-and tables are built anew only where a changed section enters them.  The result is the same, bit for bit, as loading the scenario with
-the same ``--set`` texts; a change that is no number goes that long way.
+Numbers are put into copies of the validated models that hold them (:mod:`edl6dof.config.patch`).  Where that does not do, they are put
+into the plain data that was read from the file, and the changed section is validated again.  Records and tables are built anew only
+where a changed section enters them.  The result is the same, bit for bit, as loading the scenario with the same ``--set`` texts; a
+change that is no number goes that long way.
 """
 
 from __future__ import annotations
@@ -10,16 +11,18 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Iterable, Mapping, Set
+from contextlib import suppress
 from dataclasses import dataclass
 from threading import Lock
 from typing import Annotated, Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from edl6dof.campaign.case import Case
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import root_slot
 from edl6dof.config.overrides import apply_overrides, make_room
+from edl6dof.config.patch import LongWay, patched
 from edl6dof.sim import records
 from edl6dof.sim.records import Records
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
@@ -98,12 +101,16 @@ class Variants:
             name, *inside = self._paths[path]
             if only is None or name in only:
                 by_section.setdefault(name, []).append((tuple(inside), value))
-        changed = base.model_copy(update={name: self._section(name, changes) for name, changes in by_section.items()})
+        sections = {name: self._section(name, getattr(base, name), changes) for name, changes in by_section.items()}
+        changed = base.model_copy(update=sections)
         if by_section and (problems := changed.section_problems()):
             raise ConfigError(Problem("", 0, 0, path, message) for path, message in problems.items())
         return changed
 
-    def _section(self, name: str, changes: list[tuple[Path, Any]]) -> Any:
+    def _section(self, name: str, base: Any, changes: list[tuple[Path, Any]]) -> Any:
+        if isinstance(base, BaseModel):
+            with suppress(LongWay):
+                return patched(base, changes)
         data = self._template.data.get(name)
         for keys, value in changes:
             data = _with_value(data, keys, value)
@@ -118,7 +125,7 @@ class Variants:
         case, tables, onboard = self._parts
         if not records.same_tables(loaded.truth, self.base.truth):
             tables = records.build_tables(loaded.truth)
-        case = records.changed_case(case, loaded.truth, tables, touched)
+        case = records.changed_case(case, loaded.truth, self.base.truth, tables, touched)
         if told - _NOT_BELIEVED:
             same = records.same_tables(loaded.scenario, self.base.scenario)
             onboard = records.build_onboard(loaded.scenario, self._believed if same else records.build_tables(loaded.scenario))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,9 @@ DEPLOYMENTS = (
 )
 KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
 
+#: Time (s), key and plain name of something that happened.
+Moment = tuple[float, str, str]
+
 
 def timeline(
     telemetry: Mapping[str, np.ndarray],
@@ -26,27 +30,25 @@ def timeline(
     fsw: np.void,
     phases: list[str],
     ending: str,
-    others: Sequence[tuple[float, str, str]] = (),
+    others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
     """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then.
 
     ``others`` are more of them, as time, key and name: faults and what was found out about them.
     """
-    found: list[tuple[float, str, str]] = list(others)
-    for index, name in enumerate(phases):
-        entered = float(fsw["entered"][index])
-        if np.isfinite(entered):
-            found.append((entered, f"phase.{name}", f"phase {name}"))
-    for key, name, when in zip(KEYS, DEPLOYMENTS, plant["done"], strict=True):
-        if np.isfinite(when):
-            found.append((float(when), key, name))
+    reversals = [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
+    found = [*others, *moments(plant, fsw, phases), *reversals, (float(plant["t"]), "end", ending)]
+    return [_with_state(telemetry, *event) for event in sorted(found, key=lambda event: event[0])]
+
+
+def moments(plant: np.void, fsw: np.void, phases: list[str]) -> list[Moment]:
+    """What plant and flight computer note themselves when it happens, each at most once; no telemetry is needed for it."""
+    found = [(float(t), f"phase.{name}", f"phase {name}") for name, t in zip(phases, fsw["entered"], strict=False)]
+    found += [(float(t), key, name) for key, name, t in zip(KEYS, DEPLOYMENTS, plant["done"], strict=True)]
     if plant["line_stretch_time"] < 1e9:
         found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
-    found += [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
-    if np.isfinite(plant["touchdown_time"]):
-        found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))
-    found.append((float(plant["t"]), "end", ending))
-    return [_with_state(telemetry, *event) for event in sorted(found, key=lambda event: event[0])]
+    found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))
+    return [moment for moment in found if isfinite(moment[0])]
 
 
 def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str]]:

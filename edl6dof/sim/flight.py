@@ -15,7 +15,7 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import TICK
 from edl6dof.sim.deployment import deployment_figures
-from edl6dof.sim.events import timeline
+from edl6dof.sim.events import moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
@@ -118,8 +118,8 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        events = timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, "")
-        figures = metrics(self.telemetry, events, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+        when = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
+        figures = metrics(self.telemetry, when, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
         figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
         return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.config.dtype import dtype_of, fill, refill
 from edl6dof.environment.atmosphere import ATMOSPHERE, fill_atmosphere, fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.planet import PLANET, fill_planet
@@ -123,7 +123,9 @@ def _part(name: str, sections: str) -> Callable[[Callable[[np.void, Scenario, np
     return declare
 
 
-for _name in ("vehicle", "point_mass", "initial", "simulation", "sensors"):
+#: Parts that are the sections of the same names and nothing more.
+COPIED = ("vehicle", "point_mass", "initial", "simulation", "sensors")
+for _name in COPIED:
     _part(_name, _name)(lambda case, s, _, name=_name: fill(case[name], getattr(s, name)))
 
 
@@ -187,11 +189,18 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     return case
 
 
-def changed_case(case: np.ndarray, scenario: Scenario, tables: np.ndarray, sections: Set[str]) -> np.ndarray:
-    """The truth of a scenario that differs from that of ``case`` in some sections only: equal to ``build_case``, and quicker."""
-    case = case.copy()
+def changed_case(case: np.ndarray, scenario: Scenario, before: Scenario, tables: np.ndarray, sections: Set[str]) -> np.ndarray:
+    """The truth of a scenario that differs in some sections only from the one ``before``, whose record is ``case``.
+
+    Equal to ``build_case``, and quicker.
+    """
+    case = case.view(np.uint8).copy().view(CASE)  # bytes are copied at once, and the fields of a record one by one
     for name, part in PARTS.items():
-        if not part.sections.isdisjoint(sections):
+        if part.sections.isdisjoint(sections):
+            continue
+        if name in COPIED:
+            refill(case[0][name], getattr(scenario, name), getattr(before, name))
+        else:
             case[name] = np.zeros(1, CASE[name])
             part.fill(case[0], scenario, tables[0])
     return case

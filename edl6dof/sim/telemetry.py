@@ -31,7 +31,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         values = self._log[group][field] if field else self._log[group]
         return values if from_si == 1.0 else values * from_si
 
-    def rows(self, start: int, stop: int) -> Telemetry:
+    def rows(self, start: int, stop: int | None) -> Telemetry:
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], self._thrusters)
 

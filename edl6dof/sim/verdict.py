@@ -65,9 +65,8 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     ]
 
 
-def metrics(telemetry: Telemetry, events: list[dict[str, Any]], phases: list[str], touchdown: dict[str, float]) -> dict[str, float]:
-    """All figures of a flight that can be formed from what it flew through."""
-    when = {event["key"]: event["t_s"] for event in reversed(events)}
+def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str], touchdown: dict[str, float]) -> dict[str, float]:
+    """All figures of a flight that can be formed from what it flew through; ``when`` is the time (s) of its events by key."""
     figures: dict[str, float] = {}
     figures.update(_event_figures(telemetry, when))
     figures.update(_trim_figures(telemetry, phases))
@@ -151,48 +150,46 @@ def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[st
     if first == last:
         return {}
     lift = telemetry.rows(first, last)
-    t, bank = lift["t_s"], lift["guide.bank_deg"]
+    t, p = lift["t_s"], lift["truth.rate_p_deg_s"]
     wing = when.get("trim_wing", np.inf)
     calm = ~((t >= wing) & (t < wing + WING_TRANSIENT_S))
-    with_entry = telemetry.rows(max(first - 1, 0), last)["guide.bank_deg"]
+    before = min(first, 1)
+    with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
     figures = {
         "bank_reversals": float(np.sum(with_entry[1:] * with_entry[:-1] < 0.0)),
-        "max_bank_rate_deg_s": _peak(lift["truth.rate_p_deg_s"]),
-        "max_pitch_rate_lift_deg_s": _peak(_swing(lift, "q")[calm]),
-        "max_yaw_rate_lift_deg_s": _peak(_swing(lift, "r")[calm]),
+        "max_bank_rate_deg_s": _peak(p),
+        "max_pitch_rate_lift_deg_s": _peak(_swing(lift, p, "rate_q", "beta")[calm]),
+        "max_yaw_rate_lift_deg_s": _peak(_swing(lift, p, "rate_r", "alpha")[calm]),
     }
-    zero = np.flatnonzero(bank == 0.0)
+    zero = np.flatnonzero(with_entry[before:] == 0.0)
     if len(zero):
         figures["bank_zero_s"] = float(t[zero[0]])
     return figures
 
 
-def _swing(telemetry: Telemetry, axis: str) -> np.ndarray:
-    """Pitch or yaw rate (deg/s) without the part of it that is banking about the velocity.
+def _swing(telemetry: Telemetry, p: np.ndarray, rate: str, angle: str) -> np.ndarray:
+    """Pitch or yaw rate (deg/s) without the part of it that is banking, at ``p`` (deg/s), about the velocity.
 
     A bank about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the body (beta: in pitch); S1 counts the rates
     of the angle-of-attack and sideslip channels.
     """
-    p = telemetry["truth.rate_p_deg_s"]
-    if axis == "q":
-        return telemetry["truth.rate_q_deg_s"] - p * np.tan(np.radians(telemetry["truth.beta_deg"]))
-    return telemetry["truth.rate_r_deg_s"] - p * np.tan(np.radians(telemetry["truth.alpha_deg"]))
+    return telemetry[f"truth.{rate}_deg_s"] - p * np.tan(np.radians(telemetry[f"truth.{angle}_deg"]))
 
 
 def _peak(values: np.ndarray) -> float:
     return float(np.max(np.abs(values))) if len(values) else float("nan")
 
 
-def _largest(telemetry: Telemetry, name: str, axes: str) -> np.ndarray:
-    """Largest magnitude among the components of a vector, at each row; ``name`` has ``{}`` for the axis."""
-    return np.max(np.abs(np.stack([telemetry[name.format(axis)] for axis in axes])), axis=0)
+def _largest(telemetry: Telemetry, name: str, axes: str) -> float:
+    """Largest magnitude among the components of a vector over all rows; ``name`` has ``{}`` for the axis."""
+    return _peak(np.array([_peak(telemetry[name.format(axis)]) for axis in axes]))
 
 
 def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
     if "parachute" in phases and "mortar" in when:
         hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
-        figures["max_rate_parachute_deg_s"] = _peak(_largest(hanging, "truth.rate_{}_deg_s", "pqr"))
+        figures["max_rate_parachute_deg_s"] = _largest(hanging, "truth.rate_{}_deg_s", "pqr")
         figures["max_riser_tension_n"] = float(telemetry["truth.riser_tension_n"].max())
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
@@ -205,11 +202,11 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
     powered = telemetry.rows(_row(times, start), _row(times, end))
     t, roll = powered["t_s"], powered["control.error_roll_deg"]
     figures = {
-        "max_rate_powered_deg_s": _peak(_largest(powered, "truth.rate_{}_deg_s", "pqr")),
+        "max_rate_powered_deg_s": _largest(powered, "truth.rate_{}_deg_s", "pqr"),
         "max_attitude_error_powered_deg": _peak(np.hypot(powered["control.error_pitch_deg"], powered["control.error_yaw_deg"])),
         "roll_error_at_ignition_deg": _at(telemetry, "control.error_roll_deg", start),
         "max_roll_error_powered_deg": _peak(roll[t > start + ROLL_TRANSIENT_S]),
-        "max_disturbance_torque_nm": _peak(_largest(powered, "truth.disturbance_{}_nm", "xyz")),
+        "max_disturbance_torque_nm": _largest(powered, "truth.disturbance_{}_nm", "xyz"),
     }
     if (separated := t > start + 5.0).any():
         apart = sum((powered[f"truth.site_{c}_m"] - powered[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
@@ -224,6 +221,6 @@ def _overall_figures(telemetry: Telemetry) -> dict[str, float]:
         "peak_load_g0": _peak(telemetry["truth.load_g0"][before_ground]),
         "peak_dynamic_pressure_pa": float(telemetry["truth.dynamic_pressure_pa"].max()),
         "peak_heat_flux_w_cm2": float(telemetry["truth.heat_flux_w_cm2"].max()),
-        "heat_load_j_cm2": float(telemetry["truth.heat_load_j_cm2"][-1]),
+        "heat_load_j_cm2": float(telemetry.rows(-1, None)["truth.heat_load_j_cm2"][0]),
         "propellant_used_kg": float(propellant[0] - propellant[-1]),
     }
