@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from edl6dof.app.ending import INTERRUPTED, refuse
+from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
 from edl6dof.sim.flight import Flight, fly
@@ -76,6 +77,11 @@ def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     return flight
 
 
+#: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its access to Amazon's storage.
+UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
+
+
+@without(*UNUSED_BY_ARROW)
 def write_files(flight: Flight, folder: Path, replay: bool) -> None:
     """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a replay."""
     from edl6dof.post.results import write_run

@@ -8,6 +8,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from edl6dof import __version__
 from edl6dof.config.jsontext import json_text
 
@@ -67,5 +69,6 @@ def write_telemetry(flight: Flight, path: Path) -> None:
     options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
     with pq.ParquetWriter(path, schema, **options) as writer:
         for start in range(0, rows, ROW_GROUP):
-            part = [pa.array(values) for values in flight.telemetry.rows(start, start + ROW_GROUP).values()]
+            columns = flight.telemetry.rows(start, start + ROW_GROUP).values()
+            part = [pa.array(np.asarray(values, float)) for values in columns]  # numpy converts: arrow would load all it can compute
             writer.write_table(pa.Table.from_arrays(part, schema=schema))

@@ -11,7 +11,10 @@ from cli_run import environment, run
 
 HEAVY = ("numpy", "scipy", "numba", "yaml", "pyarrow", "rerun", "rich.progress", "edl6dof.config.base", "edl6dof.sim")
 #: What a flight has no use for.
-UNUSED_BY_A_FLIGHT = ("scipy.linalg", "scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask")
+UNUSED_BY_A_FLIGHT = (
+    *("scipy.linalg", "scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
+    *("pandas", "pyarrow.compute", "pyarrow._s3fs"),
+)
 
 IMPORTS = f"""
 import sys

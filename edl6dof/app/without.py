@@ -1,0 +1,32 @@
+"""Keep libraries from importing what is of no use here."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec
+
+
+class _NotInstalled(MetaPathFinder):
+    """Finds some modules missing."""
+
+    def __init__(self, modules: tuple[str, ...]) -> None:
+        self._modules = modules
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        if fullname in self._modules:
+            raise ModuleNotFoundError(f"{fullname} is not imported here", name=fullname)
+        return None
+
+
+@contextmanager
+def without(*modules: str) -> Iterator[None]:
+    """Inside the block these modules are as if they were not installed, unless they have been imported before."""
+    finder = _NotInstalled(modules)
+    sys.meta_path.insert(0, finder)
+    try:
+        yield
+    finally:
+        sys.meta_path.remove(finder)
