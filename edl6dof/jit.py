@@ -9,66 +9,22 @@ from __future__ import annotations
 
 import hashlib
 import re
-import sys
 from collections.abc import Callable, Iterator
-from functools import cache, cached_property, partial
+from functools import cache
 from os.path import isfile
 from pathlib import Path
 from typing import Any
 
 import numba
 from numba.core import caching
-from numba.core.runtime import nrtdynmod
+
+import edl6dof.lean_numba  # noqa: F401  before any kernel is built
 
 PACKAGE = Path(__file__).resolve().parent
 #: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X, Y``: the rest of it.
 _IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE)
 #: Comments and line continuations, taken out before the statements are looked for.
 _NOISE = re.compile(r"#[^\n]*|\\\r?\n")
-
-
-def _numba_without_blas() -> None:
-    """Load numba's array library without scipy's BLAS: that saves a fifth of the memory and time that starting numba takes.
-
-    numba looks for BLAS when this module is imported and keeps the answer for ``np.cov`` alone; products and ``np.linalg`` look
-    again when a kernel uses them.
-    """
-    blas = "scipy.linalg.cython_blas"
-    if blas in sys.modules:
-        return
-    sys.modules[blas] = None  # type: ignore[assignment]  # makes its import fail
-    try:
-        import numba.np.arraymath  # noqa: F401
-    finally:
-        del sys.modules[blas]
-
-
-class _WhenUsed:
-    """Stands for what ``make`` returns, which is made when something of it is first asked for."""
-
-    def __init__(self, make: Callable[[], Any]) -> None:
-        self._make = make
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._made, name)
-
-    @cached_property
-    def _made(self) -> Any:
-        return self._make()
-
-
-def _numba_runtime_when_compiling() -> None:
-    """Compile numba's own runtime library with the first kernel that is compiled, not with the first that is loaded from the cache.
-
-    Only compilation links to it, cached code carries what it needs of it; and a process in which LLVM compiles nothing touches 20 MB
-    less of LLVM.
-    """
-    compile_now = nrtdynmod.compile_nrt_functions
-    nrtdynmod.compile_nrt_functions = lambda context: _WhenUsed(partial(compile_now, context))
-
-
-_numba_without_blas()
-_numba_runtime_when_compiling()
 
 
 def kernel(function: Callable[..., Any]) -> Any:

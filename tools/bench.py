@@ -53,7 +53,7 @@ PEERS = ("peers_jsbsim", "peers_basilisk")
 SCENARIO = "tianwen1"
 FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
 #: Budgets of the design: seconds, MiB.
-BUDGETS = {"first flight ever": 60.0, "fly, all files": 4.0, "--help": 0.3, "peak memory": 300.0, "compiled loop": 0.25}
+BUDGETS = {"first flight ever": 60.0, "fly, all files": 4.0, "--help": 0.3, "peak memory": 300e6 / 2**20, "compiled loop": 0.25}
 PROFILE_CHUNK_S = 0.2
 
 
@@ -273,7 +273,7 @@ def show_laps(console: Console, title: str, laps: dict[str, list[Lap]]) -> None:
         rates = f"{statistics.median(r.rate for r in runs):,.0f}" if runs[0].steps else ""
         peak = f"{max(r.peak_mib for r in runs):.0f}" if runs[0].peak_mib else ""
         limits = [f"{BUDGETS[name]:g} s"] if name in BUDGETS else []
-        limits += [f"{BUDGETS['peak memory']:g} MiB"] if name == "fly, all files" else []
+        limits += [f"{BUDGETS['peak memory']:.0f} MiB"] if name == "fly, all files" else []
         cpu = f"{statistics.median(r.cpu_s for r in runs):.3f}"
         table.add_row(name, str(len(runs)), spread([r.wall_s for r in runs]), cpu, rates, peak, ", ".join(limits))
     console.print(table)
