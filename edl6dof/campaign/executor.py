@@ -22,7 +22,7 @@ from edl6dof.campaign.readback import NotApplied, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.campaign.variants import Variants
 from edl6dof.config.errors import ConfigError
-from edl6dof.sim.channels import TICK
+from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.sim.scenario import LoadedScenario
 
@@ -97,7 +97,10 @@ def available_cores() -> int:
 
 
 class Pilot:
-    """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its own."""
+    """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its own.
+
+    A flight records what its figures need; all channels when ``collect`` may want to see them.
+    """
 
     def __init__(self, loaded: LoadedScenario, collect: Collect | None = None):
         self.variants = Variants(loaded)
@@ -117,5 +120,5 @@ class Pilot:
     def _log(self, rows: int) -> np.ndarray:
         """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of it."""
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
-            self._buffers.log = np.zeros(rows, TICK)
+            self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

@@ -5,6 +5,7 @@ From this table follow the log record that compiled code fills (SI units, no suf
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -117,15 +118,41 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
 )
 
-GROUPS = tuple(dict.fromkeys(channel.group for channel in CHANNELS))
+#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign records.
+BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
+    channel
+    for channel in CHANNELS
+    if channel.name
+    in {
+        *("truth.altitude_m", "truth.height_m", "truth.latitude_deg", "truth.longitude_deg", "truth.speed_m_s", "truth.mach"),
+        *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
+        *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),
+        *("truth.alpha_deg", "truth.beta_deg", "truth.total_alpha_deg"),
+        *("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s"),
+        *("truth.disturbance_x_nm", "truth.disturbance_y_nm", "truth.disturbance_z_nm"),
+        *("truth.dynamic_pressure_pa", "truth.load_g0", "truth.heat_flux_w_cm2", "truth.heat_load_j_cm2"),
+        *("truth.propellant_kg", "truth.riser_tension_n", "truth.footpads"),
+        *("guide.phase", "guide.bank_deg", "control.error_roll_deg", "control.error_pitch_deg", "control.error_yaw_deg"),
+    }
+)
 
+
+def _layout(channels: Sequence[Channel]) -> list[tuple]:
+    groups = dict.fromkeys(channel.group for channel in channels)
+    fields = [(group, np.dtype([(channel.field, "f8") for channel in channels if channel.group == group])) for group in groups]
+    return [("t", "f8"), *fields]
+
+
+#: A row of telemetry.
 TICK = np.dtype(
     [
-        ("t", "f8"),
-        *[(group, np.dtype([(channel.field, "f8") for channel in CHANNELS if channel.group == group])) for group in GROUPS],
+        *_layout(CHANNELS),
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("fault", "i1", (MAX_THRUSTERS,)),
         ("valve", "i1", (MAX_THRUSTERS,)),
     ],
     align=True,
 )
+
+#: A row of the brief telemetry: a quarter of the memory, and half of the time to write it.
+BRIEF = np.dtype(_layout(BRIEF_CHANNELS), align=True)

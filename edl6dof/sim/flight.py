@@ -13,7 +13,7 @@ from edl6dof.config.dump import dump_resolved
 from edl6dof.config.source import parse_document
 from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
-from edl6dof.sim.channels import TICK
+from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.deployment import deployment_figures
 from edl6dof.sim.events import moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
@@ -54,7 +54,7 @@ class Flight:
         case: true parameters, ``CASE`` record array of length one.
         plant: final true state.
         fsw: final flight-software memory.
-        log: telemetry rows, ``TICK`` records in SI units.
+        log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
         code: outcome code of the loop.
         flown_cycles: base cycles flown by this call.
     """
@@ -242,7 +242,8 @@ def fly(
         save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
         progress: called every few seconds of flight.
         parts: the scenario's records, where the caller has built them already.
-        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK``; the flight then reads from it.
+        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than figures and events need, of
+            ``BRIEF``; the flight then reads from it.
     """
     scenario = loaded.scenario
     case, tables, onboard = parts or records.build_records(loaded)
@@ -260,13 +261,14 @@ def fly(
     if log is None:
         # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight allowed
         log = np.zeros(log_rows(loaded, cycle), TICK)
+    logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
             saved = State(cycle, plant.copy(), sensed.copy(), fsw.copy(), resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
-        code, flown, new = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, log, rows)
+        code, flown, new = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows)
         rows += new
         cycle += flown
         if progress is not None:

@@ -6,7 +6,7 @@ from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.perfect import sense
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
-from edl6dof.sim.record import record
+from edl6dof.sim.record import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.integrate import advance, refresh
@@ -22,11 +22,12 @@ def prepare(cases, tables_, plants):
 
 
 @kernel
-def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps, log, log_first):
+def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps, log, brief, log_first):
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
-    All arguments but the counters are record arrays of length one, except ``log``, which has a row for each logged cycle.  Cycle ``k``
-    starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and the last state always.
+    All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one is empty and the other
+    has a row for each logged cycle.  Cycle ``k`` starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and
+    the last state always.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     sensed, fsw = sensors[0], memories[0]
@@ -40,7 +41,10 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
         actuate(case, fsw.command, plant)
         outcome = judge(case, plant)
         if k % case.simulation.log_every == 0 or outcome != FLYING:
-            record(case, plant, fsw, log[log_first + rows])
+            if len(log) > 0:
+                record(case, plant, fsw, log[log_first + rows])
+            else:
+                record_brief(case, plant, fsw, brief[log_first + rows])
             rows += 1
         if outcome != FLYING:
             return outcome, k - first, rows

@@ -30,68 +30,81 @@ from edl6dof.vehicle.trim_wing import wing_opening
 
 
 @kernel
-def record(case, plant, fsw, tick):
-    """Write ``tick`` from the state at ``plant.t``; ``plant.out`` must be fresh."""
-    y, out, truth = plant.y, plant.out, tick.truth
+def record_brief(case, plant, fsw, tick):
+    """Write what is in a ``BRIEF`` row, into that or into a ``TICK`` row; returns what the other channels need as well."""
+    y, out, truth, guide = plant.y, plant.out, tick.truth, tick.guide
     t = plant.t
     tick.t = t
     spin = case.planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    sl, cl, so, co = out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon
-    up = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (0.0, 0.0, -1.0)))
-    v_N = fixed_to_ned(sl, cl, so, co, rotate_z(c, s, v_rel))
-    x, y_axis, z = axes(q)
+    v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))
 
     truth.altitude, truth.height = out.altitude, plant.agl
     truth.latitude, truth.longitude = plant.latitude, plant.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
-    truth.r_I_x, truth.r_I_y, truth.r_I_z = r_I
-    truth.v_I_x, truth.v_I_y, truth.v_I_z = v_I
-    truth.v_north, truth.v_east, truth.v_down = v_N
     truth.speed = norm(v_N)
-    truth.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
-    truth.azimuth = atan2(v_N[1], v_N[0])
     v_air = take3(out.v_air_B, 0)
-    truth.airspeed, truth.alpha, truth.beta = wind_angles(v_air)
+    airspeed, truth.alpha, truth.beta = wind_angles(v_air)
     truth.total_alpha = total_angle_of_attack(v_air)
-    truth.bank = bank_angle(v_rel, up, x, y_axis, z)
     truth.mach, truth.dynamic_pressure = out.mach, out.dynamic_pressure
-    truth.density, truth.temperature = out.density, out.temperature
-    truth.wind_north, truth.wind_east, truth.wind_down = take3(out.wind_N, 0)
     truth.load = norm(take3(out.specific_force_B, 0))
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
-    truth.q_I2B_w, truth.q_I2B_x, truth.q_I2B_y, truth.q_I2B_z = q
     truth.rate_p, truth.rate_q, truth.rate_r = take3(y, RATE)
+    truth.propellant = y[PROPELLANT]
+    truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
+    truth.riser_tension = out.riser_tension
+    truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
+    if plant.debris[1].active != 0:
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
+        truth.backshell_east, truth.backshell_north, truth.backshell_up = place
+    truth.footpads = out.pads
+    guide.phase, guide.bank = fsw.phase, fsw.guide.bank
+    tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(fsw.attitude_error, 0)
+    return c, s, v_rel, v_N, airspeed
+
+
+@kernel
+def record(case, plant, fsw, tick):
+    """Write ``tick`` from the state at ``plant.t``; ``plant.out`` must be fresh."""
+    c, s, v_rel, v_N, airspeed = record_brief(case, plant, fsw, tick)
+    y, out, truth = plant.y, plant.out, tick.truth
+    t = plant.t
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    up = rotate_z(c, -s, ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, -1.0)))
+    x, y_axis, z = axes(q)
+
+    truth.r_I_x, truth.r_I_y, truth.r_I_z = take3(y, POSITION)
+    truth.v_I_x, truth.v_I_y, truth.v_I_z = take3(y, VELOCITY)
+    truth.v_north, truth.v_east, truth.v_down = v_N
+    truth.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
+    truth.azimuth = atan2(v_N[1], v_N[0])
+    truth.airspeed = airspeed
+    truth.bank = bank_angle(v_rel, up, x, y_axis, z)
+    truth.density, truth.temperature = out.density, out.temperature
+    truth.wind_north, truth.wind_east, truth.wind_down = take3(out.wind_N, 0)
+    truth.q_I2B_w, truth.q_I2B_x, truth.q_I2B_y, truth.q_I2B_z = q
     truth.tilt = acos(clamp(-(x[0] * up[0] + x[1] * up[1] + x[2] * up[2]), -1.0, 1.0))
-    truth.mass, truth.propellant = out.mass, y[PROPELLANT]
+    truth.mass = out.mass
     truth.centre_x, truth.centre_y, truth.centre_z = take3(out.centre, 0)
     truth.aero_force_x, truth.aero_force_y, truth.aero_force_z = take3(out.aero_force_B, 0)
     truth.aero_moment_x, truth.aero_moment_y, truth.aero_moment_z = take3(out.aero_moment_B, 0)
-    truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
     truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.rcs_force, 0)
-    truth.engine_thrust, truth.riser_tension = out.engine_thrust, out.riser_tension
+    truth.engine_thrust = out.engine_thrust
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(case.site, rotate_z(c, s, take3(y, CANOPY_POSITION)))
     else:
         truth.canopy_east = truth.canopy_north = truth.canopy_up = nan
     truth.heat_shield_east = truth.heat_shield_north = truth.heat_shield_up = nan
-    truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
     if plant.debris[0].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[0].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
-    if plant.debris[1].active != 0:
-        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
-        truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     truth.trim_wing = min(wing_opening(case.vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
-    truth.footpads = out.pads
 
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.mass
-    tick.guide.phase, tick.guide.bank = fsw.phase, guide.bank
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
     tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = guide.crossrange, guide.time_to_go, guide.thrust
     tick.guide.surface, tick.guide.virtual = guide.surface, guide.virtual
@@ -99,8 +112,6 @@ def record(case, plant, fsw, tick):
     tick.guide.drag_disturbance, tick.guide.path_disturbance = guide.drag_disturbance, guide.path_disturbance
     direction = take3(guide.thrust_direction_N, 0)
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = direction
-    error = take3(fsw.attitude_error, 0)
-    tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = error
     torque, missing = take3(fsw.demand, 3), take3(fsw.allocator.undelivered, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 
-from edl6dof.sim.channels import CHANNELS
+from edl6dof.sim.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
+from edl6dof.sim.extremes import largest
 from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
 class Telemetry(Mapping[str, np.ndarray]):
     """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1), ``fault.<name>`` (0 for none) and
-    ``valve.<name>`` (1 while a pulse is commanded).
+    ``valve.<name>`` (1 while a pulse is commanded); of a brief log ``t_s`` and its channels.
 
     A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of it where no unit
     changes, else a copy.
     """
 
     def __init__(self, log: np.ndarray, thrusters: Sequence[str]) -> None:
-        self._log, self._thrusters = log, tuple(thrusters)
+        self._log = log
+        self._places, self._thrusters = (_BRIEF_PLACES, ()) if log.dtype == BRIEF else (_PLACES, tuple(thrusters))
 
     def __getitem__(self, name: str) -> np.ndarray:
-        place = _PLACES.get(name)
+        place = self._places.get(name)
         if place is None:
             field, index = _slots(self._thrusters)[name]
             return self._log[field][:, index]
@@ -35,11 +37,16 @@ class Telemetry(Mapping[str, np.ndarray]):
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], self._thrusters)
 
+    def largest(self, *names: str) -> np.ndarray:
+        """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the time that columns take."""
+        words, from_si = _words(self._log.dtype, names)
+        return largest(self._log, words) * from_si
+
     def __iter__(self) -> Iterator[str]:
-        return iter((*_PLACES, *_slots(self._thrusters)))
+        return iter((*self._places, *_slots(self._thrusters)))
 
     def __len__(self) -> int:
-        return len(_PLACES) + len(_slots(self._thrusters))
+        return len(self._places) + len(_slots(self._thrusters))
 
 
 @lru_cache
@@ -66,5 +73,19 @@ def describe(name: str) -> tuple[str, str]:
 _PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
-#: Group and field of the log record, and factor to the unit, of every column that is not of a thruster; looked up for every flight.
-_PLACES = {"t_s": ("t", "", 1.0), **{channel.name: (channel.group, channel.field, channel.from_si) for channel in CHANNELS}}
+
+def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
+    """Group and field of the log record, and factor to the unit, of every column that is not of a thruster."""
+    return {"t_s": ("t", "", 1.0), **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels}}
+
+
+@lru_cache
+def _words(dtype: np.dtype, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Where channels stand in a row, in eight-byte words, and their factors to the unit."""
+    places = [_PLACES[name] for name in names]
+    offsets = [dtype.fields[group][1] + dtype[group].fields[field][1] for group, field, _ in places]
+    return np.array(offsets) // 8, np.array([from_si for _, _, from_si in places])
+
+
+# looked up many times for every flight
+_PLACES, _BRIEF_PLACES = _places(CHANNELS), _places(BRIEF_CHANNELS)

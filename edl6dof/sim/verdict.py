@@ -14,6 +14,8 @@ import numpy as np
 from edl6dof.config.units import split_unit
 from edl6dof.sim.telemetry import Telemetry
 
+_RATES = ("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s")
+
 #: Seconds after the trim wing opens that count as its transient.
 WING_TRANSIENT_S = 10.0
 #: Last seconds of the trim phase, in which its limit cycle is looked at.
@@ -72,7 +74,7 @@ def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str], tou
     figures.update(_trim_figures(telemetry, phases))
     figures.update(_entry_figures(telemetry, when, phases))
     figures.update(_descent_figures(telemetry, when, phases))
-    figures.update(_overall_figures(telemetry))
+    figures.update(_overall_figures(telemetry, when))
     figures.update(touchdown)
     if touchdown:
         rates = [touchdown[f"touchdown_{axis}_rate_deg_s"] for axis in ("roll", "pitch", "yaw")]
@@ -96,6 +98,11 @@ def around(telemetry: Telemetry, t: float) -> Telemetry:
 def _row(rising: np.ndarray, value: float) -> int:
     """Index of the first element that is not below ``value``."""
     return int(np.searchsorted(rising, value))
+
+
+def _beyond(rising: np.ndarray, value: float) -> int:
+    """Index of the first element above ``value``."""
+    return int(np.searchsorted(rising, value, side="right"))
 
 
 def _phase(telemetry: Telemetry, phases: list[str], name: str) -> tuple[int, int]:
@@ -137,10 +144,10 @@ def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
     if last - first < 2 or last == len(telemetry["t_s"]):
         return {}
     phase = telemetry.rows(first, last)
-    late = phase["t_s"] > phase["t_s"][-1] - LIMIT_CYCLE_S
-    errors = np.stack([phase[f"control.error_{axis}_deg"][late] for axis in ("roll", "pitch", "yaw")])
-    propellant = phase["truth.propellant_kg"]
-    return {"trim_aoa_limit_cycle_deg": _peak(errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
+    times, propellant = phase["t_s"], phase["truth.propellant_kg"]
+    late = phase.rows(_beyond(times, times[-1] - LIMIT_CYCLE_S), None)
+    errors = (f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
+    return {"trim_aoa_limit_cycle_deg": _largest(late, *errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
 
 
 def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
@@ -180,17 +187,17 @@ def _peak(values: np.ndarray) -> float:
     return float(np.max(np.abs(values))) if len(values) else float("nan")
 
 
-def _largest(telemetry: Telemetry, name: str, axes: str) -> float:
-    """Largest magnitude among the components of a vector over all rows; ``name`` has ``{}`` for the axis."""
-    return _peak(np.array([_peak(telemetry[name.format(axis)]) for axis in axes]))
+def _largest(telemetry: Telemetry, *names: str) -> float:
+    """Largest magnitude among all rows of some channels of one unit."""
+    return float(np.max(telemetry.largest(*names)))
 
 
 def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
     if "parachute" in phases and "mortar" in when:
         hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
-        figures["max_rate_parachute_deg_s"] = _largest(hanging, "truth.rate_{}_deg_s", "pqr")
-        figures["max_riser_tension_n"] = float(telemetry["truth.riser_tension_n"].max())
+        figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
+        figures["max_riser_tension_n"] = _largest(telemetry, "truth.riser_tension_n")
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
     return figures
@@ -199,28 +206,35 @@ def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[
 def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str, float]:
     """Figures between the times of ignition and of touchdown."""
     times = telemetry["t_s"]
-    powered = telemetry.rows(_row(times, start), _row(times, end))
-    t, roll = powered["t_s"], powered["control.error_roll_deg"]
+    first, last = _row(times, start), _row(times, end)
+    powered = telemetry.rows(first, last)
+    settled = telemetry.rows(_beyond(times, start + ROLL_TRANSIENT_S), last)
     figures = {
-        "max_rate_powered_deg_s": _largest(powered, "truth.rate_{}_deg_s", "pqr"),
+        "max_rate_powered_deg_s": _largest(powered, *_RATES),
         "max_attitude_error_powered_deg": _peak(np.hypot(powered["control.error_pitch_deg"], powered["control.error_yaw_deg"])),
         "roll_error_at_ignition_deg": _at(telemetry, "control.error_roll_deg", start),
-        "max_roll_error_powered_deg": _peak(roll[t > start + ROLL_TRANSIENT_S]),
-        "max_disturbance_torque_nm": _largest(powered, "truth.disturbance_{}_nm", "xyz"),
+        "max_roll_error_powered_deg": _largest(settled, "control.error_roll_deg"),
+        "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
     }
-    if (separated := t > start + 5.0).any():
-        apart = sum((powered[f"truth.site_{c}_m"] - powered[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
-        figures["min_backshell_distance_m"] = float(np.nanmin(np.sqrt(apart[separated])))
+    separated = telemetry.rows(_beyond(times, start + 5.0), last)
+    if len(separated["t_s"]):
+        apart = sum((separated[f"truth.site_{c}_m"] - separated[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
+        figures["min_backshell_distance_m"] = float(np.nanmin(np.sqrt(apart)))
     return figures
 
 
-def _overall_figures(telemetry: Telemetry) -> dict[str, float]:
+def _overall_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
     propellant = telemetry["truth.propellant_kg"]
-    before_ground = telemetry["truth.footpads"] == 0
+    pressure, heat_flux = telemetry.largest("truth.dynamic_pressure_pa", "truth.heat_flux_w_cm2").tolist()
+    contact = _row(telemetry["t_s"], when.get("touchdown", np.inf))
+    after = telemetry.rows(contact, None)
+    loads = after["truth.load_g0"][after["truth.footpads"] == 0]
+    if contact > 0:
+        loads = np.append(loads, telemetry.rows(0, contact).largest("truth.load_g0"))
     return {
-        "peak_load_g0": _peak(telemetry["truth.load_g0"][before_ground]),
-        "peak_dynamic_pressure_pa": float(telemetry["truth.dynamic_pressure_pa"].max()),
-        "peak_heat_flux_w_cm2": float(telemetry["truth.heat_flux_w_cm2"].max()),
+        "peak_load_g0": _peak(loads),
+        "peak_dynamic_pressure_pa": pressure,
+        "peak_heat_flux_w_cm2": heat_flux,
         "heat_load_j_cm2": float(telemetry.rows(-1, None)["truth.heat_load_j_cm2"][0]),
         "propellant_used_kg": float(propellant[0] - propellant[-1]),
     }

@@ -20,7 +20,7 @@ import numpy as np
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim import records
-from edl6dof.sim.channels import TICK
+from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.scenario import LoadedScenario
 from edl6dof.sim.state import State
 from edl6dof.vehicle.plant import PLANT, STATES, STATES_VEHICLE
@@ -55,8 +55,10 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
 
     log = np.zeros(cycles + 2, TICK)
     arrays = [s.arrays[name] for name in LAYOUT]
-    as_seen = [Records(array) for array in (*arrays, log)] if numba.config.DISABLE_JIT else [*arrays, log]
-    _, _, rows = fly(*as_seen[:-1], s.cycle, s.cycle + cycles, s.steps, as_seen[-1], 0)
+    logs = [log, np.zeros(0, BRIEF)]
+    if numba.config.DISABLE_JIT:
+        arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
+    _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, s.steps, *logs, 0)
     return {**{name: s.arrays[name] for name in ("plant", "sensed", "fsw")}, "log": log[:rows]}
 
 
