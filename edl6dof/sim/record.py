@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, nan, sin, sqrt
+from math import acos, atan2, nan, sqrt
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import (
@@ -26,6 +26,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
+from edl6dof.vehicle.surroundings import turn_of_planet
 from edl6dof.vehicle.trim_wing import wing_opening
 
 
@@ -36,7 +37,7 @@ def record_brief(case, plant, fsw, tick):
     t = plant.t
     tick.t = t
     spin = case.planet.rotation_rate
-    c, s = cos(spin * t), sin(spin * t)
+    c, s = turn_of_planet(case, plant.kept, t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
     v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))

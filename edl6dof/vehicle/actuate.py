@@ -5,7 +5,7 @@ from __future__ import annotations
 from edl6dof.jit import kernel
 from edl6dof.vehicle.faults import inflict
 from edl6dof.vehicle.plant import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
-from edl6dof.vehicle.point_mass import command_bank
+from edl6dof.vehicle.point_mass import POINT_MASS, command_bank
 
 N_EVENTS = len(EVENTS)
 ENGINE_FULL = 2
@@ -21,7 +21,7 @@ def actuate(case, command, plant):
     for i in range(vehicle.rcs.n_thrusters):
         plant.valves.opens[i] = command.opens[i]
         plant.valves.closes[i] = command.closes[i]
-    if command.steering != 0:
+    if case.dynamics == POINT_MASS and command.steering != 0:
         command_bank(case, plant, command.bank, command.alpha)
     plant.thrust_command = command.thrust
     plant.starting = 1 if command.engine_mode == ENGINE_FULL else 0

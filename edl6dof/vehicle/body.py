@@ -129,7 +129,7 @@ def loads(case, tables, plant, t, y):
     """
     out = plant.out
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
-    turn, place, gas, wind_N, air_I, g_I = surroundings(case, tables, t, take3(y, POSITION))
+    turn, place, gas, wind_N, air_I, g_I = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
     v_air_I = sub(take3(y, VELOCITY), air_I)
     v_air = to_frame(q, v_air_I)
     mass, centre, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, y[PROPELLANT])

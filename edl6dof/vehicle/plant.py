@@ -6,6 +6,7 @@ import numpy as np
 
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.rcs import MAX_THRUSTERS
+from edl6dof.vehicle.surroundings import KEPT
 
 #: Layout of the integrated state ``y``.
 POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = 0, 3, 6, 10, 13, 14, 15, 16, 19
@@ -83,7 +84,15 @@ OUTPUT = np.dtype(
 
 #: A part that has left the vehicle: a point mass with drag.
 DEBRIS = np.dtype(
-    [("active", "i8"), ("mass", "f8"), ("drag_area", "f8"), ("r_I", "f8", (3,)), ("v_I", "f8", (3,))],
+    [
+        ("active", "i8"),
+        ("mass", "f8"),
+        ("drag_area", "f8"),
+        ("r_I", "f8", (3,)),
+        ("v_I", "f8", (3,)),
+        ("a_I", "f8", (3,)),  # of the step before
+        ("kept", KEPT),
+    ],
     align=True,
 )
 
@@ -131,6 +140,7 @@ PLANT = np.dtype(
         ("peak_tension", "f8"),
         ("debris", DEBRIS, (2,)),
         ("out", OUTPUT),
+        ("kept", KEPT),
         # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate them
         ("fresh", "i8"),
         # scratch of the integrator

@@ -63,7 +63,7 @@ def command_bank(case, plant, bank, alpha):
 @kernel
 def point_attitude(case, tables, plant, t, y):
     """Write into the state ``y`` the attitude that bank, angle of attack and zero sideslip give at time ``t`` (s)."""
-    turn, place, _, _, air_I, _ = surroundings(case, tables, t, take3(y, POSITION))
+    turn, place, _, _, air_I, _ = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
     up_F = ned_to_fixed(place[0], place[1], place[2], place[3], (0.0, 0.0, -1.0))
     up = rotate_z(turn[0], -turn[1], up_F)
     v_air = sub(take3(y, VELOCITY), air_I)

@@ -8,6 +8,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives
+from edl6dof.vehicle.debris import LOOSE
 from edl6dof.vehicle.mass import BACKSHELL, HEAT_SHIELD, PARACHUTE, compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
@@ -74,7 +75,7 @@ def separate(case, plant, part, kept_part, speed, debris, drag_area):
     v_kept = sub(add(v, from_frame(q, cross(w, kept_arm))), scale(part.mass / total, push))
     impulse = (speed * mass * part.mass / total, 0.0, 0.0)
     put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, kept_arm), impulse))))
-    debris.active = 1
+    debris.active = LOOSE
     debris.mass = part.mass
     debris.drag_area = drag_area
     put3(debris.r_I, 0, add(r, from_frame(q, part_arm)))

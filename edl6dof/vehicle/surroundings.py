@@ -4,16 +4,30 @@ from __future__ import annotations
 
 from math import cos, sin
 
+import numpy as np
+
 from edl6dof.environment.atmosphere import air
-from edl6dof.environment.gravity import gravity_F
+from edl6dof.environment.gravity import DEPARTURE, gravity_nearby_F
 from edl6dof.environment.wind import wind
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 
+#: What is kept for a body between calls: cosine and sine of the planet's turn angle at ``t`` (NaN at first), departure of gravity.
+KEPT = np.dtype([("t", "f8"), ("turn", "f8", (2,)), ("departure", DEPARTURE)], align=True)
+
 
 @kernel
-def surroundings(case, tables, t, r_I):
-    """What surrounds the point ``r_I`` (m) at time ``t`` (s).
+def turn_of_planet(case, kept, t):
+    """Cosine and sine of the planet's turn angle at ``t`` (s), worked out once for the calls that share a time."""
+    if t != kept.t:
+        angle = case.planet.rotation_rate * t
+        kept.t, kept.turn[0], kept.turn[1] = t, cos(angle), sin(angle)
+    return kept.turn[0], kept.turn[1]
+
+
+@kernel
+def surroundings(case, tables, kept, t, r_I):
+    """What surrounds the point ``r_I`` (m) at time ``t`` (s); ``kept`` is the ``KEPT`` record of the body there.
 
     Returns:
         turn: cosine and sine of the planet's turn angle.
@@ -24,10 +38,10 @@ def surroundings(case, tables, t, r_I):
         g_I: gravitational acceleration (m/s2).
     """
     spin = case.planet.rotation_rate
-    c, s = cos(spin * t), sin(spin * t)
+    c, s = turn_of_planet(case, kept, t)
     r_F = rotate_z(c, s, r_I)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(case.planet.equatorial_radius, case.planet.flattening, r_F)
-    g_I = rotate_z(c, -s, gravity_F(case.planet.gravity, r_F[0], r_F[1], r_F[2]))
+    g_I = rotate_z(c, -s, gravity_nearby_F(case.planet.gravity, kept.departure, r_F[0], r_F[1], r_F[2]))
     gas = air(case.atmosphere, tables.atmosphere, altitude)
     east, north, up = wind(case.wind, tables.atmosphere, altitude)
     carried = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, -up)))

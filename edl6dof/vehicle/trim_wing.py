@@ -5,7 +5,7 @@ It cancels the moment of the radial CG offset, which moves the trim angle from -
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import cos, sin, sqrt
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of
@@ -38,13 +38,14 @@ TRIM_WING = dtype_of(TrimWingParams)
 def wing_opening(wing, elapsed):
     """Deflection 0..1 at ``elapsed`` s after the deploy command: starts and stops at rest over ``deploy_time``.
 
-    Source: cosine ramp, engineering choice.
+    Source: cubic ramp s^2 (3 - 2 s), engineering choice.
     """
     if elapsed <= 0.0:
         return 0.0
     if elapsed >= wing.deploy_time:
         return 1.0
-    return 0.5 - 0.5 * cos(pi * elapsed / wing.deploy_time)
+    share = elapsed / wing.deploy_time
+    return share * share * (3.0 - 2.0 * share)
 
 
 @kernel

@@ -1,9 +1,14 @@
 """Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1.
 
-Cyclic coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it would be non-negative
-least squares.  The weights W set the priority: torque before force.  It starts from nothing, as an earlier solution would keep opposing
-thrusters running.  Small demands go to the fine thrusters alone (Hu et al. 2022, section 4.3).  Source: coordinate descent for bounded
-least squares, Bertsekas, Nonlinear Programming, section 2.7.
+Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it would be non-negative least
+squares.  Each step moves the duty that has farthest to go to its best value (Gauss-Southwell rule), which comes as near to the optimum in
+a dozen steps as eight cycles through all thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B of the
+effects keep up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque before force.  It
+starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the fine thrusters alone (Hu et al.
+2022, section 4.3).
+
+Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of Gauss and Southwell, Luo and
+Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 """
 
 from __future__ import annotations
@@ -17,8 +22,8 @@ from edl6dof.registry import Member
 class LeastSquaresParams(Params):
     """Bounded least squares over all thrusters."""
 
-    sweeps: int = param(16, "largest number of passes over the thrusters", ge=1, le=100000)
-    tolerance: float = param(1e-3, "change of duty at which the iteration stops", gt=0.0, lt=1.0)
+    steps: int = param(60, "largest number of changes of a duty", ge=1, le=1000000)
+    tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
     force_scale_n: float = param(600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0)
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
     axial_force_scale_n: float = param(1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0)
@@ -41,15 +46,14 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
         memory: ``ALLOCATOR`` record whose ``effect`` is filled.
     """
     p = params.least_squares
-    effect, duty, residual = memory.effect, memory.duty, memory.undelivered
+    effect, duty, slope, price = memory.effect, memory.duty, memory.slope, memory.price
     small = not (translating or boosting) and fine_enough(params.fine_share, effect, thrusters, count, healthy, demand)
     only_fine = small and (allowed >> FINE) & 1 == 1
     mask = 1 << FINE if only_fine else allowed
-    force_weight = 1.0 / (p.force_scale if translating else p.stray_force_scale) ** 2
-    axial_weight = 1.0 / p.axial_force_scale**2 if boosting else 0.0
-    torque_weight = 1.0 / params.torque_scale**2
-    for row in range(ROWS):
-        residual[row] = demand[row]
+    axial = 1.0 / p.axial_force_scale**2 if boosting else 0.0
+    lateral = 1.0 / (p.force_scale if translating else p.stray_force_scale) ** 2
+    weight = (axial, lateral, 1.0 / params.torque_scale**2)
+    keep_products(weight, count, 1 + 4 * memory.effect_of + 2 * int(translating) + int(boosting), memory)
     order, n = memory.order, 0
     # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
     for fine_turn in (True, False):
@@ -57,33 +61,62 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
             if usable(i, thrusters, healthy, mask) and (thrusters[i].group == FINE) == fine_turn:
                 order[n] = i
                 n += 1
-    gain, price = memory.gain, memory.price
     for i in range(count):
         duty[i] = 0.0
+        slope[i] = product(weight, effect[i], demand)
+        # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
+        price[i] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
+    descend(p.steps, p.tolerance, n, count, memory)
+    for row in range(ROWS):
+        memory.undelivered[row] = demand[row]
     for k in range(n):
         i = order[k]
-        stray = effect[i, 1] * effect[i, 1] + effect[i, 2] * effect[i, 2]
-        turn = effect[i, 3] * effect[i, 3] + effect[i, 4] * effect[i, 4] + effect[i, 5] * effect[i, 5]
-        curve = axial_weight * effect[i, 0] * effect[i, 0] + force_weight * stray + torque_weight * turn
-        gain[k] = 1.0 / curve if curve > 0.0 else 0.0
-        # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
-        price[k] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
-    for _ in range(p.sweeps):
-        change = 0.0
-        for k in range(n):
-            i = order[k]
-            slope = axial_weight * effect[i, 0] * residual[0]
-            slope += force_weight * (effect[i, 1] * residual[1] + effect[i, 2] * residual[2])
-            slope += torque_weight * (effect[i, 3] * residual[3] + effect[i, 4] * residual[4] + effect[i, 5] * residual[5])
-            new = min(max(duty[i] + (slope - price[k]) * gain[k], 0.0), 1.0)
-            move = new - duty[i]
-            if move != 0.0:
-                duty[i] = new
-                change = max(change, abs(move))
-                for row in range(ROWS):
-                    residual[row] -= effect[i, row] * move
-        if change < p.tolerance:
+        if duty[i] > 0.0:
+            for row in range(ROWS):
+                memory.undelivered[row] -= effect[i, row] * duty[i]
+
+
+@kernel
+def product(weight, a, b):
+    """Scalar product of two wrenches with the weights of axial force, lateral force and torque."""
+    return weight[0] * a[0] * b[0] + weight[1] * (a[1] * b[1] + a[2] * b[2]) + weight[2] * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+
+
+@kernel
+def keep_products(weight, count, key, memory):
+    """Work out ``memory.gram`` when it belongs to other effects or weights than those that ``key`` stands for."""
+    if memory.gram_of == key:
+        return
+    memory.gram_of = key
+    for i in range(count):
+        for j in range(count):
+            memory.gram[i, j] = product(weight, memory.effect[i], memory.effect[j])
+        memory.gain[i] = 1.0 / memory.gram[i, i] if memory.gram[i, i] > 0.0 else 0.0
+
+
+@kernel
+def farthest(order, n, memory):
+    """The thruster whose duty is farthest from its best value, and the way there; of equals the first in turn."""
+    duty, slope, price, gain = memory.duty, memory.slope, memory.price, memory.gain
+    chosen, way, size = 0, 0.0, 0.0
+    for k in range(n):
+        i = order[k]
+        move = min(max(duty[i] + (slope[i] - price[i]) * gain[i], 0.0), 1.0) - duty[i]
+        if abs(move) > size:
+            chosen, way, size = i, move, abs(move)
+    return chosen, way
+
+
+@kernel
+def descend(steps, tolerance, n, count, memory):
+    """Change one duty after the other, the farthest first, until none has as far to go as ``tolerance``."""
+    for _ in range(steps):
+        i, move = farthest(memory.order, n, memory)
+        if abs(move) < tolerance:
             break
+        memory.duty[i] += move
+        for j in range(count):
+            memory.slope[j] -= memory.gram[i, j] * move
 
 
 MEMBER = Member("least_squares", LeastSquaresParams, {"allocate": allocate}, "Bertsekas, Nonlinear Programming, section 2.7")

@@ -20,10 +20,14 @@ ALLOCATOR = np.dtype(
         ("effect_of", "i8"),  # configuration that these effects belong to, plus one; 0 before the first
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
-        # least squares: who may fire, in turn; for each, duty per slope of the squared error, and slope that pays for the use
+        # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its use;
+        # products of the weighted effects, duty for each slope, and what these were worked out for
         ("order", "i8", (MAX_THRUSTERS,)),
-        ("gain", "f8", (MAX_THRUSTERS,)),
+        ("slope", "f8", (MAX_THRUSTERS,)),
         ("price", "f8", (MAX_THRUSTERS,)),
+        ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
+        ("gain", "f8", (MAX_THRUSTERS,)),
+        ("gram_of", "i8"),
     ],
     align=True,
 )

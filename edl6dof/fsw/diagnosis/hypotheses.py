@@ -89,6 +89,15 @@ def evidence(sums, size):
 
 
 @kernel
+def may_reach(least, sums, size):
+    """Whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 tells it of most hypotheses without a logarithm."""
+    floor = COMPONENTS * sums.cycles
+    explained = size * (2.0 * sums.cross - size * sums.own)
+    left = max(sums.all - explained, 0.0)
+    return 0.5 * COMPONENTS * sums.cycles * explained >= least * (left + floor)
+
+
+@kernel
 def weights(params, wrench, load):
     """Weights of a squared residual of lateral force, roll and pitch-yaw torque (1/N2, 1/(N m)2, 1/(N m)2).
 
@@ -126,8 +135,11 @@ def weigh(params, count, effect, activity, load, residual, memory):
 
 
 @kernel
-def for_loss(params, sums, afresh):
-    """Fraction of thrust lost that fits best and the evidence for it; too little a loss counts as none and, if wanted, starts afresh."""
+def for_loss(params, sums, least, afresh):
+    """Fraction of thrust lost that fits best and the evidence for it, or zeros.
+
+    Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
+    """
     if sums.own <= 0.0:
         return 0.0, 0.0
     if sums.cross < params.loss_least * sums.own:
@@ -135,15 +147,17 @@ def for_loss(params, sums, afresh):
             forget(sums)
         return 0.0, 0.0
     loss = min(sums.cross / sums.own, 1.0)
+    if not may_reach(least, sums, loss):
+        return 0.0, 0.0
     return loss, evidence(sums, loss)
 
 
 @kernel
-def for_stuck_on(sums):
-    """Evidence that a valve stays open; evidence against it starts afresh."""
+def for_stuck_on(sums, least):
+    """Evidence that a valve stays open, none below ``least``; evidence against it starts afresh."""
     if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
         forget(sums)
-    return evidence(sums, 1.0) if sums.cycles > 0.0 else 0.0
+    return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0
 
 
 @kernel
@@ -151,22 +165,23 @@ def compare(params, count, healthy, trusted_until, t, memory):
     """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share in.
 
     The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.  A thruster that a probe found
-    sound is not suspected to be stuck on before ``trusted_until`` (s).
+    sound is not suspected to be stuck on before ``trusted_until`` (s).  Evidence below half the prior is noise: beside "no fault" all
+    thrusters together would hold less than a per cent with it.
     """
-    best, total = 0.0, exp(params.prior)
+    best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     memory.kind, memory.on_evidence = NOTHING, 0.0
     for i in range(count):
         if healthy[i] == 0:
             continue
-        off_loss, off = for_loss(params, memory.off[i], True)
-        old_loss, old = for_loss(params, memory.old[i], True)
+        off_loss, off = for_loss(params, memory.off[i], least, True)
+        old_loss, old = for_loss(params, memory.old[i], least, True)
         if t < trusted_until[i]:
             forget(memory.on[i])
-        on = for_stuck_on(memory.on[i])
+        on = for_stuck_on(memory.on[i], least)
         if on > memory.on_evidence:
             memory.on_thruster, memory.on_evidence = i, on
         most = max(off, old, on)
-        if most <= 0.0:
+        if most < least:
             continue
         total += exp(most)
         if most > best:

@@ -117,7 +117,7 @@ def follow_probe(params, count, effect, activity, load, seen, t, dt, memory):
             b = effect[j]
             less = memory.share_before[j] - activity.share[j]
             collect(memory.rivals[j], 1.0, less, product(change, b, weight), product(b, b, weight), every)
-            total += exp(for_loss(params, memory.rivals[j], False)[1])
+            total += exp(for_loss(params, memory.rivals[j], 0.0, False)[1])
     confidence = guilty / total
     if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
         return GUILTY, confidence
