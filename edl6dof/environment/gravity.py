@@ -56,7 +56,7 @@ GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 #: Where a body's departure from the central field was last worked out (m, in F), and the departure (m/s2).
 DEPARTURE = np.dtype([("at", "f8", (3,)), ("acceleration", "f8", (3,))], align=True)
 #: Distance along each axis, m, within which it is kept.
-KEPT_WITHIN = 0.01
+KEPT_WITHIN = 0.005
 
 
 @kernel

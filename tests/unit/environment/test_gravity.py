@@ -149,7 +149,7 @@ def test_wrong_inputs_are_refused():
 
 
 @pytest.mark.parametrize("name", ["mars", "earth"])
-def test_field_kept_while_a_body_moves_a_centimetre_is_right_to_a_ten_billionth(name):
+def test_field_kept_while_a_body_moves_a_few_millimetres_is_right_to_a_ten_billionth(name):
     """And a body that leaves the place gets the field of where it is, to the last bit."""
     g = np.zeros(1, GRAVITY)[0]
     fill_gravity(g, planet(name).gravity)
