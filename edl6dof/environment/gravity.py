@@ -75,7 +75,7 @@ def gravity_nearby_F(g, kept, x, y, z):
     """:func:`gravity_F`, its departure from a central field worked out anew only ``KEPT_WITHIN`` m from where it was last.
 
     The stages of an integration step meet in pairs (middle, and end with the next beginning), so half the sums are saved.  The
-    departure changes by less than 1e-10 m/s2 over that distance on Mars and on Earth.
+    departure changes by less than 2e-10 m/s2 over that distance on Mars and on Earth.
 
     Args:
         g: ``GRAVITY`` record.

@@ -149,7 +149,7 @@ def test_wrong_inputs_are_refused():
 
 
 @pytest.mark.parametrize("name", ["mars", "earth"])
-def test_field_kept_while_a_body_moves_a_few_millimetres_is_right_to_a_ten_billionth(name):
+def test_field_kept_while_a_body_moves_a_few_millimetres_is_right_to_2e_10_m_s2(name):
     """And a body that leaves the place gets the field of where it is, to the last bit."""
     g = np.zeros(1, GRAVITY)[0]
     fill_gravity(g, planet(name).gravity)
@@ -159,6 +159,6 @@ def test_field_kept_while_a_body_moves_a_few_millimetres_is_right_to_a_ten_billi
         kept = np.zeros(1, DEPARTURE)[0]
         assert gravity_nearby_F(g, kept, *p) == gravity_F(g, *p)
         beside = p + rng.uniform(-KEPT_WITHIN, KEPT_WITHIN, 3)
-        assert np.allclose(gravity_nearby_F(g, kept, *beside), gravity_F(g, *beside), rtol=0.0, atol=1e-10)
+        assert np.allclose(gravity_nearby_F(g, kept, *beside), gravity_F(g, *beside), rtol=0.0, atol=2e-10)
         away = p + np.array([0.0, 0.0, 3.0 * KEPT_WITHIN])
         assert gravity_nearby_F(g, kept, *away) == gravity_F(g, *away)
