@@ -13,12 +13,11 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, held, row_at, straight_beyond
+from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, cubic_coefficients, held, row_at, straight_beyond
 from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import DENSITY_STREAM, gauss_markov, stream
+from edl6dof.environment.profiles import DENSITY_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.environment.us76 import us76
 from edl6dof.jit import kernel
-from edl6dof.spatial.interpolation import smooth
 
 TABLE, EXPONENTIAL, US76, NONE = range(4)
 
@@ -67,8 +66,8 @@ class AtmosphereParams(Params):
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
 
 
-#: The parameters, and the relative density change of this case on the rows of the shared table.
-ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS,)))
+#: The parameters, and the relative density change of this case: cubics between the rows of the shared table.
+ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4)))
 
 
 @kernel
@@ -89,7 +88,7 @@ def air(atm, table, alt):
     factor = atm.density_factor
     if atm.perturbation.enabled:
         row, t = row_at(table, alt)
-        factor *= max(1.0 + smooth(atm.density_change, table.rows, row, held(t)), _LEAST)
+        factor *= max(1.0 + cubic(atm.density_change, row, held(t)), _LEAST)
     return rho * factor, pressure * factor, temperature, sound
 
 
@@ -133,4 +132,5 @@ def fill_atmosphere(record: np.void, params: AtmosphereParams, table: np.void, s
         rows = int(table["rows"])
         spacing = 1.0 / (float(table["per_step"]) * chosen.correlation_length_m)
         normal = gauss_markov(stream(seed, case, DENSITY_STREAM), rows, spacing)
-        record["density_change"][:rows] = chosen.sigma_scale * table["sigma"][:rows] * normal
+        change = chosen.sigma_scale * table["sigma"][:rows] * normal
+        record["density_change"][: rows - 1] = cubic_coefficients(change, central_slopes(change))

@@ -125,12 +125,11 @@ def build_table(record: np.void, name: str, bottom_m: float, gas_constant: float
         if key == "ln_density" and name:
             curve[:below] += (first - grid[:below]) * gravity / (gas_constant * data["temperature"][0])
         record[key] = 0.0
-        record[key][: len(grid) - 1] = hermite_coefficients(curve, sloping_ends=key == "ln_density")
+        record[key][: len(grid) - 1] = cubic_coefficients(curve, monotone_slopes(curve, sloping_ends=key == "ln_density"))
 
 
-def hermite_coefficients(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
-    """The (n-1, 4) coefficients of the cubics through n rows with :func:`monotone_slopes`."""
-    slope = monotone_slopes(curve, sloping_ends)
+def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads them."""
     start, s0, s1, rise = curve[:-1], slope[:-1], slope[1:], np.diff(curve)
     return np.column_stack([start, s0, 3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise])
 

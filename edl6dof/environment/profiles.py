@@ -29,6 +29,12 @@ def gauss_markov(rng: np.random.Generator, count: int, spacing: float) -> np.nda
     return out
 
 
+def central_slopes(profile: np.ndarray) -> np.ndarray:
+    """Slopes per row of a profile: half the rise between its two neighbours (Catmull-Rom), at an end half of the one rise."""
+    padded = np.concatenate([profile[:1], profile, profile[-1:]])
+    return 0.5 * (padded[2:] - padded[:-2])
+
+
 @kernel
 def _correlate(normals, keep):
     """Turn independent normals into a sequence whose neighbours are correlated by ``keep``, in place."""

@@ -14,11 +14,10 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, held, row_at
+from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients, held, row_at
 from edl6dof.environment.layout import extended
-from edl6dof.environment.profiles import GUST_STREAM, gauss_markov, stream
+from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.jit import kernel
-from edl6dof.spatial.interpolation import smooth
 
 TABLE, CONSTANT, SHEAR, NONE = range(4)
 
@@ -69,12 +68,12 @@ class WindParams(Params):
     discrete_gust: DiscreteGustParams = group(DiscreteGustParams, "single gust of shape 1-cosine")
 
 
-#: The parameters, and the random gust of this case (m/s) on rows evenly spaced in :func:`gust_coordinate`.
+#: The parameters, and the random gust of this case (m/s): cubics between rows evenly spaced in :func:`gust_coordinate`.
 WIND = extended(
     WindParams,
-    gust_east=("f8", (MAX_ROWS,)),
-    gust_north=("f8", (MAX_ROWS,)),
-    gust_up=("f8", (MAX_ROWS,)),
+    gust_east=("f8", (MAX_ROWS - 1, 4)),
+    gust_north=("f8", (MAX_ROWS - 1, 4)),
+    gust_up=("f8", (MAX_ROWS - 1, 4)),
     gust_spacing="f8",
 )
 
@@ -126,7 +125,7 @@ def _random_gust(w, alt):
     u = min(u, MAX_ROWS - 1.0)
     row = min(int(u), MAX_ROWS - 2)
     t = u - row
-    return smooth(w.gust_east, MAX_ROWS, row, t), smooth(w.gust_north, MAX_ROWS, row, t), smooth(w.gust_up, MAX_ROWS, row, t)
+    return cubic(w.gust_east, row, t), cubic(w.gust_north, row, t), cubic(w.gust_up, row, t)
 
 
 @kernel
@@ -148,7 +147,10 @@ def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0
     rng = stream(seed, case, GUST_STREAM)
     sigma = gust.sigma_scale * np.interp(gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s)
     for name, ratio in (("gust_east", 1.0), ("gust_north", 1.0), ("gust_up", gust.vertical_ratio)):
-        record[name] = ratio * sigma * gauss_markov(rng, MAX_ROWS, spacing) if gust.enabled else 0.0
+        record[name] = 0.0
+        if gust.enabled:
+            profile = ratio * sigma * gauss_markov(rng, MAX_ROWS, spacing)
+            record[name] = cubic_coefficients(profile, central_slopes(profile))
 
 
 def gust_altitudes(gust: GustParams) -> np.ndarray:

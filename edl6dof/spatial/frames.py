@@ -27,7 +27,8 @@ def geodetic(radius, flattening, r_F):
     """Sines and cosines of geodetic latitude and longitude, and the height above the ellipsoid.
 
     Returns (sin_lat, cos_lat, sin_lon, cos_lon, altitude).  Bowring's parametric-latitude iteration without trigonometric
-    functions; two passes leave less than 1e-9 m for heights up to 10,000 km.
+    functions; two passes leave less than 1e-9 m for heights up to 10,000 km.  The height, an extreme over the latitude, is as good after
+    one (1e-9 m up to 1,000 km, 1e-8 m up to 10,000 km), and density waits for it.
     Source: B. R. Bowring, "Transformation from spatial to geographical coordinates", Survey Review 23 (1976).
     """
     x, y, z = r_F
@@ -36,19 +37,24 @@ def geodetic(radius, flattening, r_F):
     cos_lon, sin_lon = (x * inverse, y * inverse) if axis > 0.0 else (1.0, 0.0)
     shape = 1.0 - flattening
     e2 = flattening * (2.0 - flattening)
-    second = e2 / shape
     # in radii; sine and cosine keep a common factor up to the end: normalising them in each pass cost 10 % more
-    height, width = z / radius, axis / radius
-    s, c = height, shape * shape * width
-    for _ in range(2):
-        sb, cb = shape * s, c
-        b2 = sb * sb + cb * cb
-        b3 = b2 * sqrt(b2)
-        s, c = height * b3 + second * sb * sb * sb, width * b3 - e2 * cb * cb * cb
+    per_radius = 1.0 / radius
+    height, width = z * per_radius, axis * per_radius
+    s, c = _bowring(height, width, shape, e2, height, shape * shape * width)
     length2 = s * s + c * c
-    inverse = 1.0 / sqrt(length2)
-    altitude = radius * (width * c + height * s - sqrt(length2 - e2 * s * s)) * inverse
+    altitude = radius * ((width * c + height * s - sqrt(length2 - e2 * s * s)) / sqrt(length2))
+    s, c = _bowring(height, width, shape, e2, s, c)
+    inverse = 1.0 / sqrt(s * s + c * c)
     return s * inverse, c * inverse, sin_lon, cos_lon, altitude
+
+
+@kernel
+def _bowring(height, width, shape, e2, s, c):
+    """One pass: better sine and cosine of latitude, times a common factor, from ``s`` and ``c`` with another."""
+    sb, cb = shape * s, c
+    b2 = sb * sb + cb * cb
+    b3 = b2 * sqrt(b2)
+    return height * b3 + e2 / shape * sb * sb * sb, width * b3 - e2 * cb * cb * cb
 
 
 @kernel
