@@ -21,7 +21,7 @@ from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import put3
+from edl6dof.spatial.vector import add, scale
 
 MAX_DEGREE = 12
 HARMONICS, J2, CENTRAL, NONE = range(4)
@@ -53,11 +53,6 @@ class GravityParams(Params):
 #: (order, then degree).
 GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 
-#: Where a body's departure from the central field was last worked out (m, in F), and the departure (m/s2).
-DEPARTURE = np.dtype([("at", "f8", (3,)), ("acceleration", "f8", (3,))], align=True)
-#: Distance along each axis, m, within which it is kept.
-KEPT_WITHIN = 0.005
-
 
 @kernel
 def gravity_F(g, x, y, z):
@@ -65,37 +60,16 @@ def gravity_F(g, x, y, z):
 
     Source: see the module.
     """
-    central = _central(g, x, y, z)
-    ax, ay, az = departure_F(g, x, y, z)
-    return central * x + ax, central * y + ay, central * z + az
+    return add(central_F(g, x, y, z), departure_F(g, x, y, z))
 
 
 @kernel
-def gravity_nearby_F(g, kept, x, y, z):
-    """:func:`gravity_F`, its departure from a central field worked out anew only ``KEPT_WITHIN`` m from where it was last.
-
-    The stages of an integration step meet in pairs (middle, and end with the next beginning), so half the sums are saved.  The
-    departure changes by less than 2e-10 m/s2 over that distance on Mars and on Earth.
-
-    Args:
-        g: ``GRAVITY`` record.
-        kept: ``DEPARTURE`` record of the body that moves; all zeros at first.
-    """
-    near = KEPT_WITHIN
-    if not (abs(x - kept.at[0]) <= near and abs(y - kept.at[1]) <= near and abs(z - kept.at[2]) <= near):
-        put3(kept.at, 0, (x, y, z))
-        put3(kept.acceleration, 0, departure_F(g, x, y, z))
-    central, departure = _central(g, x, y, z), kept.acceleration
-    return central * x + departure[0], central * y + departure[1], central * z + departure[2]
-
-
-@kernel
-def _central(g, x, y, z):
-    """Acceleration of the central term over the position, 1/s2."""
+def central_F(g, x, y, z):
+    """The central term of the field, m/s2."""
     if g.model == NONE:
-        return 0.0
+        return 0.0, 0.0, 0.0
     r2 = x * x + y * y + z * z
-    return -g.mu / (r2 * sqrt(r2))
+    return scale(-g.mu / (r2 * sqrt(r2)), (x, y, z))
 
 
 @kernel
@@ -155,8 +129,7 @@ def _harmonics_F(g, x, y, z):
             w, w_before = z_r * w - down * w_before, w
             k += 1
         v_sector, w_sector = x_r * v_sector - y_r * w_sector, x_r * w_sector + y_r * v_sector
-    scale = g.mu / (radius * radius)
-    return scale * ax, scale * ay, scale * az
+    return scale(g.mu / (radius * radius), (ax, ay, az))
 
 
 def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
