@@ -32,6 +32,8 @@ from edl6dof.vehicle.staging import carry_out
 
 TIME_TOLERANCE = 1e-9
 N_EVENTS = len(EVENTS)
+#: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far within a cycle.
+NEAR_GROUND = 2000.0
 
 
 @kernel
@@ -206,7 +208,7 @@ def advance(case, tables, plant, t_end):
                 event = i
         h = due - plant.t
         if h > TIME_TOLERANCE:
-            if plant.fresh == 0 and (plant.agl < 20000.0 or plant.canopy == EXTRACTING):
+            if plant.fresh == 0 and plant.out.altitude - plant.ground_elevation < NEAR_GROUND:
                 look_down(case, tables, plant)
             if event_function(case, plant, plant.t) != 1.0:
                 if located_step(case, tables, plant, h):
