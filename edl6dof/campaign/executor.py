@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from itertools import islice
 from threading import local
-from typing import Any, NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -21,20 +20,17 @@ import pyarrow as pa
 from edl6dof.campaign.case import Case
 from edl6dof.campaign.readback import NotApplied, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
-from edl6dof.campaign.variants import Variant, Variants
+from edl6dof.campaign.variants import Variants
 from edl6dof.config.errors import ConfigError
 from edl6dof.sim.channels import BRIEF, TICK
-from edl6dof.sim.flight import Flight, fly, log_rows
+from edl6dof.sim.flight import fly, log_rows
 from edl6dof.sim.scenario import LoadedScenario
 
 #: Called with the number of cases done and the row of the last one.
 Progress = Callable[[int, Row], None]
 
-#: Cases that a thread prepares, flies and makes rows of at a time; each has a telemetry buffer, 7 MB of which a landing fills.
-_HANDFUL = 4
-
-#: Handfuls begun ahead of the one whose rows are waited for, for each worker.
-_AHEAD = 2
+#: Cases begun ahead of the one whose row is waited for, for each worker.
+_AHEAD = 8
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -72,7 +68,8 @@ def fly_rows(
         collect: returns more columns of a flight; runs in the worker threads, and must not keep the flight.
         progress: called after each row, in the caller's thread.
     """
-    for done, row in enumerate(Pilot(loaded, collect).rows(cases, workers), start=1):
+    pilot = Pilot(loaded, collect)
+    for done, row in enumerate(in_threads(pilot.fly, cases, workers), start=1):
         if progress is not None:
             progress(done, row)
         yield row
@@ -99,23 +96,6 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class _Ready(NamedTuple):
-    """A case that may fly, with the changes that are truly in it, as columns of its row."""
-
-    variant: Variant
-    changes: dict[str, Any]
-
-
-def _together(cases: Iterable[Case], count: int) -> Iterator[list[Case]]:
-    cases = iter(cases)
-    while some := list(islice(cases, count)):
-        yield some
-
-
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split())
-
-
 class Pilot:
     """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its own.
 
@@ -125,49 +105,20 @@ class Pilot:
     def __init__(self, loaded: LoadedScenario, collect: Collect | None = None):
         self.variants = Variants(loaded)
         self.collect = collect
-        self._handful = _HANDFUL if collect is None else 1
         self._buffers = local()
 
-    def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
-        """Fly cases in threads and yield their rows, in the order of the cases."""
-        for rows in in_threads(self.fly, _together(cases, self._handful), workers):
-            yield from rows
-
-    def fly(self, cases: Sequence[Case]) -> list[Row]:
-        """Fly a few cases; one that cannot fly becomes a row that says why.
-
-        First all are prepared, then all fly, then all become rows: a flight leaves nothing of the rest in the processor's caches, and one
-        case after the other would take half as long again for it.
-        """
-        prepared = [self._prepared(case) for case in cases]
-        flights = [self._flown(ready, place) for place, ready in enumerate(prepared)]
-        return [self._row(*attempt) for attempt in zip(cases, prepared, flights, strict=True)]
-
-    def _prepared(self, case: Case) -> _Ready | str:
-        """What flies, or why it cannot."""
+    def fly(self, case: Case) -> Row:
+        """Fly a case; one that cannot fly becomes a row that says why."""
         try:
             variant = self.variants.build(case)
-            return _Ready(variant, applied(variant, case.truth, case.told))
+            changes = applied(variant, case.truth, case.told)
+            flight = fly(variant.loaded, parts=variant.parts, log=self._log(log_rows(variant.loaded)))
         except _UNFLYABLE as error:
-            return _reason(error)
+            return failed_row(case, " ".join(str(error).split()))
+        return flown_row(case, changes, flight, self.collect)
 
-    def _flown(self, ready: _Ready | str, place: int) -> Flight | str:
-        if isinstance(ready, str):
-            return ready
-        loaded, parts = ready.variant.loaded, ready.variant.parts
-        try:
-            return fly(loaded, parts=parts, log=self._log(place, log_rows(loaded)))
-        except _UNFLYABLE as error:
-            return _reason(error)
-
-    def _row(self, case: Case, ready: _Ready | str, flight: Flight | str) -> Row:
-        if isinstance(flight, str):
-            return failed_row(case, flight)
-        return flown_row(case, ready.changes, flight, self.collect)
-
-    def _log(self, place: int, rows: int) -> np.ndarray:
+    def _log(self, rows: int) -> np.ndarray:
         """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of it."""
-        logs: dict[int, np.ndarray] = self._buffers.__dict__.setdefault("logs", {})
-        if place not in logs or len(logs[place]) < rows:
-            logs[place] = np.zeros(rows, BRIEF if self.collect is None else TICK)
-        return logs[place]
+        if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
+            self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
+        return self._buffers.log

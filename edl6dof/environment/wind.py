@@ -6,6 +6,7 @@ Source: discrete gust, MIL-F-8785C section 3.7.1.3 (1-cosine); strength and scal
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, log, pi, sin
 from typing import Literal
 
@@ -142,15 +143,21 @@ def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0
         raise ValueError("wind model table: the atmosphere table has no winds")
     fill(record, params)
     gust = params.gust
-    top = gust_coordinate(_GUST_TOP, gust.scale_length_m, gust.scale_growth)
-    record["gust_spacing"] = spacing = top / (MAX_ROWS - 1)
+    spacing, sigma = _gust_rows(gust)
+    record["gust_spacing"] = spacing
     rng = stream(seed, case, GUST_STREAM)
-    sigma = gust.sigma_scale * np.interp(gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s)
     for name, ratio in (("gust_east", 1.0), ("gust_north", 1.0), ("gust_up", gust.vertical_ratio)):
         record[name] = 0.0
         if gust.enabled:
             profile = ratio * sigma * gauss_markov(rng, MAX_ROWS, spacing)
             record[name] = cubic_coefficients(profile, central_slopes(profile))
+
+
+@lru_cache(maxsize=8)
+def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
+    """Distance of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each: the same for most cases."""
+    top = gust_coordinate(_GUST_TOP, gust.scale_length_m, gust.scale_growth)
+    return top / (MAX_ROWS - 1), gust.sigma_scale * np.interp(gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s)
 
 
 def gust_altitudes(gust: GustParams) -> np.ndarray:

@@ -118,22 +118,21 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
 )
 
-#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign records.
+#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign records.  Those that one figure
+#: needs stand together, as a log is larger than the caches: reading it is most of the work.
 BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
-    channel
-    for channel in CHANNELS
-    if channel.name
-    in {
+    {channel.name: channel for channel in CHANNELS}[name]
+    for name in (
+        *("guide.phase", "guide.bank_deg"),
+        *("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s", "truth.alpha_deg", "truth.beta_deg"),
+        *("truth.dynamic_pressure_pa", "truth.load_g0", "truth.heat_flux_w_cm2", "truth.heat_load_j_cm2", "truth.footpads"),
+        *("truth.riser_tension_n", "truth.propellant_kg", "truth.total_alpha_deg"),
         *("truth.altitude_m", "truth.height_m", "truth.latitude_deg", "truth.longitude_deg", "truth.speed_m_s", "truth.mach"),
         *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
         *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),
-        *("truth.alpha_deg", "truth.beta_deg", "truth.total_alpha_deg"),
-        *("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s"),
         *("truth.disturbance_x_nm", "truth.disturbance_y_nm", "truth.disturbance_z_nm"),
-        *("truth.dynamic_pressure_pa", "truth.load_g0", "truth.heat_flux_w_cm2", "truth.heat_load_j_cm2"),
-        *("truth.propellant_kg", "truth.riser_tension_n", "truth.footpads"),
-        *("guide.phase", "guide.bank_deg", "control.error_roll_deg", "control.error_pitch_deg", "control.error_yaw_deg"),
-    }
+        *("control.error_roll_deg", "control.error_pitch_deg", "control.error_yaw_deg"),
+    )
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, sin
+from math import asin, atan2, cos, pi, sin
 
 import numpy as np
 
@@ -36,8 +36,9 @@ def deployment_figures(scenario: Scenario, telemetry: Telemetry, figures: dict[s
 
 
 def _track(rows: Telemetry) -> list[np.ndarray]:
-    """Latitude and longitude, rad, without jumps."""
-    return [np.unwrap(np.radians(rows[f"truth.{axis}_deg"])) for axis in ("latitude", "longitude")]
+    """Latitude and longitude, rad, of one or two rows, without jumps."""
+    latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
+    return [latitude, np.unwrap(longitude) if np.ptp(longitude) > pi else longitude]
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:

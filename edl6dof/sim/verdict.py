@@ -159,14 +159,14 @@ def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[st
     lift = telemetry.rows(first, last)
     t, p = lift["t_s"], lift["truth.rate_p_deg_s"]
     wing = when.get("trim_wing", np.inf)
-    calm = ~((t >= wing) & (t < wing + WING_TRANSIENT_S))
+    opens, calms = _row(t, wing), _row(t, wing + WING_TRANSIENT_S)
     before = min(first, 1)
     with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
     figures = {
         "bank_reversals": float(np.sum(with_entry[1:] * with_entry[:-1] < 0.0)),
         "max_bank_rate_deg_s": _peak(p),
-        "max_pitch_rate_lift_deg_s": _peak(_swing(lift, p, "rate_q", "beta")[calm]),
-        "max_yaw_rate_lift_deg_s": _peak(_swing(lift, p, "rate_r", "alpha")[calm]),
+        "max_pitch_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_q", "beta"), slice(opens, calms))),
+        "max_yaw_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_r", "alpha"), slice(opens, calms))),
     }
     zero = np.flatnonzero(with_entry[before:] == 0.0)
     if len(zero):
@@ -197,7 +197,8 @@ def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[
     if "parachute" in phases and "mortar" in when:
         hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
         figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
-        figures["max_riser_tension_n"] = _largest(telemetry, "truth.riser_tension_n")
+        opened = telemetry.rows(_row(telemetry["t_s"], when["mortar"]), None)
+        figures["max_riser_tension_n"] = _largest(opened, "truth.riser_tension_n")
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
     return figures

@@ -6,6 +6,8 @@ use the parallel-axis theorem, so the parts always add up to the entry vehicle. 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from pydantic import model_validator
 
@@ -62,6 +64,7 @@ def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
     return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 
+@lru_cache(maxsize=64)
 def lander_dry(params: MassParams) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without propellant."""
     parts = (params.heat_shield, params.backshell, params.parachute, params.propellant)
