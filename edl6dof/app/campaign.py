@@ -25,6 +25,7 @@ from edl6dof.campaign.store import Store, StoreError
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import is_cached
 from edl6dof.post.folder import FolderExists, atomic_folder
+from edl6dof.post.numbers import significant
 
 if TYPE_CHECKING:
     from edl6dof.campaign.compare import Comparison
@@ -242,7 +243,7 @@ def _show_comparison(console: Console, result: Comparison) -> None:
     for figure in result.figures:
         if figure.clear:
             numbers = (figure.mean_a, figure.mean_b, figure.difference, figure.half_width)
-            table.add_row(figure.figure, *(f"{number:.5g}" for number in numbers[:3]), f"+-{numbers[3]:.2g}")
+            table.add_row(figure.figure, *(significant(number, 5) for number in numbers[:3]), f"+-{significant(numbers[3], 2)}")
     console.print(table if table.row_count else "no figure differs clearly")
 
 

@@ -16,6 +16,7 @@ from rich.text import Text
 from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.config.wording import nearest
 from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.post.numbers import significant
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
@@ -120,8 +121,8 @@ def _cell(value: str | float, short: bool) -> str:
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:
-    published = "" if finding.published is None else f"{finding.bound} {finding.published:.4g}".strip()
-    return f"{finding.computed:.4g}", published
+    published = "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
+    return significant(finding.computed), published
 
 
 def _mark(finding: Finding) -> Text:

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import pyarrow as pa
-from pydantic import BaseModel
 
 from edl6dof.campaign.case import Case
 from edl6dof.sim.flight import Flight
@@ -34,17 +33,20 @@ def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: C
 
 
 def _plain(value: Any) -> Any:
-    """Parameter models, such as those of faults, as JSON text without what they leave at the default."""
-    models = value if isinstance(value, list) else [value]
-    if not models or not all(isinstance(model, BaseModel) for model in models):
+    """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of faults, as JSON text.
+
+    Models leave out what they have at the default.
+    """
+    items = value if isinstance(value, list | tuple) and value else [value]
+    if isinstance(value, str) or all(isinstance(item, int | float | None) for item in items):
         return value
-    return json.dumps([model.model_dump(mode="json", exclude_defaults=True) for model in models])
+    return json.dumps(value, default=lambda model: model.model_dump(mode="json", exclude_defaults=True))
 
 
 def failed_row(case: Case, reason: str) -> Row:
     """Row of a case that could not fly."""
-    changes = {**{f"truth.{path}": value for path, value in case.truth.items()}}
-    changes |= {f"belief.{path}": value for path, value in case.belief.items()}
+    changes = {f"truth.{path}": _plain(value) for path, value in case.truth.items()}
+    changes |= {f"belief.{path}": _plain(value) for path, value in case.belief.items()}
     if case.profile is not None:
         changes["profile"] = case.profile
     words = f"could not fly: {reason.replace('Value error, ', '')}"
@@ -60,7 +62,7 @@ def table_of(rows: Iterable[Row]) -> pa.Table:
 
 
 def _column(values: list[Any]) -> pa.Array:
-    """Whole and broken numbers in one column become floats; numbers beside text, or nested values of unlike shape, become text."""
+    """Whole and broken numbers in one column become floats; numbers beside text or lists become text."""
     kinds = {type(value) for value in values if value is not None}
     if kinds == {int, float}:
         values = [None if value is None else float(value) for value in values]

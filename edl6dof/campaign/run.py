@@ -13,7 +13,7 @@ import pyarrow.parquet as pq
 
 import edl6dof
 from edl6dof.campaign.engines import Engine
-from edl6dof.campaign.origin import source_hash
+from edl6dof.campaign.origin import plugin_complaint, plugin_hashes, source_hash
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
@@ -50,18 +50,19 @@ def begin(plan: Plan, store: Store, until: str | None) -> None:
     Raises:
         StoreError: there is something already.
     """
-    store.begin(
-        plan.text, {"edl6dof_version": edl6dof.__version__, "source": source_hash(), "cases": plan.count, "part": PART, "until": until}
-    )
+    sources = {"edl6dof_version": edl6dof.__version__, "source": source_hash(), "plugins": plugin_hashes()}
+    store.begin(plan.text, {**sources, "cases": plan.count, "part": PART, "until": until})
 
 
 def resumed_plan(store: Store) -> Plan:
     """The plan of a campaign that was begun earlier.
 
     Raises:
-        StoreError: it was begun with other sources: rows of two programs would stand in one table.
+        StoreError: it was begun with other sources or plugins: rows of two programs would stand in one table.
     """
     info = store.info
+    if complaint := plugin_complaint(info.get("plugins", {})):
+        raise StoreError(f"{store.folder} was begun {complaint}")
     if info["source"] != source_hash():
         raise StoreError(f"{store.folder} was begun with other sources of edl6dof ({info['edl6dof_version']}); begin anew with --force")
     return parse_plan(store.plan_text, str(store.folder / "campaign.yaml"))

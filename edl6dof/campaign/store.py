@@ -4,7 +4,7 @@
 
     runs/tianwen1_mc/
       campaign.yaml     the plan, every default written out
-      campaign.json     version and source hash, number of cases, size of a part
+      campaign.json     version, source hash, plugins with theirs, number of cases, size of a part
       parts/000000.parquet ...   while it flies; each holds a fixed range of cases
       cases.parquet     all rows, when it is complete
       summary.json      success probability, causes, speed

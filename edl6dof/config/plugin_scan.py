@@ -16,7 +16,8 @@ VARIABLE = "EDL6DOF_PLUGINS"
 #: Size, in bytes, of the largest file that is read as a scenario; a page with a scenario printed in it is none.
 LARGEST = 2_000_000
 
-_NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:", re.MULTILINE)
+#: A resolved file without plugins says ``plugins: []``.
+_NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:(?![ \t]*\[[ \t]*\])", re.MULTILINE)
 _EXTENDS = re.compile(rb"^extends[ \t]*:[ \t]*[\"']?([^\s\"'#]+)", re.MULTILINE)
 
 
@@ -26,7 +27,7 @@ def files_from_environment() -> list[Path]:
 
 
 def scenarios_naming_plugins(arguments: Iterable[str | Path]) -> Iterator[Path]:
-    """Files with a ``plugins`` key among the arguments (a file, a scenario's name, a run folder) and the scenarios they extend."""
+    """Files with a ``plugins`` key among the arguments (a file, a scenario's name, a run or campaign folder) and what they extend."""
     for text in map(str, arguments):
         seen: set[Path] = set()
         file = _scenario(text, Path())
@@ -44,7 +45,8 @@ def _scenario(text: str, folder: Path) -> Path | None:
     if "\0" in text:
         return None
     here = join(folder, text)
-    found = next((Path(place) for place in (here, f"{here}.yaml", join(here, "scenario.yaml")) if isfile(place)), None)
+    inside = (join(here, name) for name in ("scenario.yaml", "campaign.yaml"))
+    found = next((Path(place) for place in (here, f"{here}.yaml", *inside) if isfile(place)), None)
     return found or find_shipped("scenarios", text.removeprefix("scenarios/"))
 
 

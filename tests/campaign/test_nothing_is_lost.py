@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import signal
 import subprocess
@@ -11,6 +12,11 @@ from pathlib import Path
 
 import pytest
 from campaign_run import finished, program, write_drop
+
+from edl6dof.campaign import origin, run
+from edl6dof.campaign.plan import load_plan
+from edl6dof.campaign.store import Store, StoreError
+from edl6dof.config.plugin_scan import scenarios_naming_plugins
 
 FOLDER = Path("runs/drops")
 
@@ -148,3 +154,32 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
         assert done.returncode == 0, done.stderr
         peaks[cases] = int(done.stdout) / 1024
     assert peaks[100_000] - peaks[10_000] < 30.0, peaks
+
+
+def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
+    """It is found to name them, and says which is gone, changed, not loaded or new."""
+    plan, store, plugin = load_plan(write_drop(tmp_path)), Store(tmp_path / "out"), tmp_path / "law.py"
+    plugin.write_text("x = 1\n")
+    origin.source_hash()  # kept for this process, which has no plugins
+    monkeypatch.setattr(origin, "outside_sources", [str(plugin)])
+    run.begin(plan, store, None)
+    assert store.info["plugins"] == {str(plugin): hashlib.sha256(b"x = 1\n").hexdigest()}
+    assert origin.plugin_complaint(store.info["plugins"]) == ""
+
+    for change, words in (
+        (lambda: origin.outside_sources.clear(), "this process has not loaded"),
+        (lambda: plugin.write_text("x = 2\n"), "has changed since"),
+        (plugin.unlink, "which is gone"),
+    ):
+        change()
+        with pytest.raises(StoreError, match=words):
+            run.resumed_plan(store)
+    assert origin.plugin_complaint({}) == ""
+    origin.outside_sources.append("other.py")
+    assert origin.plugin_complaint({}) == "without the plugin other.py"
+
+
+@pytest.mark.parametrize("written, named", [('["/a/law.py"]', True), ("[]  # [S]", False)])
+def test_plugins_of_a_campaign_folder_are_loaded_with_it(tmp_path, written, named):
+    (tmp_path / "campaign.yaml").write_text(f"name: x\nplugins: {written}\n")
+    assert list(scenarios_naming_plugins([tmp_path])) == ([tmp_path / "campaign.yaml"] if named else [])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.post.files import atomic_file
+from edl6dof.post.numbers import significant
 from edl6dof.post.report.document import Report, Section, Table, Text
 from edl6dof.post.report.drawing import drawing
 from edl6dof.post.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
@@ -109,3 +111,19 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path):
         partial.write_text("two")
     assert [path.name for path in target.parent.iterdir()] == ["a.html"]
     assert target.read_text() == "two"
+
+
+@pytest.mark.parametrize(
+    "value, text",
+    [
+        (0.0, "0"),
+        (1.23456, "1.235"),
+        (-9876.54, "-9877"),
+        (9999.96, "10000"),
+        (1234567.8, "1234568"),
+        (1.2e-7, "1e-07"),
+        (math.inf, "inf"),
+    ],
+)
+def test_large_numbers_are_written_whole(value, text):
+    assert significant(value) == text

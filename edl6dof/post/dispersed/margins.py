@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.campaign.statistics import Proportion, quantiles
 from edl6dof.post.dispersed.results import Results
+from edl6dof.post.numbers import significant
 from edl6dof.post.report.document import Block, Cell, Table, Text
 from edl6dof.post.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
 
@@ -33,8 +34,8 @@ def limit_quantiles(results: Results) -> Table:
         missed = int(np.sum(values > limit))
         spread = quantiles(values)
         mood = "bad" if missed else "good"
-        cells = [f"{value:.4g}" for value in spread]
-        rows.append([label, unit, *cells, f"{limit:.4g}", Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit), str(missed)])
+        cells = [significant(value) for value in spread]
+        rows.append([label, unit, *cells, significant(limit), Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit), str(missed)])
     caption = "The last bar is the 99.87 % quantile (3 sigma) over the limit."
     return Table(["figure", "unit", *_HEADS, "limit>", "used", "missed>"], rows, caption)
 
@@ -42,7 +43,7 @@ def limit_quantiles(results: Results) -> Table:
 def other_quantiles(results: Results) -> Table:
     """Quantiles of other figures."""
     rows = [
-        [label, unit, *(f"{value:.4g}" for value in quantiles(results[figure]))]
+        [label, unit, *(significant(value) for value in quantiles(results[figure]))]
         for figure, label, unit in _OTHERS
         if results.has(figure) and figure not in {name for name, *_ in results.limits}
     ]
@@ -109,6 +110,6 @@ def worst(results: Results, count: int = 3) -> Table:
         for index in finite[np.argsort(-values[finite])][:count]:
             share = values[index] / limit
             case = int(results.cases[index])
-            shown = Cell(f"{values[index]:.4g}", "bad" if share > 1.0 else "plain", float(share))
-            rows.append([label, unit, shown, f"{limit:.4g}", f"edl6dof refly {results.folder} {case}"])
+            shown = Cell(significant(values[index]), "bad" if share > 1.0 else "plain", float(share))
+            rows.append([label, unit, shown, significant(limit), f"edl6dof refly {results.folder} {case}"])
     return Table(["figure", "unit", "value", "limit>", "fly it again"], rows)
