@@ -121,7 +121,7 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path):
         (-9876.54, "-9877"),
         (9999.96, "10000"),
         (1234567.8, "1234568"),
-        (1.2e-7, "1e-07"),
+        (1e-7, "1e-07"),
         (math.inf, "inf"),
     ],
 )
