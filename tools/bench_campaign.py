@@ -31,7 +31,7 @@ from rich.table import Table
 
 from edl6dof.campaign import run
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.executor import Pilot, available_cores, in_threads
+from edl6dof.campaign.executor import Pilot, available_cores
 from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.store import Store
 from edl6dof.sim import flight
@@ -85,7 +85,7 @@ class LoopClock:
 def fly(plan: Plan, pilot: Pilot, first: int, last: int, workers: int, cost: Cost, clock: LoopClock) -> None:
     """Fly some cases and add what they cost."""
     wall, cpu, loop, steps = time.perf_counter(), time.process_time(), clock.cpu_s, clock.steps
-    flown = sum(1 for _ in in_threads(pilot.fly, plan.cases(first, last), workers))
+    flown = sum(1 for _ in pilot.rows(plan.cases(first, last), workers))
     cost.flights += flown
     cost.wall_s += time.perf_counter() - wall
     cost.cpu_s += time.process_time() - cpu

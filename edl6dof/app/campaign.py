@@ -136,7 +136,7 @@ def _warm_up(plan: Plan, talk: bool) -> None:
         print("Compiling the simulator (up to a minute, kept for all later flights) ...", file=sys.stderr, flush=True)
     from edl6dof.campaign.executor import Pilot
 
-    Pilot(plan.loaded).fly(next(plan.cases(0, 1)))
+    Pilot(plan.loaded).fly(list(plan.cases(0, 1)))
 
 
 @contextmanager

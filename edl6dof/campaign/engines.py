@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
-from edl6dof.campaign.executor import Pilot, available_cores, in_threads
+from edl6dof.campaign.executor import Pilot, available_cores
 from edl6dof.campaign.origin import source_hash
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import Row
@@ -51,7 +51,7 @@ class Threads:
                 yield from plan.cases(first, last)
 
         found: list[Row] = []
-        for row in in_threads(Pilot(plan.loaded).fly, cases(), self.workers):
+        for row in Pilot(plan.loaded).rows(cases(), self.workers):
             found.append(row)
             if len(found) == pending[0][1] - pending[0][0]:
                 pending.popleft()
@@ -119,7 +119,7 @@ def fly_range(plan_text: str, source: str, first: int, last: int) -> list[Row]:
     if source != source_hash():
         raise OSError("a worker of the cluster runs other sources of edl6dof than this program; install the same on all machines")
     plan, pilot = _prepared(plan_text)
-    return [pilot.fly(case) for case in plan.cases(first, last)]
+    return pilot.fly(list(plan.cases(first, last)))
 
 
 @lru_cache(maxsize=2)

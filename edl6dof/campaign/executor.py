@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import islice
 from threading import local
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import pyarrow as pa
@@ -20,7 +21,7 @@ import pyarrow as pa
 from edl6dof.campaign.case import Case
 from edl6dof.campaign.readback import NotApplied, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
-from edl6dof.campaign.variants import Variants
+from edl6dof.campaign.variants import Variant, Variants
 from edl6dof.config.errors import ConfigError
 from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.flight import fly, log_rows
@@ -29,8 +30,11 @@ from edl6dof.sim.scenario import LoadedScenario
 #: Called with the number of cases done and the row of the last one.
 Progress = Callable[[int, Row], None]
 
-#: Cases begun ahead of the one whose row is waited for, for each worker.
-_AHEAD = 8
+#: Cases that a thread takes at a time.
+_HANDFUL = 4
+
+#: Handfuls begun ahead of the one whose rows are waited for, for each worker.
+_AHEAD = 2
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -68,8 +72,7 @@ def fly_rows(
         collect: returns more columns of a flight; runs in the worker threads, and must not keep the flight.
         progress: called after each row, in the caller's thread.
     """
-    pilot = Pilot(loaded, collect)
-    for done, row in enumerate(in_threads(pilot.fly, cases, workers), start=1):
+    for done, row in enumerate(Pilot(loaded, collect).rows(cases, workers), start=1):
         if progress is not None:
             progress(done, row)
         yield row
@@ -96,6 +99,17 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+class _Ready(NamedTuple):
+    """A case that may fly, with the changes that are truly in it, as columns of its row."""
+
+    variant: Variant
+    changes: dict[str, Any]
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
 class Pilot:
     """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its own.
 
@@ -107,15 +121,39 @@ class Pilot:
         self.collect = collect
         self._buffers = local()
 
-    def fly(self, case: Case) -> Row:
-        """Fly a case; one that cannot fly becomes a row that says why."""
+    def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
+        """Fly cases in threads and yield their rows, in the order of the cases."""
+        remaining = iter(cases)
+        handfuls = iter(lambda: list(islice(remaining, _HANDFUL)), [])
+        for rows in in_threads(self.fly, handfuls, workers):
+            yield from rows
+
+    def fly(self, cases: Sequence[Case]) -> list[Row]:
+        """Fly a few cases; one that cannot fly becomes a row that says why.
+
+        All are prepared before the first flies: a flight leaves nothing in the processor's caches of what preparing needs, and preparing
+        each case after a flight takes half as long again.
+        """
+        prepared = [self._prepared(case) for case in cases]
+        return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
+
+    def _prepared(self, case: Case) -> _Ready | str:
+        """What flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
-            changes = applied(variant, case.truth, case.told)
-            flight = fly(variant.loaded, parts=variant.parts, log=self._log(log_rows(variant.loaded)))
+            return _Ready(variant, applied(variant, case.truth, case.told))
         except _UNFLYABLE as error:
-            return failed_row(case, " ".join(str(error).split()))
-        return flown_row(case, changes, flight, self.collect)
+            return _reason(error)
+
+    def _flown(self, case: Case, ready: _Ready | str) -> Row:
+        if isinstance(ready, str):
+            return failed_row(case, ready)
+        loaded, parts = ready.variant.loaded, ready.variant.parts
+        try:
+            flight = fly(loaded, parts=parts, log=self._log(log_rows(loaded)))
+        except _UNFLYABLE as error:
+            return failed_row(case, _reason(error))
+        return flown_row(case, ready.changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
         """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of it."""

@@ -13,6 +13,7 @@ import json
 from collections.abc import Iterable, Mapping, Set
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from threading import Lock
 from typing import Annotated, Any
 
@@ -140,8 +141,13 @@ def _is_simple(path: str, value: Any) -> bool:
     """Whether a change is a number or numbers inside a section, the number of the random profiles, or the list of faults."""
     if isinstance(value, list | tuple) and path != "faults":
         return all(_is_simple(path, item) for item in value)
+    return path in ("profile", "faults") or isinstance(value, int | float) and _is_inside(path)
+
+
+@cache
+def _is_inside(path: str) -> bool:
     section, _, inside = path.partition(".")
-    return path in ("profile", "faults") or isinstance(value, bool | int | float) and section in _SECTIONS and inside != ""
+    return section in _SECTIONS and inside != ""
 
 
 def _with_value(data: Any, keys: Path, value: Any) -> Any:

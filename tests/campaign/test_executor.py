@@ -48,7 +48,7 @@ def test_reused_telemetry_buffer_gives_the_same_log(loaded):
     logs = []
     pilot = Pilot(loaded, lambda flight: logs.append(flight.log.tobytes()) or {})
     for case in (CASES[0], CASES[2], CASES[0], CASES[2]):
-        pilot.fly(case)
+        pilot.fly([case])
     fresh = edl6dof.fly("tianwen1", [*GUSTY, *CASES[2].overrides({})])
     assert logs[0] == logs[2]
     assert logs[1] == logs[3] == fresh.log.tobytes()
