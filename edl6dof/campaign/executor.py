@@ -11,7 +11,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from itertools import islice
+from itertools import chain, islice, repeat
 from threading import local
 from typing import Any, NamedTuple, TypeVar
 
@@ -99,6 +99,15 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def _handfuls(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
+    """Cases in the portions that threads take: first single ones, so that a few cases keep all workers busy."""
+    cases = iter(cases)
+    for count in chain(repeat(1, _HANDFUL * workers), repeat(_HANDFUL)):
+        if not (some := list(islice(cases, count))):
+            return
+        yield some
+
+
 class _Ready(NamedTuple):
     """A case that may fly, with the changes that are truly in it, as columns of its row."""
 
@@ -123,9 +132,8 @@ class Pilot:
 
     def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
         """Fly cases in threads and yield their rows, in the order of the cases."""
-        remaining = iter(cases)
-        handfuls = iter(lambda: list(islice(remaining, _HANDFUL)), [])
-        for rows in in_threads(self.fly, handfuls, workers):
+        workers = workers or available_cores()
+        for rows in in_threads(self.fly, _handfuls(cases, workers), workers):
             yield from rows
 
     def fly(self, cases: Sequence[Case]) -> list[Row]:

@@ -163,14 +163,14 @@ def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[st
     before = min(first, 1)
     with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
     figures = {
-        "bank_reversals": float(np.sum(with_entry[1:] * with_entry[:-1] < 0.0)),
+        "bank_reversals": float(np.count_nonzero(with_entry[1:] * with_entry[:-1] < 0.0)),
         "max_bank_rate_deg_s": _peak(p),
         "max_pitch_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_q", "beta"), slice(opens, calms))),
         "max_yaw_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_r", "alpha"), slice(opens, calms))),
     }
-    zero = np.flatnonzero(with_entry[before:] == 0.0)
-    if len(zero):
-        figures["bank_zero_s"] = float(t[zero[0]])
+    zero = with_entry[before:] == 0.0
+    if zero[first_zero := zero.argmax()]:
+        figures["bank_zero_s"] = float(t[first_zero])
     return figures
 
 

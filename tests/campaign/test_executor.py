@@ -94,6 +94,15 @@ def test_cases_are_read_only_a_little_ahead():
     assert len(read) < 50
 
 
+def test_a_few_cases_keep_all_workers_busy(loaded):
+    """Cases are taken by handfuls for the sake of the caches; few ones are spread over the workers instead."""
+    pilot, taken = Pilot(loaded), []
+    pilot.fly = lambda cases: taken.append(len(cases)) or [{"case": case.index} for case in cases]
+    rows = list(pilot.rows((Case(index) for index in range(30)), workers=3))
+    assert [row["case"] for row in rows] == list(range(30))
+    assert taken.count(1) == 12 and sorted(taken)[12:] == [2, 4, 4, 4, 4]
+
+
 def test_caller_may_not_hide_a_figure(loaded):
     with pytest.raises(ValueError, match="column given twice: touchdown_s"):
         fly_cases(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0})
