@@ -7,8 +7,30 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
+
+
+class Commands(TyperGroup):
+    """All commands: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a traceback."""
+
+    def invoke(self, ctx: typer.Context) -> object:
+        """Run the command that was asked for."""
+        from edl6dof.app.ending import BAD_INPUT, INTERRUPTED
+        from edl6dof.config.errors import ConfigError
+
+        try:
+            _activate_plugins(sys.argv[1:])
+            return super().invoke(ctx)
+        except ConfigError as error:
+            print(error, file=sys.stderr)
+            raise typer.Exit(BAD_INPUT) from None
+        except KeyboardInterrupt:
+            print("interrupted; nothing was written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+
 
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -16,8 +38,6 @@ app = typer.Typer(
     help="Six-degree-of-freedom Mars entry, descent and landing.",
 )
 
-BAD_INPUT = 2
-FAILED_FLIGHT = 1
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 
 Sets = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")]
@@ -282,15 +302,5 @@ def _activate_plugins(arguments: list[str]) -> None:
 
 
 def main() -> None:
-    """Entry point: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a traceback."""
-    from edl6dof.config.errors import ConfigError
-
-    try:
-        _activate_plugins(sys.argv[1:])
-        app()
-    except ConfigError as error:
-        print(error, file=sys.stderr)
-        sys.exit(BAD_INPUT)
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        sys.exit(130)
+    """Entry point."""
+    app()

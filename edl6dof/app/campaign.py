@@ -24,7 +24,7 @@ from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import Store, StoreError
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import is_cached
-from edl6dof.post.folder import FolderExists, atomic_folder
+from edl6dof.post.folder import atomic_folder
 from edl6dof.post.numbers import significant
 
 if TYPE_CHECKING:
@@ -206,10 +206,8 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
             flight = reflown(plan, number)
             wrong = differences(store, plan, number, flight)
             write_files(flight, partial, replay)
-    except (StoreError, FolderExists) as error:
+    except StoreError as error:
         return refuse(str(error))
-    except OSError as error:
-        return refuse(f"{target}: cannot be written: {error.strerror or error}")
     print(f"{target}: case {number}, {flight.outcome}")
     print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
     return 1 if wrong else 0

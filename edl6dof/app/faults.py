@@ -18,14 +18,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.jsontext import json_text
 from edl6dof.config.wording import nearest
-from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.post.folder import atomic_folder
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 
 _LEGEND = """\
@@ -55,21 +54,12 @@ def run_faults(options: FaultOptions) -> int:
     kinds, phases, thrusters = _grid(options, loaded)
     target = options.out or Path("runs") / f"faults-{loaded.scenario.name}"
     cases = fault_cases(thrusters, kinds, phases, options.after_s)
-    try:
-        refuse_existing(target, options.force)
-        with atomic_folder(target, options.force) as folder:
-            with _progress(len(cases), quiet=options.as_json) as progress:
-                rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
-            pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
-            summary = json_text(_summary(rows, kinds, phases))
-            (folder / "summary.json").write_text(summary, encoding="utf-8")
-    except FolderExists as error:
-        return refuse(str(error))
-    except OSError as error:
-        return refuse(f"{target}: cannot be written: {error.strerror or error}")
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        return INTERRUPTED
+    with atomic_folder(target, options.force) as folder:
+        with _progress(len(cases), quiet=options.as_json) as progress:
+            rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
+        pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
+        summary = json_text(_summary(rows, kinds, phases))
+        (folder / "summary.json").write_text(summary, encoding="utf-8")
     if options.as_json:
         print(summary, end="")
     else:

@@ -12,10 +12,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.post.folder import atomic_folder
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 from edl6dof.sim.state import State
@@ -41,16 +40,8 @@ def run_fly(options: FlyOptions) -> int:
     """Fly, write the run folder, show the result; returns the exit status."""
     loaded, state = _load(options)
     target = options.out or Path("runs") / loaded.scenario.name
-    try:
-        refuse_existing(target, options.force)
-        flight = _fly_into(target, options, loaded, state)
-    except FolderExists as error:
-        return refuse(str(error))
-    except OSError as error:
-        return refuse(f"{target}: cannot be written: {error.strerror or error}")
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        return INTERRUPTED
+    with atomic_folder(target, options.force) as folder:
+        flight = _fly_into(folder, options, loaded, state)
     _show(flight, target, options)
     if options.save_state_s is not None and flight.saved is None:
         message = f"--save-state {options.save_state_s:g}: no state was saved; the flight ended at {flight.time_s:.2f} s"
@@ -58,7 +49,7 @@ def run_fly(options: FlyOptions) -> int:
     return 0 if flight.success else 1
 
 
-def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
+def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
     from edl6dof.jit import is_cached
     from edl6dof.sim.loop import fly as compiled_loop
 
@@ -66,14 +57,13 @@ def _fly_into(target: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     if talk and not is_cached(compiled_loop):
         message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
         print(message, file=sys.stderr, flush=True)
-    with atomic_folder(target, options.force) as folder:
-        with _progress(talk) as report:
-            flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-        write_files(flight, folder, options.replay)
-        if options.report:
-            from edl6dof.app.report import report_of, write_page
+    with _progress(talk) as report:
+        flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
+    write_files(flight, folder, options.replay)
+    if options.report:
+        from edl6dof.app.report import report_of, write_page
 
-            write_page(report_of(folder), folder / "report.html", force=False)
+        write_page(report_of(folder), folder / "report.html", force=False)
     return flight
 
 

@@ -7,12 +7,11 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from edl6dof.app.ending import BAD_INPUT
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.locate import shown
 from edl6dof.config.source import read_document, resolve_scenario
 from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, Scenario, load_document
-
-BAD_INPUT = 2
 
 
 def run_check(files: Sequence[str], sets: Sequence[str]) -> int:

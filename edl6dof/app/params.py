@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Iterator
 from itertools import groupby
 from textwrap import wrap
 
 from rich.console import Console
 
+from edl6dof.app.ending import refuse
 from edl6dof.config.reference import Row, rows
 from edl6dof.config.wording import nearest
 from edl6dof.sim.scenario import Scenario
-
-BAD_INPUT = 2
 
 #: Longest default that stands in the table; a longer one gets a line of its own.
 SHORT = 15
@@ -28,8 +26,7 @@ def run_params(path: str, as_json: bool) -> int:
     if not found:
         near = nearest(path, known_paths(table))
         hint = f"; did you mean {near!r}?" if near else ""
-        print(f"{path}: no such parameter{hint} ('edl6dof params' lists all)", file=sys.stderr)
-        return BAD_INPUT
+        return refuse(f"{path}: no such parameter{hint} ('edl6dof params' lists all)")
     if as_json:
         print(json.dumps([row._asdict() for row in found], indent=1))
         return 0

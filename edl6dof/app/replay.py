@@ -18,7 +18,6 @@ from edl6dof.post.run import Run, refusal
 from edl6dof.sim.flight import fly
 from edl6dof.sim.scenario import Scenario, load_scenario
 
-BAD_INPUT = 2
 FAILED = 1
 RECORDING = "replay.rrd"
 

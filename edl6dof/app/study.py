@@ -13,9 +13,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.app.ending import INTERRUPTED, refuse
+from edl6dof.app.ending import refuse
 from edl6dof.config.wording import nearest
-from edl6dof.post.folder import FolderExists, atomic_folder, refuse_existing
+from edl6dof.post.folder import atomic_folder
 from edl6dof.post.numbers import significant
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
@@ -51,19 +51,10 @@ def run_study(options: StudyOptions) -> int:
         return refuse(f"-n {options.runs}: {reason}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
-    try:
-        refuse_existing(target, options.force)
-        with atomic_folder(target, options.force) as folder:
-            with _progress(study, quiet=options.as_json) as progress:
-                report = study.run(runs, progress)
-            write_study(study, report, folder)
-    except FolderExists as error:
-        return refuse(str(error))
-    except OSError as error:
-        return refuse(f"{target}: cannot be written: {error.strerror or error}")
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        return INTERRUPTED
+    with atomic_folder(target, options.force) as folder:
+        with _progress(study, quiet=options.as_json) as progress:
+            report = study.run(runs, progress)
+        write_study(study, report, folder)
     if options.as_json:
         print(to_json(study, report), end="")
     else:

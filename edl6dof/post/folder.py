@@ -11,12 +11,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from edl6dof.post.run import refusal
+
 #: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts as left behind.
 STALE_S = 86400.0
-
-
-class FolderExists(Exception):
-    """The run folder is there already and may not be replaced."""
 
 
 @contextmanager
@@ -27,10 +25,20 @@ def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
     even the parent folders made here.
 
     Raises:
-        FolderExists: ``target`` exists and ``force`` is not set.
+        ConfigError: ``target`` exists and ``force`` is not set, or it cannot be written.
     """
-    target = Path(os.path.realpath(target))  # the swap must move a folder, not a link to one
-    refuse_existing(target, force)
+    try:
+        _refuse_existing(target, force)
+        with _swapped(Path(os.path.realpath(target))) as folder:  # the swap must move a folder, not a link to one
+            yield folder
+            _refuse_existing(target, force)  # another run may have finished meanwhile
+    except OSError as error:
+        raise refusal(target, f"cannot be written: {error.strerror or error}") from None
+
+
+@contextmanager
+def _swapped(target: Path) -> Iterator[Path]:
+    """A new folder that takes the place of ``target`` at the end; whatever goes wrong, ``target`` and its parents stay as they were."""
     made = _make_folders(target.parent)
     _sweep(target)
     owner = f"{os.getpid()}-{_host()}"
@@ -38,7 +46,6 @@ def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
     try:
         partial.mkdir()
         yield partial
-        refuse_existing(target, force)  # another run may have finished meanwhile
         try:
             if target.exists():
                 target.rename(old)
@@ -56,16 +63,16 @@ def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def refuse_existing(target: Path, force: bool) -> None:
-    """Raise :class:`FolderExists` when ``target`` must not be replaced; a file in its place is never replaced."""
+def _refuse_existing(target: Path, force: bool) -> None:
+    """Raise :class:`ConfigError` when ``target`` must not be replaced; a file in its place is never replaced."""
     if target.exists() and not target.is_dir():
-        raise FolderExists(f"{target} is a file, not a folder; choose another folder with --out")
+        raise refusal(target, "is a file, not a folder; choose another folder with --out")
     if not target.is_dir() or not any(target.iterdir()):
         return
     if not force:
-        raise FolderExists(f"{target} exists; choose another folder with --out, or replace it with --force")
+        raise refusal(target, "exists; choose another folder with --out, or replace it with --force")
     if not (target / "summary.json").is_file():
-        raise FolderExists(f"{target} is not a run folder (no summary.json); it is not replaced even with --force")
+        raise refusal(target, "is not a run folder (no summary.json); it is not replaced even with --force")
 
 
 def _make_folders(folder: Path) -> list[Path]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+import sys
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from edl6dof import cli
 from edl6dof.app.study import StudyOptions, run_study
+from edl6dof.config.errors import ConfigError
 from edl6dof.studies.draw import figure_of, save_drawing
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Report, Study
@@ -77,7 +80,8 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert table.num_rows == 9
     assert table.schema.field("truth.mass_kg").metadata[b"unit"] == b"kg"
     assert table.schema.metadata[b"study"] == b"small"
-    assert run_study(options("small", out=out)) == 2
+    with pytest.raises(ConfigError, match="exists; choose another folder"):
+        run_study(options("small", out=out))
     assert run_study(options("small", out=out, quick=True, force=True)) == 0
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
@@ -112,6 +116,9 @@ def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", interrupted))
-    assert run_study(options("small", out=tmp_path / "s")) == 130
-    assert "interrupted" in capsys.readouterr().err
+    monkeypatch.setattr(sys, "argv", ["edl6dof", "study", "small", "--out", str(tmp_path / "s")])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    assert end.value.code == 130
+    assert capsys.readouterr().err == "interrupted; nothing was written\n"
     assert not list(tmp_path.iterdir())

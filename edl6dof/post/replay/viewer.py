@@ -31,7 +31,10 @@ class NoViewer(RuntimeError):
 def open_viewer(recording: Path, web: bool) -> int:
     """Open the desktop viewer, or serve the recording to a browser on this machine until interrupted; returns the exit status."""
     command = [sys.executable, "-m", "rerun", "--bind", HOST, *(["--web-viewer"] if web else []), str(recording)]
-    return subprocess.run(command, check=False).returncode
+    try:
+        return subprocess.run(command, check=False).returncode
+    except KeyboardInterrupt:
+        return 0  # Ctrl-C is how the server is ended
 
 
 def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] = (1920, 1080)) -> None:

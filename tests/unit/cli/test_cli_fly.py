@@ -67,7 +67,7 @@ def test_overwriting_needs_force(here, capsys, monkeypatch):
     before = Path("runs/drop/summary.json").stat().st_mtime_ns
     code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
     assert (code, out) == (2, "")
-    assert err == "runs/drop exists; choose another folder with --out, or replace it with --force\n"
+    assert err == "runs/drop: exists; choose another folder with --out, or replace it with --force\n"
     assert Path("runs/drop/summary.json").stat().st_mtime_ns == before
     Path("runs/drop/stale.txt").touch()
     assert run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)[0] == 1
@@ -80,7 +80,7 @@ def test_force_never_replaces_what_is_no_run_folder(here, capsys, monkeypatch):
     (here / "precious" / "thesis.tex").write_text("years of work")
     code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--out", "precious", "--force", *QUICK)
     assert code == 2
-    assert "precious is not a run folder" in err
+    assert "precious: is not a run folder" in err
     code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--out", "drop.yaml", "--force", *QUICK)
     assert code == 2
     assert "is a file" in err

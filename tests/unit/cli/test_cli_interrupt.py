@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from cli_run import SHORT, hidden, run, spawn
 
+from edl6dof.config.errors import ConfigError
 from edl6dof.post import folder as run_folder
-from edl6dof.post.folder import FolderExists, atomic_folder
+from edl6dof.post.folder import atomic_folder
 
 #: About ten seconds of computing, in chunks of a fraction of a second.
 SLOW = ["fly", "tianwen1", "--set", "simulation.step_s=0.0002", "--set", "simulation.log_every=1000", "--no-replay", "-q"]
@@ -94,7 +95,7 @@ def test_kill_between_the_two_renames_brings_the_former_run_back(tmp_path):
     target, aside = tmp_path / "run", tmp_path / f".run.{2**22 + 1}-{run_folder._host()}.old"
     aside.mkdir()
     (aside / "summary.json").write_text("former")
-    with pytest.raises(FolderExists), atomic_folder(target, force=False):
+    with pytest.raises(ConfigError), atomic_folder(target, force=False):
         pass
     assert (target / "summary.json").read_text() == "former"
     with atomic_folder(target, force=True) as folder:
@@ -124,7 +125,7 @@ def test_failing_second_rename_restores_the_former_run(tmp_path, monkeypatch):
 
 def test_result_that_appeared_meanwhile_is_not_replaced(tmp_path):
     target = tmp_path / "run"
-    with pytest.raises(FolderExists), atomic_folder(target, force=False) as folder:
+    with pytest.raises(ConfigError), atomic_folder(target, force=False) as folder:
         (folder / "summary.json").write_text("late")
         target.mkdir()
         (target / "summary.json").write_text("first")

@@ -8,8 +8,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from edl6dof.config.errors import ConfigError
 from edl6dof.config.source import read_document
-from edl6dof.post.folder import FolderExists, atomic_folder
+from edl6dof.post.folder import atomic_folder
 from edl6dof.post.results import write_run
 from edl6dof.sim.scenario import Scenario, check_document
 
@@ -54,7 +55,7 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
         (folder / "summary.json").write_text("{}")
         assert not target.exists()
     assert (target / "summary.json").is_file()
-    with pytest.raises(FolderExists), atomic_folder(target, force=False):
+    with pytest.raises(ConfigError), atomic_folder(target, force=False):
         pass
     with atomic_folder(target, force=True) as folder:
         (folder / "b").write_text("y")
@@ -64,6 +65,6 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
 def test_force_does_not_replace_a_folder_that_is_no_run(tmp_path):
     (tmp_path / "precious").mkdir()
     (tmp_path / "precious" / "thesis.tex").write_text("...")
-    with pytest.raises(FolderExists, match="not a run folder"), atomic_folder(tmp_path / "precious", force=True):
+    with pytest.raises(ConfigError, match="not a run folder"), atomic_folder(tmp_path / "precious", force=True):
         pass
     assert (tmp_path / "precious" / "thesis.tex").read_text() == "..."
