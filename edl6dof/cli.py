@@ -35,10 +35,25 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Six-degree-of-freedom Mars entry, descent and landing.",
 )
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from edl6dof import __version__
+
+        print(f"edl6dof {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print name and version.")] = False,
+) -> None:
+    """Six-degree-of-freedom Mars entry, descent and landing."""
+
 
 Sets = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")]
 
@@ -114,7 +129,7 @@ def replay(
 
 @app.command()
 def report(
-    run: Annotated[Path, typer.Argument(help="Run folder.")],
+    run: Annotated[Path, typer.Argument(help="Folder of a run or a campaign.")],
     out: Annotated[Path | None, typer.Option(help="File to write; RUN/report.html if not given.")] = None,
     pdf: Annotated[
         bool, typer.Option("--pdf", help="Write report.pdf instead: verdict, tables, and each figure as a vector page.")
@@ -122,7 +137,10 @@ def report(
     png: Annotated[bool, typer.Option("--png", help="Write report/FIGURE.png instead, each figure for print.")] = False,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
-    """Write the report of a run: one page that opens offline, with interactive plots."""
+    """Write the report of a run or a campaign: one page with plots.
+
+    The page opens offline, and its plots can be zoomed.
+    """
     from edl6dof.app.report import run_report
 
     raise typer.Exit(run_report(run, out, pdf, png, force))
@@ -153,7 +171,10 @@ def compare(
     out: Annotated[Path | None, typer.Option(help="Page to write; RUN2/compared-with-RUN1.html if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
-    """Compare two flights: figures side by side, what their scenarios differ in, and every plot of one over the other."""
+    """Compare two flights: figures, scenarios, every plot.
+
+    Figures stand side by side, what the scenarios differ in is listed, and every plot shows one flight over the other.
+    """
     from edl6dof.app.compare import run_compare
 
     raise typer.Exit(run_compare(first, second, out, force))
@@ -183,7 +204,9 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a PNG for each case that has a history.")] = None,
 ) -> None:
-    """Check the simulator on this machine against closed forms, conservation laws and published tables.
+    """Check the simulator against closed forms and published tables.
+
+    Everything is computed on this machine, and conservation laws are checked too.
 
     Exit status: 0 all within tolerance, 1 not, 2 bad input.
     """
@@ -201,7 +224,7 @@ def study(
     quick: Annotated[bool, typer.Option("--quick", help="Fly few runs, to see that it works.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
 ) -> None:
-    """Repeat a paper's experiment: its table computed here, beside the published one.
+    """Repeat a paper's experiment: computed beside published.
 
     Exit status: 0 every published bound is kept, 1 not, 2 bad input, 130 interrupted.
     """
@@ -273,7 +296,9 @@ def faults(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Threads; as many as there are cores if not given.")] = None,
 ) -> None:
-    """Fail every thruster in every phase, one flight each: who survives, who is found out, how fast.
+    """Fail every thruster in every phase, one flight each.
+
+    The matrix tells which flights survive, which faults are found out, and how fast.
 
     Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
     """
@@ -303,4 +328,4 @@ def _activate_plugins(arguments: list[str]) -> None:
 
 def main() -> None:
     """Entry point."""
-    app()
+    app(prog_name="edl6dof")
