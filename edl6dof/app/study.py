@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import floor, isfinite, log10
 from pathlib import Path
+from statistics import median
+from textwrap import wrap
 
 from rich import box
 from rich.console import Console
@@ -20,9 +23,6 @@ from edl6dof.post.numbers import significant
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
-
-#: Columns beyond which a table needs short numbers to fit a terminal.
-WIDE = 8
 
 
 @dataclass(frozen=True)
@@ -90,25 +90,26 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 
 def _grid(grid: Grid) -> Table:
-    """A table whose numbers are never cut: narrow gaps, headings of many columns in small words below each other."""
-    wide = len(grid.heads) > WIDE
-    table = Table(title=grid.title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    if wide:
-        table.box, table.padding = None, (0, 1, 0, 0)
-    for index, head in enumerate(grid.heads):
-        longest = max(len(_cell(row[index], wide)) for row in grid.rows)
-        table.add_column(head, justify="right" if index else "left", header_style="dim" if wide else "", min_width=longest, overflow="fold")
-    for row in grid.rows:
-        table.add_row(*(_cell(value, wide) for value in row))
+    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers never cut."""
+    table = Table(title=grid.title, title_justify="left", title_style="bold", box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    names, *columns = zip(*grid.rows, strict=True)
+    cells = [names, *map(_decimals, columns)]
+    for index, (head, column) in enumerate(zip(grid.heads, cells, strict=True)):
+        width = max(map(len, (*column, *head.split())))
+        heading = "\n".join(wrap(head, width))
+        table.add_column(
+            heading, justify="right" if index else "left", header_style="dim", vertical="bottom", no_wrap=True, min_width=width
+        )
+    for row in zip(*cells, strict=True):
+        table.add_row(*row)
     return table
 
 
-def _cell(value: str | float, short: bool) -> str:
-    if isinstance(value, str):
-        return value
-    if value != value:
-        return "-"
-    return f"{value:.0f}" if short and abs(value) >= 99.5 else f"{value:.{3 if short else 4}g}"
+def _decimals(column: Sequence[float]) -> list[str]:
+    """Numbers of a column with as many decimals as give the middle one three digits, two at most."""
+    sizes = [abs(value) for value in column if isfinite(value) and value]
+    digits = min(max(2 - floor(log10(median(sizes))), 0), 2) if sizes else 0
+    return [f"{value:.{digits}f}" if isfinite(value) else "-" for value in column]
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +16,7 @@ from edl6dof.app.study import StudyOptions, run_study
 from edl6dof.config.errors import ConfigError
 from edl6dof.studies.draw import figure_of, save_drawing
 from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Report, Study
+from edl6dof.studies.study import Curve, Drawing, Finding, Grid, Panel, Report, Study
 
 
 def small(runs, progress):
@@ -122,3 +123,18 @@ def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
     assert end.value.code == 130
     assert capsys.readouterr().err == "interrupted; nothing was written\n"
     assert not list(tmp_path.iterdir())
+
+
+def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_path, capsys):
+    """Headings stand in words below each other, a column has one number of decimals, and no number is cut."""
+    heads = ("law", *(f"fig. {i} m/s2" for i in range(10)), "call us")
+    rows = (("long_name_law", *[12.345] * 10, 0.1234), ("npc", *[123.46] * 9, float("nan"), 53.4), ("other", *[9.8765] * 10, 0.2))
+    grid = Grid("A comparison", heads, rows)
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lambda runs, progress: replace(small(runs, progress), grids=(grid,))))
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run_study(options("small", out=tmp_path / "s")) == 1
+    lines = capsys.readouterr().out.splitlines()[:7]
+    assert max(map(len, lines)) <= 80
+    assert lines[4].split() == ["long_name_law", *["12.3"] * 10, "0.12"]
+    assert lines[5].split() == ["npc", *["123.5"] * 9, "-", "53.40"]
+    assert [len(line) for line in lines[4:]] == [len(lines[4])] * 3
