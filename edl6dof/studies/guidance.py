@@ -175,7 +175,7 @@ def quantile(miss: np.ndarray, share: float) -> float:
 
 
 _HEADS = (
-    "law", "miss mean km", "miss 99% km", "box %", "alt. mean km", "alt. low km", "Mach", "drag RMS m/s2",
+    "law", "miss mean km", "miss 99% km", "in box %", "alt. mean km", "alt. low km", "Mach", "drag RMS m/s2",
     "bank path deg", "fuel kg", "lim. s", "call us",
 )  # fmt: skip
 
