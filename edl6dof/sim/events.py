@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-#: Plain names of what the vehicle does once, in the order of ``edl6dof.vehicle.plant.EVENTS``.
+#: Plain names of what the vehicle does once, or is told to do: that the wing opens is another event.  In the order of
+#: ``edl6dof.vehicle.plant.EVENTS``.
 DEPLOYMENTS = (
-    "trim wing opens",
+    "trim wing commanded",
     "mortar fires",
     "heat shield jettisoned",
     "landing legs out",
@@ -34,7 +35,7 @@ def timeline(
 ) -> list[dict[str, Any]]:
     """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then.
 
-    ``others`` are more of them, as time, key and name: faults and what was found out about them.
+    ``others`` are more of them, as time, key and name: the trim wing open, faults and what was found out about them.
     """
     reversals = [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
     found = [*others, *moments(plant, fsw, phases), *reversals, (float(plant["t"]), "end", ending)]

@@ -15,7 +15,7 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.deployment import deployment_figures
-from edl6dof.sim.events import moments, timeline
+from edl6dof.sim.events import Moment, moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 #: Flight time between two calls of ``progress``, and between two chances to interrupt a flight without it.
 CHUNK_S, QUIET_CHUNK_S = 5.0, 50.0
+
+_WING_FAULTS = ("wing_stuck", "wing_lost")
 
 #: Goal of the mission: outcome that reaches it, its words, and what follows them when all limits are kept.
 _GOALS = {
@@ -102,7 +104,7 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome, self._faults)
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome, [*self._wing, *self._faults])
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -110,7 +112,15 @@ class Flight:
         return findings(self.fsw[0], self.scenario.thruster_names)
 
     @property
-    def _faults(self) -> list[tuple[float, str, str]]:
+    def _wing(self) -> list[Moment]:
+        """The trim wing at the end of its way, unless a fault stopped it before."""
+        opened = float(self.plant["wing_start"][0]) + self.loaded.truth.vehicle.trim_wing.deploy_time_s
+        begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
+        stopped = any(fault.kind in _WING_FAULTS and since < opened for fault, since in begun)
+        return [] if stopped or opened > self.time_s else [(opened, "trim_wing_open", "trim wing open")]
+
+    @property
+    def _faults(self) -> list[Moment]:
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
         rows = [(float(since), "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN]
         return rows + [(one.t_s, "diagnosis", one.label) for one in self.findings]

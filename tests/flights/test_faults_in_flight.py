@@ -10,6 +10,10 @@ def flown(*faults):
     return edl6dof.fly("tianwen1", [f"faults=[{', '.join(faults)}]"])
 
 
+def keys(flight):
+    return {event["key"]: event["t_s"] for event in flight.events}
+
+
 @pytest.fixture(scope="module")
 def dead_d7():
     return flown("{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 2}}")
@@ -35,12 +39,25 @@ def test_lost_wing_leaves_the_moment_of_the_offset_centre_of_mass_to_the_thruste
     """The wing cancels it in the nominal: about 255 N m at 500 Pa (reference data, section 1.4)."""
     flight = flown("{kind: wing_lost, at: {phase: lift}}")
     assert np.all(flight.telemetry["truth.trim_wing"] == 0.0)
+    assert keys(flight)["trim_wing"] == flight.metrics["trim_wing_s"] and "trim_wing_open" not in keys(flight)
 
     def alpha(one):
         t = one.telemetry["t_s"] - one.metrics["trim_wing_s"]
         return np.mean(one.telemetry["truth.alpha_deg"][(t > 3.0) & (t < 10.0)])
 
     assert alpha(flight) < alpha(nominal) - 3.0
+
+
+def test_wing_that_fails_after_it_opened_was_open(nominal):
+    """The command and the end of the way are two events; the second is when the telemetry first shows the wing open."""
+    table, opened = nominal.telemetry, keys(nominal)["trim_wing_open"]
+    first = np.argmax(table["truth.trim_wing"] == 1.0)
+    assert table["t_s"][first - 1] < opened <= table["t_s"][first]
+    assert keys(nominal)["trim_wing"] == nominal.metrics["trim_wing_s"] < opened
+    late = flown("{kind: wing_lost, at: {time_s: %.1f}}" % (opened + 5.0))
+    assert keys(late)["trim_wing_open"] == opened
+    stuck = flown("{kind: wing_stuck, wing_stuck: {opening: 0.5}, at: {time_s: 0}}")
+    assert "trim_wing_open" not in keys(stuck) and stuck.telemetry["truth.trim_wing"].max() == 0.5
 
 
 def test_late_parachute_opens_lower_and_slower(nominal):
