@@ -13,9 +13,9 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
+from edl6dof.post.ellipse import planned_ellipse
 from edl6dof.post.replay import craft
 from edl6dof.post.replay.globe import planet
-from edl6dof.post.replay.ground import planned_ellipse
 from edl6dof.post.replay.landscape import Landscape
 from edl6dof.post.replay.phase_plane import boundaries, squeeze
 from edl6dof.post.replay.site import Site

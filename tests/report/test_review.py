@@ -13,7 +13,7 @@ from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.post.report.drawing import drawing
 from edl6dof.post.results import write_run
-from edl6dof.post.review import actuators, phase_planes, trajectory
+from edl6dof.post.review import actuators, phase_planes, site, trajectory
 from edl6dof.post.review.build import flight_report
 from edl6dof.post.run import Run
 
@@ -161,3 +161,17 @@ def test_point_mass_is_shown_without_an_attitude(tmp_path):
     report = flight_report(Run(tmp_path))
     keys = {section.key for section in report.sections}
     assert {"trajectory", "guidance"} <= keys and not {"attitude", "phase_planes", "landing"} & keys
+
+
+def test_planned_ellipse_is_drawn_to_scale_where_the_scenario_has_one(run, figures):
+    planned, *others = figures["landing_site"].panels
+    (outline,) = (trace for trace in planned.traces if trace.name == "planned ellipse, 56 x 22 km")
+    radius = np.hypot(outline.x, outline.y)
+    assert (2.0 * radius.max(), 2.0 * radius.min()) == pytest.approx((56.0, 22.0), rel=1e-3)
+    assert planned.equal and outline.border and len(others) == 2
+    terrain = {**run.scenario["terrain"], "ellipse_length_m": 0.0}
+    plain = Run(run.folder)
+    plain.scenario = {**run.scenario, "terrain": terrain}
+    without = site.landing_site(plain)
+    assert [panel.title for panel in without.panels] == ["from the parachute on", "powered descent"]
+    assert "allowed distance" in [trace.name for trace in without.panels[0].traces]

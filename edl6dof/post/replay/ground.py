@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.post.ellipse import planned_ellipse
 from edl6dof.post.replay import turns
 from edl6dof.post.replay.landscape import Landscape, sky
 from edl6dof.post.replay.mesh import rock
@@ -77,10 +78,3 @@ class Ground(Recorder):
             some = slice(kind, None, KINDS_OF_ROCK)
             poses = self.rr.InstancePoses3D(translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some])
             self.static(f"site/ground/rocks/{kind}", self.mesh(rock(kind)), poses)
-
-
-def planned_ellipse(length: float, width: float, azimuth: float) -> tuple[np.ndarray, np.ndarray]:
-    """East and north (m) of an ellipse around the site with its long axis along ``azimuth`` (rad)."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 361)
-    along, across = 0.5 * length * np.cos(turn), 0.5 * width * np.sin(turn)
-    return along * np.sin(azimuth) + across * np.cos(azimuth), along * np.cos(azimuth) - across * np.sin(azimuth)

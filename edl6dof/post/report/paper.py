@@ -104,6 +104,7 @@ def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, flo
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
+        axes.update_datalim(list(zip(x, y, strict=True)))  # room for the words at points
     else:
         _scale(axes, "x", panel.x, x)
         _scale(axes, "y", panel.y, y)

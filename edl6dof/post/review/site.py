@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from edl6dof.post.ellipse import planned_ellipse
 from edl6dof.post.report.figure import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.post.run import Run
 
@@ -28,7 +29,7 @@ def ground_track(run: Run) -> Figure:
 
 
 def landing_site(run: Run) -> Figure:
-    """The descent from the parachute on, and the last leg, to scale."""
+    """The planned ellipse where the scenario has one, the descent from the parachute on, and the last leg, each to scale."""
     descent = run.between("mortar")
     parts = [
         _part(run, "canopy", "canopy", GREY, 1e3),
@@ -36,12 +37,16 @@ def landing_site(run: Run) -> Figure:
         _part(run, "backshell", "backshell", PURPLE, 1e3),
     ]
     below = Trace(run[EAST][descent] / 1e3, run[NORTH][descent] / 1e3, "vehicle", colour=BLUE, width=2.2)
-    near = [_circle(float(run.scenario["limits"]["landing_distance_m"]) / 1e3, "allowed distance")]
-    names = {"mortar": "parachute"}
+    allowed = [_circle(float(run.scenario["limits"]["landing_distance_m"]) / 1e3, "allowed distance")]
+    parachute = _events(run, 1e3, {"mortar": "parachute"})
+    if planned := list(_planned(run, 1e3)):
+        around = Panel(
+            _axis("east", "km"), _axis("north", "km"), [*planned, *allowed, below, _target(1e3)], equal=True, title="planned ellipse"
+        )
     left = Panel(
         _axis("east", "km"),
         _axis("north", "km"),
-        [*near, *parts, below, _target(1e3), _events(run, 1e3, names)],
+        [*([] if planned else allowed), *parts, below, _target(1e3), parachute],
         equal=True,
         title="from the parachute on",
     )
@@ -60,7 +65,8 @@ def landing_site(run: Run) -> Figure:
     if landed.get("landing_distance_m") is not None:
         offset = f"{landed['landing_east_m']:+,.0f} m east, {landed['landing_north_m']:+,.0f} m north"
         caption = f"Landed {landed['landing_distance_m']:,.0f} m from the target: {offset}."
-    return Figure("landing_site", "Landing site", [left, right], caption, columns=2, height=460)
+    panels = [around, left, right] if planned else [left, right]
+    return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
 
 
 def _axis(way: str, unit: str) -> Axis:
@@ -74,6 +80,16 @@ def _target(scale: float) -> Trace:
 def _circle(radius: float, name: str) -> Trace:
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     return Trace(radius * np.cos(turn), radius * np.sin(turn), name, colour=GREEN, dash="dash", width=1.2, border=True)
+
+
+def _planned(run: Run, scale: float) -> Iterator[Trace]:
+    """The planned landing ellipse, if the scenario has one."""
+    terrain = run.scenario["terrain"]
+    length, width = (float(terrain[f"ellipse_{side}_m"]) for side in ("length", "width"))
+    if length > 0.0:
+        east, north = planned_ellipse(length / scale, width / scale, np.radians(terrain["ellipse_azimuth_deg"]))
+        name = f"planned ellipse, {length / 1e3:g} x {width / 1e3:g} km"
+        yield Trace(east, north, name, colour=GREY, width=1.0, border=True)
 
 
 def _part(run: Run, part: str, name: str, colour: str, scale: float) -> Trace:
