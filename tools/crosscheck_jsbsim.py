@@ -15,12 +15,11 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-import tempfile
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jsbsim_vehicle import prepare, version
 
 from edl6dof.post.check_cases import flown, reference
 
@@ -51,6 +50,11 @@ AIRCRAFT = """<?xml version="1.0"?>
 </fdm_config>
 """
 
+#: Third-order Adams-Bashforth, and what all cases begin with.
+COMMON: dict[str, float] = {
+    **{f"simulation/integrator/{state}/{motion}": 4 for state in ("rate", "position") for motion in ("translational", "rotational")},
+    **{"ic/lat-geod-deg": 0.0, "ic/long-gc-deg": 0.0, "ic/theta-deg": 0.0, "ic/phi-deg": 0.0},
+}
 #: Initial conditions by case. JSBSim's rates are relative to the Earth: those of case 6 make the inertial rate zero.
 INITIAL: dict[int, dict[str, float]] = {
     6: {"ic/h-sl-ft": 30000.0, "ic/psi-true-deg": 0.0, "ic/p-rad_sec": -SPIN},
@@ -77,7 +81,7 @@ Table = Mapping[str, np.ndarray]
 
 def fly_jsbsim(case: int, step_s: float) -> Table:
     """Rows each 0.1 s of a case flown by JSBSim."""
-    vehicle = _prepare(case, step_s)
+    vehicle = prepare(AIRCRAFT, step_s, {**COMMON, **INITIAL[case]})
     steps = round(INTERVAL_S / step_s)
     rows = [_row(vehicle)]
     for _ in range(round(END_S / INTERVAL_S)):
@@ -94,29 +98,6 @@ def _row(vehicle: Any) -> list[float]:
     return [vehicle.get_sim_time(), *(vehicle[name] * factor for _, name, factor in WATCHED)]
 
 
-def _prepare(case: int, step_s: float) -> Any:
-    import jsbsim
-
-    if hasattr(jsbsim, "set_logger"):
-        jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.FATAL))
-    jsbsim.FGJSBBase().debug_lvl = 0
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "aircraft" / "sphere"
-        path.mkdir(parents=True)
-        (path / "sphere.xml").write_text(AIRCRAFT, encoding="utf-8")
-        vehicle = jsbsim.FGFDMExec(folder)
-        vehicle.set_debug_level(0)
-        vehicle.load_model("sphere")
-    vehicle.set_dt(step_s)
-    vehicle.disable_output()
-    for name in ("rate/translational", "position/translational", "rate/rotational", "position/rotational"):
-        vehicle[f"simulation/integrator/{name}"] = 4  # third-order Adams-Bashforth
-    for name, value in {"ic/lat-geod-deg": 0.0, "ic/long-gc-deg": 0.0, "ic/theta-deg": 0.0, "ic/phi-deg": 0.0, **INITIAL[case]}.items():
-        vehicle[name] = value
-    vehicle.run_ic()
-    return vehicle
-
-
 def largest(first: Table, second: Table, column: str) -> float:
     """Largest difference over all rows; angles on the circle."""
     difference = np.abs(first[column] - second[column])
@@ -130,11 +111,11 @@ def main() -> int:
     if not 0.0 < step_s <= INTERVAL_S or abs(INTERVAL_S / step_s - round(INTERVAL_S / step_s)) > 1e-6:
         parser.error(f"--step must divide {INTERVAL_S} (got {step_s:g})")
     try:
-        import jsbsim
+        installed = version()
     except ImportError:
         print('JSBSim is not installed: pip install "edl6dof[bench]"', file=sys.stderr)
         return 2
-    print(f"largest difference over 301 rows; edl6dof at 0.01 s, JSBSim {jsbsim.__version__} at {step_s:g} s, NESC simulation 04")
+    print(f"largest difference over 301 rows; edl6dof at 0.01 s, JSBSim {installed} at {step_s:g} s, NESC simulation 04")
     sources: tuple[Callable[[int], Table], ...] = (flown, lambda case: fly_jsbsim(case, step_s), reference)
     for case in INITIAL:
         own, jsb, tm = (source(case) for source in sources)

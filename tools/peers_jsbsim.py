@@ -15,10 +15,11 @@ shallower than Tianwen-1's, to stay above the ground for 250 s.
 from __future__ import annotations
 
 import math
-import tempfile
 import time
-from pathlib import Path
-from typing import Any
+
+from jsbsim_vehicle import prepare, version
+
+__all__ = ["run", "version"]
 
 NAME = "JSBSim"
 CASE = "ballistic 6-DOF Mars entry from 100 km, 250 s, 100 Hz"
@@ -132,20 +133,13 @@ INITIAL = {
 WATCHED = ("position/h-sl-ft", "velocities/vt-fps", "velocities/p-rad_sec", "velocities/q-rad_sec", "velocities/r-rad_sec")
 
 
-def version() -> str:
-    """Version of the installed module; raises ``ImportError`` when there is none."""
-    import jsbsim
-
-    return str(jsbsim.__version__)
-
-
 def run() -> tuple[float, float, dict[str, float]]:
     """One entry: wall seconds, CPU seconds, and where it ended.
 
     Raises:
         FloatingPointError: the state is not finite (``run`` returns True all the same, and such a run looks faster).
     """
-    vehicle = _prepare()
+    vehicle = prepare(AIRCRAFT, STEP_S, INITIAL)
     step = vehicle.run
     wall, cpu = time.perf_counter(), time.process_time()
     for _ in range(STEPS):
@@ -155,24 +149,3 @@ def run() -> tuple[float, float, dict[str, float]]:
     if not all(map(math.isfinite, end)):
         raise FloatingPointError(f"JSBSim's state is not finite after {vehicle.get_sim_time():.2f} s")
     return wall, cpu, {"time_s": vehicle.get_sim_time(), "altitude_m": end[0] * FOOT, "speed_m_s": end[1] * FOOT}
-
-
-def _prepare() -> Any:
-    import jsbsim
-
-    if hasattr(jsbsim, "set_logger"):
-        jsbsim.set_logger(jsbsim.DefaultLogger(jsbsim.LogLevel.FATAL))
-    jsbsim.FGJSBBase().debug_lvl = 0
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "aircraft" / "capsule"
-        path.mkdir(parents=True)
-        (path / "capsule.xml").write_text(AIRCRAFT, encoding="utf-8")
-        vehicle = jsbsim.FGFDMExec(folder)
-        vehicle.set_debug_level(0)
-        vehicle.load_model("capsule")
-    vehicle.set_dt(STEP_S)
-    vehicle.disable_output()
-    for name, value in INITIAL.items():
-        vehicle[name] = value
-    vehicle.run_ic()
-    return vehicle
