@@ -31,7 +31,6 @@ import json
 import math
 import os
 import platform
-import shutil
 import statistics
 import subprocess
 import sys
@@ -44,32 +43,16 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench_processes import ROOT, SCENARIO, Lap, measure_processes, snapshot
 from rich.console import Console
 from rich.table import Table
 
-ROOT = Path(__file__).resolve().parent.parent
 SECTIONS = ("processes", "loop", "peers")
 PEERS = ("peers_jsbsim", "peers_basilisk")
-SCENARIO = "tianwen1"
 FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
 #: Budgets of the design: seconds, MiB.
 BUDGETS = {"first flight ever": 60.0, "fly, all files": 4.0, "--help": 0.3, "peak memory": 300e6 / 2**20, "compiled loop": 0.25}
 PROFILE_CHUNK_S = 0.2
-
-
-@dataclass
-class Lap:
-    """Cost of one repetition."""
-
-    wall_s: float
-    cpu_s: float
-    steps: int = 0
-    peak_mib: float = 0.0
-
-    @property
-    def rate(self) -> float:
-        """Integration steps per CPU second."""
-        return self.steps / self.cpu_s
 
 
 @dataclass
@@ -93,59 +76,6 @@ def spread(values: list[float], digits: int = 3, scale: float = 1.0) -> str:
     """``median (min .. max)``."""
     low, middle, high = (f"{x * scale:,.{digits}f}" for x in (min(values), statistics.median(values), max(values)))
     return f"{middle} ({low} .. {high})"
-
-
-# ---------------------------------------------------------------- whole processes
-
-
-def snapshot(folder: Path) -> Path:
-    """Copy of package, scenarios and vehicles without any compiled code; ``pyproject.toml`` marks it as a repository."""
-    shutil.copy(ROOT / "pyproject.toml", folder)
-    for name in ("edl6dof", "scenarios", "vehicles"):
-        if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    return folder
-
-
-def process(tree: Path, code: str, *arguments: str) -> Lap:
-    """Run ``python -c code arguments`` with the package in ``tree``.
-
-    The peak memory of a child is never below that of its parent at the time of the fork: measure before importing anything large.
-
-    Raises:
-        RuntimeError: the process failed; a flight outside its limits (status 1) is not a failure.
-    """
-    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
-    environment["PYTHONPATH"] = str(tree)
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
-        start = time.perf_counter()
-        child = subprocess.Popen(
-            [sys.executable, "-c", code, *arguments], cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=errors
-        )
-        _, status, usage = os.wait4(child.pid, 0)
-        wall = time.perf_counter() - start
-        child.returncode = os.waitstatus_to_exitcode(status)
-        if child.returncode not in (0, 1):
-            errors.seek(0)
-            raise RuntimeError(f"{' '.join(arguments) or code}: status {child.returncode}\n{errors.read().decode()[-2000:]}")
-    return Lap(wall, usage.ru_utime + usage.ru_stime, peak_mib=usage.ru_maxrss / 1024)
-
-
-def measure_processes(tree: Path, repeats: int, cold: bool) -> dict[str, list[Lap]]:
-    """Laps by name."""
-    command = "from edl6dof.cli import main; main()"
-    flight = (command, "fly", SCENARIO)
-    laps: dict[str, list[Lap]] = {}
-    if cold:
-        laps["first flight ever"] = [process(tree, *flight)]
-    else:
-        process(tree, *flight)
-    laps["fly, all files"] = [process(tree, *flight) for _ in range(repeats)]
-    laps["fly, no replay"] = [process(tree, *flight, "--no-replay") for _ in range(repeats)]
-    laps["--help"] = [process(tree, command, "--help") for _ in range(repeats)]
-    laps["import edl6dof"] = [process(tree, "import edl6dof") for _ in range(repeats)]
-    laps["python alone"] = [process(tree, "pass") for _ in range(repeats)]
-    return laps
 
 
 # ---------------------------------------------------------------- the loop in this process
