@@ -1,17 +1,14 @@
-"""One contract for every controller and guidance law: finite, bounded, deterministic, documented, and sourced."""
+"""One contract for what every controller, guidance law and allocator does: finite, bounded and repeatable on a grid of states."""
 
-import importlib
-import inspect
 from itertools import product
 from math import cos, pi, radians, sin
-from typing import Literal, get_origin
 
 import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
-from edl6dof.config.base import Params
-from edl6dof.config.introspect import bounds, field_slot
+from edl6dof.fsw.allocation.registry import ALLOCATORS, allocate
+from edl6dof.fsw.allocation.wrench import ALLOCATOR, effects
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
@@ -23,71 +20,7 @@ from edl6dof.fsw.navigation import NAV, navigate
 from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
 from edl6dof.sensors.sensed import SENSED
 
-FAMILIES = {"controller": CONTROLLERS, "entry law": ENTRY_LAWS, "reversal logic": REVERSALS, "powered law": POWERED_LAWS}
-MEMBERS = [(f"{kind}: {m.name}", family, m) for kind, family in FAMILIES.items() for m in family.members]
-IDS = [name for name, _, _ in MEMBERS]
 X, Y, Z = np.eye(3)
-
-
-def module_of(member):
-    return inspect.getmodule(member.params)
-
-
-def leaves(model, path=""):
-    for name, info in model.model_fields.items():
-        slot = field_slot(name, info)
-        if slot.models:
-            for sub in slot.models:
-                yield from leaves(sub, f"{path}{name}.")
-        else:
-            yield f"{path}{name}", slot
-
-
-# ---- documentation -------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
-def test_every_parameter_is_documented_bounded_and_has_a_status(name, family, member):
-    assert issubclass(member.params, Params)
-    assert member.params.__doc__
-    for path, slot in leaves(member.params):
-        assert slot.info.description and len(slot.info.description) > 5, path
-        assert slot.info.json_schema_extra["status"], path
-        literal = any(get_origin(option) is Literal for option in slot.options)
-        assert literal or bool in slot.options or bounds(slot), f"{path} has no bounds"
-
-
-@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
-def test_source_is_cited_by_the_member_and_by_its_module(name, family, member):
-    text = module_of(member).__doc__ or ""
-    assert member.source.strip()
-    if member.name == "off":
-        return
-    author = member.source.replace(",", " ").split()
-    year = next((word.strip("().;") for word in author if word.strip("().;").isdigit() and len(word.strip("().;")) == 4), None)
-    assert "ource" in text or "eq" in text or (year and year in text), "the module's docstring mentions no source"
-    if year:
-        whole = inspect.getsource(module_of(member))
-        assert whole.count(year) >= 2 or author[0] in text
-
-
-@pytest.mark.parametrize("name, family, member", MEMBERS, ids=IDS)
-def test_member_is_one_file_with_one_kernel_for_each_role(name, family, member):
-    roles = {role for m in family.members for role in m.kernels}
-    assert set(member.kernels) == roles
-    for kernel in member.kernels.values():
-        assert kernel.py_func.__doc__
-        assert kernel.py_func.__module__ == module_of(member).__name__
-    assert importlib.import_module(module_of(member).__name__).MEMBER is member
-
-
-def test_names_are_unique_and_can_be_written_in_yaml():
-    for family in FAMILIES.values():
-        assert len(set(family.names)) == len(family.names)
-        assert all(name.isidentifier() and name == name.lower() for name in family.names)
-
-
-# ---- behaviour over a grid of states -------------------------------------------------------------------------------------------
 
 
 def nav_state(onboard, lat, lon, altitude, velocity_N, attitude, rate=(0.0, 0.0, 0.0), force=(0.0, 0.0, 0.0), t=50.0, height=None):
@@ -318,6 +251,27 @@ def test_controller_of_a_vehicle_exactly_at_rest_is_finite(shared_onboard, whole
     for nav in resting:
         demand, error = demand_of(index, shared_onboard, nav, guided(), LANDER)
         assert np.all(np.isfinite(demand)) and np.all(np.isfinite(error))
+
+
+@pytest.mark.parametrize("index", range(len(ALLOCATORS.members)), ids=ALLOCATORS.names)
+@pytest.mark.parametrize("sound", [0, 1], ids=["all dead", "all sound"])
+def test_duties_are_bounded_and_repeatable_whatever_is_demanded(shared_onboard, index, sound):
+    """From nothing to a million newton, along every axis and between them, with all thrusters and with none."""
+    vehicle, params = shared_onboard[0]["vehicle"], shared_onboard[0]["allocation"]
+    count, healthy = int(vehicle["n_thrusters"]), np.full(32, sound, "i8")
+    rng = np.random.default_rng(5)
+    demands = [size * direction for size in (0.0, 1e-9, 1.0, 300.0, 1e6) for direction in (*np.eye(6), *-np.eye(6), rng.normal(size=6))]
+    for demand, configuration, translating in product(demands, (ENTRY, LANDER), (False, True)):
+        answers = []
+        for _ in range(2):
+            memory = np.zeros(1, ALLOCATOR)[0]
+            effects(vehicle["thrusters"], count, tuple(vehicle["configuration"][configuration]["centre"]), memory["effect"])
+            allocate(index, params, vehicle["thrusters"], count, healthy, 0b1111, translating, False, demand, memory)
+            answers.append(memory)
+        duty = memory["duty"][:count]
+        assert np.all((duty >= 0.0) & (duty <= sound))
+        assert memory["undelivered"] == pytest.approx(demand - duty @ memory["effect"][:count], rel=1e-9, abs=1e-8)
+        assert answers[0].tobytes() == answers[1].tobytes()
 
 
 def test_grid_reaches_the_extremes(whole_grid):

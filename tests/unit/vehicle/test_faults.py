@@ -121,6 +121,24 @@ def test_no_kind_does_anything_before_its_time(tables, kind):
     assert plant.tobytes() == sound.tobytes()
 
 
+@pytest.mark.parametrize("kind", FAULT_KINDS.names)
+def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
+    """Mortar, engine, wing and thrusters are in use, so that each kind finds something to break."""
+    thruster = "thruster: D7, " if kind in THRUSTER_KINDS else ""
+    case, plant, command = broken(tables, f"{{{thruster}kind: {kind}, at: {{time_s: 0.1}}}}")
+    sound_case, sound, _ = broken(tables)
+    command["closes"][:22], command["thrust"], command["request"][MORTAR] = 0.7, 3000.0, 1
+    before = command.tobytes()
+    for k in range(40):
+        plant["t"] = sound["t"] = k * CYCLE
+        actuate(case, command, plant)
+        actuate(sound_case, command, sound)
+    assert plant["fault_since"][0] == pytest.approx(0.1)
+    sound["phase_seen"], sound["fault_since"] = plant["phase_seen"], plant["fault_since"]
+    assert plant.tobytes() != sound.tobytes()
+    assert command.tobytes() == before
+
+
 @pytest.mark.parametrize(
     ("fault", "words"),
     [
