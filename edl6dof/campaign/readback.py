@@ -23,6 +23,10 @@ from edl6dof.sim.scenario import Scenario
 Keys = tuple[str | int, ...]
 
 
+#: Where a list item of that name was found last: looked at first, as every case asks for the same.
+_LAST_INDEX: dict[str, int] = {}
+
+
 class NotApplied(Exception):
     """A change of a case did not reach what is flown."""
 
@@ -70,8 +74,14 @@ def _walk(value: Any, path: str) -> tuple[Keys, Any]:
 
 
 def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
+    guess = _LAST_INDEX.get(part, 0)
+    if guess < len(items) and getattr(items[guess], "name", None) == part:
+        return guess
     names = [getattr(item, "name", None) for item in items]
-    return names.index(part) if part in names else int(part)
+    if part not in names:
+        return int(part)
+    _LAST_INDEX[part] = names.index(part)
+    return _LAST_INDEX[part]
 
 
 def _same(value: Any, wanted: Any) -> bool:

@@ -37,6 +37,8 @@ def _plain(value: Any) -> Any:
 
     Models leave out what they have at the default.
     """
+    if type(value) is float:
+        return value
     items = value if isinstance(value, list | tuple) and value else [value]
     if isinstance(value, str) or all(isinstance(item, int | float | None) for item in items):
         return value

@@ -51,9 +51,19 @@ def _patched(model: Model, changes: list[tuple[Keys, Any]]) -> Model:
                 update[name] = check(update[name])
         else:
             update[name] = rules.leaf(name).validate_python(_replaced(old, inside))
-    copy = model.model_copy(update=update)
+    copy = _copied(model, update)
     for check in rules.checks:
         copy = getattr(copy, check)()
+    return copy
+
+
+def _copied(model: Model, update: dict[str, Any]) -> Model:
+    """``model.model_copy(update=update)`` of a model without extra or private fields, in a quarter of the time."""
+    copy = object.__new__(type(model))
+    object.__setattr__(copy, "__dict__", {**model.__dict__, **update})
+    object.__setattr__(copy, "__pydantic_extra__", None)
+    object.__setattr__(copy, "__pydantic_private__", None)
+    object.__setattr__(copy, "__pydantic_fields_set__", model.__pydantic_fields_set__ | update.keys())
     return copy
 
 

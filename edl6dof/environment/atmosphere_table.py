@@ -130,8 +130,10 @@ def build_table(record: np.void, name: str, bottom_m: float, gas_constant: float
 
 def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads them."""
-    start, s0, s1, rise = curve[:-1], slope[:-1], slope[1:], np.diff(curve)
-    return np.column_stack([start, s0, 3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise])
+    s0, s1, rise = slope[:-1], slope[1:], np.diff(curve)
+    out = np.empty((len(rise), 4))
+    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = curve[:-1], s0, 3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise
+    return out
 
 
 def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:

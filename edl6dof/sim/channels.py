@@ -125,8 +125,7 @@ BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
     for name in (
         *("guide.phase", "guide.bank_deg"),
         *("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s", "truth.alpha_deg", "truth.beta_deg"),
-        *("truth.dynamic_pressure_pa", "truth.load_g0", "truth.heat_flux_w_cm2", "truth.heat_load_j_cm2", "truth.footpads"),
-        *("truth.riser_tension_n", "truth.propellant_kg", "truth.total_alpha_deg"),
+        *("truth.dynamic_pressure_pa", "truth.propellant_kg", "truth.total_alpha_deg"),
         *("truth.altitude_m", "truth.height_m", "truth.latitude_deg", "truth.longitude_deg", "truth.speed_m_s", "truth.mach"),
         *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
         *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),

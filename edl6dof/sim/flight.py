@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.source import parse_document
 from edl6dof.fsw.onboard import FSW
@@ -24,7 +25,7 @@ from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.sim.touchdown import touchdown_state
-from edl6dof.sim.verdict import Check, checks, metrics
+from edl6dof.sim.verdict import Check, checks, metrics, peak_figures
 from edl6dof.vehicle.plant import NOT_BEGUN, PLANT, STATE_NAMES
 
 if TYPE_CHECKING:
@@ -129,7 +130,8 @@ class Flight:
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
         when = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
-        figures = metrics(self.telemetry, when, self.phase_names, touchdown_state(self.case[0], self.plant[0]))
+        figures = metrics(self.telemetry, when, self.phase_names)
+        figures |= peak_figures(self.plant[0], when) | touchdown_state(self.case, self.plant)
         figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
         return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 
@@ -262,7 +264,7 @@ def fly(
         sensed, cycle = records.initial_sensed(), 0
         prepare(case, tables, plant)
     else:
-        plant, fsw, sensed, cycle = start.plant.copy(), start.fsw.copy(), start.sensed.copy(), start.cycle
+        plant, fsw, sensed, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensed), start.cycle
     base = scenario.flight_software.rates.base_hz
     stop = _last_cycle(loaded) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
@@ -274,7 +276,7 @@ def fly(
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
-            saved = State(cycle, plant.copy(), sensed.copy(), fsw.copy(), resolved_text(loaded))
+            saved = State(cycle, duplicate(plant), duplicate(sensed), duplicate(fsw), resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)

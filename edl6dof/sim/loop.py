@@ -11,6 +11,7 @@ from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.integrate import advance, refresh
 from edl6dof.vehicle.mass import compose_dry
+from edl6dof.vehicle.peaks import note_peaks
 
 
 @kernel
@@ -39,6 +40,7 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
         sense(case, plant, sensed)
         run(onboard, sensed, k, fsw)
         actuate(case, fsw.command, plant)
+        note_peaks(plant)
         outcome = judge(case, plant)
         if k % case.simulation.log_every == 0 or outcome != FLYING:
             if len(log) > 0:

@@ -50,17 +50,13 @@ def record_brief(case, plant, fsw, tick):
     airspeed, truth.alpha, truth.beta = wind_angles(v_air)
     truth.total_alpha = total_angle_of_attack(v_air)
     truth.mach, truth.dynamic_pressure = out.mach, out.dynamic_pressure
-    truth.load = norm(take3(out.specific_force_B, 0))
-    truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
     truth.rate_p, truth.rate_q, truth.rate_r = take3(y, RATE)
     truth.propellant = y[PROPELLANT]
     truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
-    truth.riser_tension = out.riser_tension
     truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
     if plant.debris[1].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
-    truth.footpads = out.pads
     guide.phase, guide.bank = fsw.phase, fsw.guide.bank
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(fsw.attitude_error, 0)
     return c, s, v_rel, v_N, airspeed
@@ -92,7 +88,9 @@ def record(case, plant, fsw, tick):
     truth.aero_force_x, truth.aero_force_y, truth.aero_force_z = take3(out.aero_force_B, 0)
     truth.aero_moment_x, truth.aero_moment_y, truth.aero_moment_z = take3(out.aero_moment_B, 0)
     truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.rcs_force, 0)
-    truth.engine_thrust = out.engine_thrust
+    truth.load = norm(take3(out.specific_force_B, 0))
+    truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
+    truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(case.site, rotate_z(c, s, take3(y, CANOPY_POSITION)))
     else:

@@ -7,12 +7,13 @@ nominal configuration and never touch again.
 from __future__ import annotations
 
 from collections.abc import Callable, Set
+from functools import cache
 from math import atan2, cos, radians, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, fill, refill
+from edl6dof.config.dtype import dtype_of, duplicate, fill, refill
 from edl6dof.environment.atmosphere import ATMOSPHERE, fill_atmosphere, fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.planet import PLANET, fill_planet
@@ -194,7 +195,7 @@ def changed_case(case: np.ndarray, scenario: Scenario, before: Scenario, tables:
 
     Equal to ``build_case``, and quicker.
     """
-    case = case.view(np.uint8).copy().view(CASE)  # bytes are copied at once, and the fields of a record one by one
+    case = duplicate(case)
     for name, part in PARTS.items():
         if part.sections.isdisjoint(sections):
             continue
@@ -223,7 +224,7 @@ def build_records(loaded: LoadedScenario) -> Records:
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     """The plant at t = 0, shape (1,)."""
-    plant = np.zeros(1, PLANT)
+    plant = duplicate(_new_plant())
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
@@ -240,6 +241,14 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record["bank"] = record["bank_command"] = initial.wind_angles[0]
     record["alpha"] = initial.wind_angles[1]
     y[PROPELLANT] = scenario.vehicle.mass.propellant.mass_kg
+    return plant
+
+
+@cache
+def _new_plant() -> np.ndarray:
+    """What every plant begins with: nothing has left it, and nothing has happened."""
+    plant = np.zeros(1, PLANT)
+    record = plant[0]
     record["attached"][:] = 1
     record["due"][:] = 1e99
     record["done"][:] = np.nan
@@ -266,8 +275,15 @@ def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple
 
 def initial_fsw(onboard: np.ndarray) -> np.ndarray:
     """Flight-software memory at t = 0, shape (1,)."""
-    fsw = np.zeros(1, FSW)
+    fsw = duplicate(_new_fsw())
     fsw["mass"] = onboard["vehicle"]["entry_mass"]
+    return fsw
+
+
+@cache
+def _new_fsw() -> np.ndarray:
+    """What every flight computer begins with."""
+    fsw = np.zeros(1, FSW)
     fsw["healthy"] = 1
     fsw["diagnosis"]["probe"]["suspect"] = NOBODY
     fsw["entered"] = np.nan

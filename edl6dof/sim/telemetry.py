@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from edl6dof.sim.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
-from edl6dof.sim.extremes import largest
+from edl6dof.sim.extremes import fastest_turns, largest, longest, nearest
 from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
@@ -41,6 +41,26 @@ class Telemetry(Mapping[str, np.ndarray]):
         """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the time that columns take."""
         words, from_si = _words(self._log.dtype, names)
         return largest(self._log, words) * from_si
+
+    def longest(self, *names: str) -> float:
+        """Largest length over all rows of the vector of some channels of one unit, ``nan`` of no rows."""
+        words, from_si = _words(self._log.dtype, names)
+        return longest(self._log, words) * float(from_si[0])
+
+    def nearest(self, stem: str, other: str) -> float:
+        """Least distance (m) over all rows of two places given by their channels east, north and up, ``nan`` where there are none."""
+        a, b = (_words(self._log.dtype, tuple(f"truth.{name}_{axis}_m" for axis in ("east", "north", "up")))[0] for name in (stem, other))
+        return nearest(self._log, a, b)
+
+    def fastest_swings(self) -> np.ndarray:
+        """Largest pitch and yaw rate (deg/s) over all rows without their part that is banking about the velocity, ``nan`` of no rows.
+
+        A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the body (sideslip: in pitch);
+        S1 counts the rates of the angle-of-attack and sideslip channels.
+        """
+        rates, from_si = _words(self._log.dtype, ("truth.rate_q_deg_s", "truth.rate_r_deg_s"))
+        (roll, *angles), _ = _words(self._log.dtype, ("truth.rate_p_deg_s", "truth.beta_deg", "truth.alpha_deg"))
+        return fastest_turns(self._log, rates, roll, np.array(angles)) * from_si
 
     def __iter__(self) -> Iterator[str]:
         return iter((*self._places, *_slots(self._thrusters)))

@@ -2,64 +2,66 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, degrees, hypot, sin
+from math import acos, atan2, cos, hypot, isfinite, sin
 
 import numpy as np
 
+from edl6dof.config.units import split_unit
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
-from edl6dof.spatial.frames import (
-    fixed_to_enu,
-    fixed_to_ned,
-    from_geodetic,
-    geodetic,
-    ned_to_fixed,
-    rotate_z,
-)
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed, rotate_z, to_local
 from edl6dof.spatial.quaternion import axes
+from edl6dof.spatial.vector import clamp, dot, norm, take3
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
+#: What :func:`_contact` returns, in SI units.
+_FIGURES = (
+    *("touchdown_s", "touchdown_vertical_m_s", "touchdown_horizontal_m_s"),
+    *("touchdown_roll_error_deg", "touchdown_pitch_error_deg", "touchdown_yaw_error_deg", "touchdown_tilt_deg"),
+    *("touchdown_roll_rate_deg_s", "touchdown_pitch_rate_deg_s", "touchdown_yaw_rate_deg_s", "touchdown_rate_deg_s"),
+    *("touchdown_slope_deg", "landing_latitude_deg", "landing_longitude_deg"),
+    *("landing_east_m", "landing_north_m", "landing_distance_m"),
+)
+_FROM_SI = tuple(1.0 / split_unit(name)[1].to_si for name in _FIGURES)
 
-def touchdown_state(case: np.void, plant: np.void) -> dict[str, float]:
+
+def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     """Velocity, attitude errors, rates and place at first contact; empty when there was none.
 
     Attitude errors are those of S1: roll to the local geographic frame (y of B south), pitch and yaw of the thrust axis from the
     vertical, as a rotation vector in B.
+
+    Args:
+        cases: the truth of the flight, shape (1,).
+        plants: its plant, shape (1,).
     """
-    t = float(plant["touchdown_time"])
-    if not np.isfinite(t):
+    if not isfinite(plants["touchdown_time"][0]):
         return {}
-    y = plant["touchdown"]
-    planet, terrain = case["planet"], case["terrain"]
-    spin = float(planet["rotation_rate"])
+    values = _contact(cases, plants)
+    return {name: value * factor for name, value, factor in zip(_FIGURES, values, _FROM_SI, strict=True)}
+
+
+@kernel
+def _contact(cases, plants):
+    case, plant = cases[0], plants[0]
+    t, y, planet = plant.touchdown_time, plant.touchdown, case.planet
+    spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
-    r, v = tuple(y[POSITION : POSITION + 3]), tuple(y[VELOCITY : VELOCITY + 3])
-    q, w = tuple(y[ATTITUDE : ATTITUDE + 4]), tuple(y[RATE : RATE + 3])
-    radius, flattening = float(planet["equatorial_radius"]), float(planet["flattening"])
+    r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     r_F = rotate_z(c, s, r)
-    sl, cl, so, co, _ = geodetic(radius, flattening, r_F)
+    sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     north, east, down = fixed_to_ned(sl, cl, so, co, rotate_z(c, s, (v[0] + spin * r[1], v[1] - spin * r[0], v[2])))
-    to_inertial = [rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, axis)) for axis in ((1.0, 0, 0), (0, 1.0, 0), (0, 0, -1.0))]
-    north_I, east_I, up_I = (np.array(axis) for axis in to_inertial)
-    x_axis, _, _ = (np.array(axis) for axis in axes(q))
-    roll, pitch, yaw = decoupled_error(q, goal_attitude(tuple(north_I), tuple(east_I), tuple(up_I), tuple(up_I)))
-    lat, lon = float(terrain["site_latitude"]), float(terrain["site_longitude"])
-    site = from_geodetic(radius, flattening, lat, lon, float(terrain["site_elevation"]))
-    site_east, site_north, _ = fixed_to_enu(site, sin(lat), cos(lat), sin(lon), cos(lon), r_F)
-    return {
-        "touchdown_s": t,
-        "touchdown_vertical_m_s": down,
-        "touchdown_horizontal_m_s": hypot(north, east),
-        "touchdown_roll_error_deg": degrees(roll),
-        "touchdown_pitch_error_deg": degrees(pitch),
-        "touchdown_yaw_error_deg": degrees(yaw),
-        "touchdown_tilt_deg": degrees(float(np.arccos(np.clip(-x_axis @ up_I, -1.0, 1.0)))),
-        "touchdown_roll_rate_deg_s": degrees(w[0]),
-        "touchdown_pitch_rate_deg_s": degrees(w[1]),
-        "touchdown_yaw_rate_deg_s": degrees(w[2]),
-        "touchdown_slope_deg": degrees(atan2(hypot(*plant["ground_slope"]), 1.0)),
-        "landing_latitude_deg": degrees(atan2(sl, cl)),
-        "landing_longitude_deg": degrees(atan2(so, co)),
-        "landing_east_m": site_east,
-        "landing_north_m": site_north,
-        "landing_distance_m": hypot(site_east, site_north),
-    }
+    north_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (1.0, 0.0, 0.0)))
+    east_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (0.0, 1.0, 0.0)))
+    up_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (0.0, 0.0, -1.0)))
+    error = decoupled_error(q, goal_attitude(north_I, east_I, up_I, up_I))
+    forward, _, _ = axes(q)
+    site = to_local(case.site, r_F)
+    return (
+        t, down, hypot(north, east),
+        error[0], error[1], error[2], acos(clamp(-dot(forward, up_I), -1.0, 1.0)),
+        w[0], w[1], w[2], norm(w),
+        atan2(hypot(plant.ground_slope[0], plant.ground_slope[1]), 1.0), atan2(sl, cl), atan2(so, co),
+        site[0], site[1], hypot(site[0], site[1]),
+    )  # fmt: skip

@@ -13,6 +13,7 @@ import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.sim.telemetry import Telemetry
+from edl6dof.vehicle.plant import HEAT
 
 _RATES = ("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s")
 
@@ -67,18 +68,15 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     ]
 
 
-def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str], touchdown: dict[str, float]) -> dict[str, float]:
-    """All figures of a flight that can be formed from what it flew through; ``when`` is the time (s) of its events by key."""
+def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
+    """Figures that telemetry tells of what the flight went through; ``when`` is the time (s) of its events by key."""
     figures: dict[str, float] = {}
     figures.update(_event_figures(telemetry, when))
     figures.update(_trim_figures(telemetry, phases))
     figures.update(_entry_figures(telemetry, when, phases))
     figures.update(_descent_figures(telemetry, when, phases))
-    figures.update(_overall_figures(telemetry, when))
-    figures.update(touchdown)
-    if touchdown:
-        rates = [touchdown[f"touchdown_{axis}_rate_deg_s"] for axis in ("roll", "pitch", "yaw")]
-        figures["touchdown_rate_deg_s"] = float(np.linalg.norm(rates))
+    propellant = telemetry["truth.propellant_kg"]
+    figures["propellant_used_kg"] = float(propellant[0] - propellant[-1])
     return figures
 
 
@@ -157,34 +155,22 @@ def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[st
     if first == last:
         return {}
     lift = telemetry.rows(first, last)
-    t, p = lift["t_s"], lift["truth.rate_p_deg_s"]
+    t = lift["t_s"]
     wing = when.get("trim_wing", np.inf)
-    opens, calms = _row(t, wing), _row(t, wing + WING_TRANSIENT_S)
+    calm = (lift.rows(0, _row(t, wing)), lift.rows(_row(t, wing + WING_TRANSIENT_S), None))
+    pitch, yaw = np.fmax(*(rows.fastest_swings() for rows in calm)).tolist()
     before = min(first, 1)
     with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
     figures = {
         "bank_reversals": float(np.count_nonzero(with_entry[1:] * with_entry[:-1] < 0.0)),
-        "max_bank_rate_deg_s": _peak(p),
-        "max_pitch_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_q", "beta"), slice(opens, calms))),
-        "max_yaw_rate_lift_deg_s": _peak(np.delete(_swing(lift, p, "rate_r", "alpha"), slice(opens, calms))),
+        "max_bank_rate_deg_s": _largest(lift, "truth.rate_p_deg_s"),
+        "max_pitch_rate_lift_deg_s": pitch,
+        "max_yaw_rate_lift_deg_s": yaw,
     }
     zero = with_entry[before:] == 0.0
     if zero[first_zero := zero.argmax()]:
         figures["bank_zero_s"] = float(t[first_zero])
     return figures
-
-
-def _swing(telemetry: Telemetry, p: np.ndarray, rate: str, angle: str) -> np.ndarray:
-    """Pitch or yaw rate (deg/s) without the part of it that is banking, at ``p`` (deg/s), about the velocity.
-
-    A bank about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the body (beta: in pitch); S1 counts the rates
-    of the angle-of-attack and sideslip channels.
-    """
-    return telemetry[f"truth.{rate}_deg_s"] - p * np.tan(np.radians(telemetry[f"truth.{angle}_deg"]))
-
-
-def _peak(values: np.ndarray) -> float:
-    return float(np.max(np.abs(values))) if len(values) else float("nan")
 
 
 def _largest(telemetry: Telemetry, *names: str) -> float:
@@ -197,8 +183,6 @@ def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[
     if "parachute" in phases and "mortar" in when:
         hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
         figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
-        opened = telemetry.rows(_row(telemetry["t_s"], when["mortar"]), None)
-        figures["max_riser_tension_n"] = _largest(opened, "truth.riser_tension_n")
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
     return figures
@@ -212,30 +196,26 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
     settled = telemetry.rows(_beyond(times, start + ROLL_TRANSIENT_S), last)
     figures = {
         "max_rate_powered_deg_s": _largest(powered, *_RATES),
-        "max_attitude_error_powered_deg": _peak(np.hypot(powered["control.error_pitch_deg"], powered["control.error_yaw_deg"])),
+        "max_attitude_error_powered_deg": powered.longest("control.error_pitch_deg", "control.error_yaw_deg"),
         "roll_error_at_ignition_deg": _at(telemetry, "control.error_roll_deg", start),
         "max_roll_error_powered_deg": _largest(settled, "control.error_roll_deg"),
         "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
     }
     separated = telemetry.rows(_beyond(times, start + 5.0), last)
     if len(separated["t_s"]):
-        apart = sum((separated[f"truth.site_{c}_m"] - separated[f"truth.backshell_{c}_m"]) ** 2 for c in ("east", "north", "up"))
-        figures["min_backshell_distance_m"] = float(np.nanmin(np.sqrt(apart)))
+        figures["min_backshell_distance_m"] = separated.nearest("site", "backshell")
     return figures
 
 
-def _overall_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
-    propellant = telemetry["truth.propellant_kg"]
-    pressure, heat_flux = telemetry.largest("truth.dynamic_pressure_pa", "truth.heat_flux_w_cm2").tolist()
-    contact = _row(telemetry["t_s"], when.get("touchdown", np.inf))
-    after = telemetry.rows(contact, None)
-    loads = after["truth.load_g0"][after["truth.footpads"] == 0]
-    if contact > 0:
-        loads = np.append(loads, telemetry.rows(0, contact).largest("truth.load_g0"))
-    return {
-        "peak_load_g0": _peak(loads),
-        "peak_dynamic_pressure_pa": pressure,
-        "peak_heat_flux_w_cm2": heat_flux,
-        "heat_load_j_cm2": float(telemetry.rows(-1, None)["truth.heat_load_j_cm2"][0]),
-        "propellant_used_kg": float(propellant[0] - propellant[-1]),
+def peak_figures(plant: np.void, when: dict[str, float]) -> dict[str, float]:
+    """Largest loads since the initial state, and the heat load, in the units of their names."""
+    peaks = plant["peaks"]
+    found = {
+        "peak_load_g0": peaks["load"],
+        "peak_dynamic_pressure_pa": peaks["dynamic_pressure"],
+        "peak_heat_flux_w_cm2": peaks["heat_flux"],
+        "heat_load_j_cm2": plant["y"][HEAT],
     }
+    if "mortar" in when:
+        found["max_riser_tension_n"] = peaks["riser_tension"]
+    return {name: float(value) / split_unit(name)[1].to_si for name, value in found.items()}

@@ -96,6 +96,9 @@ DEBRIS = np.dtype(
     align=True,
 )
 
+#: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
+PEAKS = np.dtype([("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True)
+
 PLANT = np.dtype(
     [
         ("t", "f8"),
@@ -133,11 +136,8 @@ PLANT = np.dtype(
         ("ground_elevation", "f8"),
         ("ground_slope", "f8", (2,)),
         ("agl", "f8"),
-        ("clearance", "f8"),
         ("touchdown", "f8", (STATES,)),
-        ("peak_heat_flux", "f8"),
-        ("peak_load", "f8"),
-        ("peak_tension", "f8"),
+        ("peaks", PEAKS),
         ("debris", DEBRIS, (2,)),
         ("out", OUTPUT),
         ("kept", KEPT),

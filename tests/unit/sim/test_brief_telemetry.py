@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from edl6dof.sim.channels import BRIEF, BRIEF_CHANNELS, TICK
-from edl6dof.sim.extremes import largest
+from edl6dof.sim.extremes import fastest_turns, largest, longest, nearest
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.sim.telemetry import Telemetry
 
@@ -53,3 +53,45 @@ def test_largest_magnitude_is_that_of_numpy(rows):
 
 def test_largest_of_nothing_is_no_number():
     assert np.isnan(Telemetry(np.zeros(0, TICK), ("D1",)).largest("truth.mach", "guide.phase")).all()
+
+
+@pytest.fixture(params=[1, 2, 65, 1001])
+def rows(request):
+    """Numbers in the words of a log, the angles among them within a right angle."""
+    return np.random.default_rng(request.param).uniform(-1.5, 1.5, (request.param, TICK.itemsize // 8))
+
+
+def as_log(rows):
+    return rows.view(TICK)[:, 0]
+
+
+def test_longest_vector_and_nearest_points_are_those_of_numpy(rows):
+    log, a, b = as_log(rows), np.array([3, 7]), np.array([1, 9])
+    assert longest(log, a) == pytest.approx(np.max(np.linalg.norm(rows[:, a], axis=1)), rel=1e-14)
+    rows[::3, 7] = np.nan  # a place that is not always known
+    apart = np.linalg.norm(rows[:, a] - rows[:, b], axis=1)
+    assert np.isnan(nearest(log, a, b)) if np.isnan(apart).all() else nearest(log, a, b) == pytest.approx(np.nanmin(apart), rel=1e-14)
+    assert np.isnan(longest(log, a))
+
+
+def test_fastest_turn_beside_banking_is_that_of_numpy_and_sees_what_is_no_number(rows):
+    log, rates, angles = as_log(rows), np.array([2, 3]), np.array([5, 6])
+    expected = np.max(np.abs(rows[:, rates] - rows[:, [4]] * np.tan(rows[:, angles])), axis=0)
+    assert fastest_turns(log, rates, 4, angles) == pytest.approx(expected, rel=1e-13)
+    rows[0, 3] = np.nan
+    assert np.isnan(fastest_turns(log, rates, 4, angles)).tolist() == [False, True]
+
+
+def test_extremes_of_nothing_are_no_numbers():
+    nothing = np.zeros(0, TICK)
+    assert np.isnan([longest(nothing, np.array([1])), nearest(nothing, np.array([1]), np.array([2]))]).all()
+    assert np.isnan(fastest_turns(nothing, np.array([2, 3]), 4, np.array([5, 6]))).all()
+
+
+def test_peaks_are_the_largest_of_the_telemetry(nominal):
+    """Every cycle is logged in the nominal flight, so what the vehicle met is what was logged."""
+    flight, figures = nominal.telemetry, nominal.metrics
+    assert figures["peak_load_g0"] == np.max(flight["truth.load_g0"][flight["truth.footpads"] == 0])
+    assert figures["peak_dynamic_pressure_pa"] == np.max(flight["truth.dynamic_pressure_pa"])
+    assert figures["peak_heat_flux_w_cm2"] == pytest.approx(np.max(flight["truth.heat_flux_w_cm2"]), rel=1e-15)
+    assert figures["max_riser_tension_n"] == np.max(flight["truth.riser_tension_n"])
