@@ -55,14 +55,16 @@ def options(
     """Six-degree-of-freedom Mars entry, descent and landing."""
 
 
-Sets = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter; may be given several times.")]
+Sets = Annotated[
+    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter (edl6dof params lists them); repeatable.")
+]
 
 
 @app.command()
 def fly(
-    scenario: Annotated[str | None, typer.Argument(help="Scenario file, or the name of a shipped one.")] = None,
+    scenario: Annotated[str | None, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")] = None,
     sets: Sets = None,
-    out: Annotated[Path | None, typer.Option(help="Run folder; runs/<name> if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Run folder; runs/<name> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
     report: Annotated[bool, typer.Option("--report", help="Write the report too.")] = False,
@@ -82,7 +84,7 @@ def fly(
 
 
 @app.command()
-def check(files: Annotated[list[str], typer.Argument(help="Scenario files or names.")], sets: Sets = None) -> None:
+def check(files: Annotated[list[str], typer.Argument(metavar="SCENARIO", help="Scenario files or names.")], sets: Sets = None) -> None:
     """Check scenario files; name each mistake with file, line and key."""
     from edl6dof.app.inspect import run_check
 
@@ -91,7 +93,9 @@ def check(files: Annotated[list[str], typer.Argument(help="Scenario files or nam
 
 @app.command()
 def params(
-    path: Annotated[str, typer.Argument(help="Dotted path to begin at, such as vehicle.parachute, or part of a name.")] = "",
+    path: Annotated[
+        str, typer.Argument(metavar="PATH", help="Dotted path to begin at, such as vehicle.parachute, or part of a name.")
+    ] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List parameters: default, unit, bounds, meaning, status."""
@@ -110,12 +114,14 @@ def schema() -> None:
 
 @app.command()
 def replay(
-    runs: Annotated[list[Path], typer.Argument(metavar="RUN...", help="Run folders, in one scene; the first may be a campaign's.")],
+    runs: Annotated[list[Path], typer.Argument(metavar="RUN", help="Run folders, in one scene; the first may be a campaign's.")],
     web: Annotated[bool, typer.Option("--web", help="Show it in the browser, served to this machine only.")] = False,
     html: Annotated[Path | None, typer.Option(metavar="FILE", help="Write one HTML file that plays offline.")] = None,
     screenshot: Annotated[Path | None, typer.Option(metavar="FILE", help="Write a picture (PNG) without opening a window.")] = None,
     at: Annotated[float | None, typer.Option(metavar="T", help="Time of the picture, s; the end if not given.")] = None,
-    page: Annotated[str, typer.Option(help="Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Thrusters.")] = "",
+    page: Annotated[
+        str, typer.Option(metavar="NAME", help="Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Thrusters.")
+    ] = "",
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
@@ -129,8 +135,8 @@ def replay(
 
 @app.command()
 def report(
-    run: Annotated[Path, typer.Argument(help="Folder of a run or a campaign.")],
-    out: Annotated[Path | None, typer.Option(help="File to write; RUN/report.html if not given.")] = None,
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a run or a campaign.")],
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="File to write; RUN/report.html if not given.")] = None,
     pdf: Annotated[
         bool, typer.Option("--pdf", help="Write report.pdf instead: verdict, tables, and each figure as a vector page.")
     ] = False,
@@ -148,14 +154,16 @@ def report(
 
 @app.command()
 def plot(
-    run: Annotated[Path, typer.Argument(help="Run folder.")],
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Run folder.")],
     channels: Annotated[
-        list[str] | None, typer.Argument(help="Channels, or patterns such as 'truth.rate_*'; all are listed if none.")
+        list[str] | None, typer.Argument(metavar="CHANNEL", help="Channels, or patterns such as 'truth.rate_*'; all are listed if none.")
     ] = None,
     against: Annotated[str, typer.Option(metavar="CHANNEL", help="Channel of the x axis.")] = "t_s",
     since: Annotated[float | None, typer.Option("--from", metavar="T", help="First time (s).")] = None,
     until: Annotated[float | None, typer.Option("--to", metavar="T", help="Last time (s).")] = None,
-    out: Annotated[Path | None, typer.Option(help="File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File to write: .html, .png, .pdf or .svg; RUN/plots/CHANNEL.html if not given.")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Plot channels of a run; those of one unit share a panel."""
@@ -168,7 +176,7 @@ def plot(
 def compare(
     first: Annotated[Path, typer.Argument(metavar="RUN1", help="Run folder.")],
     second: Annotated[Path, typer.Argument(metavar="RUN2", help="Run folder.")],
-    out: Annotated[Path | None, typer.Option(help="Page to write; RUN2/compared-with-RUN1.html if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Page to write; RUN2/compared-with-RUN1.html if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Compare two flights: figures, scenarios, every plot.
@@ -182,8 +190,10 @@ def compare(
 
 @app.command()
 def export(
-    run: Annotated[Path, typer.Argument(help="Run folder.")],
-    file: Annotated[Path | None, typer.Argument(help="File to write; inside RUN if not given, - for standard output.")] = None,
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Run folder.")],
+    file: Annotated[
+        Path | None, typer.Argument(metavar="FILE", help="File to write; inside RUN if not given, - for standard output.")
+    ] = None,
     form: Annotated[
         str, typer.Option("--format", metavar="FORM", help="csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).")
     ] = "",
@@ -200,7 +210,7 @@ def export(
 
 @app.command()
 def verify(
-    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Check cases; all if none is named.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Check cases; all if none is named.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plots: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a PNG for each case that has a history.")] = None,
 ) -> None:
@@ -217,9 +227,9 @@ def verify(
 
 @app.command()
 def study(
-    name: Annotated[str | None, typer.Argument(help="Study; without one, they are listed.")] = None,
-    runs: Annotated[int | None, typer.Option("-n", "--runs", help="Flights; as many as published if not given.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder; runs/study-<name> if not given.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Study; without one, they are listed.")] = None,
+    runs: Annotated[int | None, typer.Option("-n", "--runs", metavar="N", help="Flights; as many as published if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/study-<name> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Fly few runs, to see that it works.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
@@ -235,14 +245,16 @@ def study(
 
 @app.command()
 def campaign(
-    scenario: Annotated[str | None, typer.Argument(help="Campaign file or name; with --resume, the folder of a campaign.")] = None,
+    scenario: Annotated[
+        str | None, typer.Argument(metavar="CAMPAIGN", help="Campaign file or name; with --resume, the folder of a campaign.")
+    ] = None,
     sets: Sets = None,
-    cases: Annotated[int | None, typer.Option("-n", "--cases", min=1, help="Flights (at each point of a sweep).")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the dispersions.")] = None,
-    engine: Annotated[str, typer.Option(help="threads (this machine) or dask.")] = "threads",
+    cases: Annotated[int | None, typer.Option("-n", "--cases", metavar="N", min=1, help="Flights (at each point of a sweep).")] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
+    engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
     cluster: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
-    workers: Annotated[int | None, typer.Option(min=1, help="Threads, or worker processes; all cores if not given.")] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder; runs/<name> if not given.")] = None,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or worker processes; all cores if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/<name> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing campaign.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")] = False,
     until: Annotated[str | None, typer.Option(metavar="TEXT", help="Stop early, such as 'p_success +- 0.5%'.")] = None,
@@ -268,9 +280,9 @@ def campaign(
 
 @app.command()
 def refly(
-    folder: Annotated[Path, typer.Argument(help="Folder of a campaign.")],
-    case: Annotated[int, typer.Argument(help="Number of the case.")],
-    out: Annotated[Path | None, typer.Option(help="Run folder; runs/<name>_case<number> if not given.")] = None,
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a campaign.")],
+    case: Annotated[int, typer.Argument(metavar="CASE", help="Number of the case, as the report names it.")],
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Run folder; runs/<name>_case<number> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
 ) -> None:
@@ -285,16 +297,16 @@ def refly(
 
 @app.command()
 def faults(
-    scenario: Annotated[str, typer.Argument(help="Scenario file, or the name of a shipped one.")] = "tianwen1",
-    kinds: Annotated[str, typer.Option(help="Kinds, with commas: stuck_off, stuck_on, degraded, or all.")] = "stuck_off",
-    phases: Annotated[str, typer.Option(help="Phases, with commas; one of each kind of attitude control if not given.")] = "",
-    thrusters: Annotated[str, typer.Option(help="Thrusters, with commas; all if not given.")] = "",
+    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")] = "tianwen1",
+    kinds: Annotated[str, typer.Option(metavar="LIST", help="Kinds, with commas: stuck_off, stuck_on, degraded, or all.")] = "stuck_off",
+    phases: Annotated[str, typer.Option(metavar="LIST", help="Phases, with commas; if not given, one of each kind of control.")] = "",
+    thrusters: Annotated[str, typer.Option(metavar="LIST", help="Thrusters, with commas; all if not given.")] = "",
     after: Annotated[float, typer.Option(metavar="S", help="Time from the start of the phase to the fault.")] = 1.0,
     sets: Sets = None,
-    out: Annotated[Path | None, typer.Option(help="Folder; runs/faults-<scenario> if not given.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
-    workers: Annotated[int | None, typer.Option(min=1, help="Threads; as many as there are cores if not given.")] = None,
+    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads; as many as there are cores if not given.")] = None,
 ) -> None:
     """Fail every thruster in every phase, one flight each.
 

@@ -16,6 +16,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.campaign import run
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
@@ -23,7 +24,6 @@ from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.store import Store, StoreError
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.jit import is_cached
 from edl6dof.post.folder import atomic_folder
 from edl6dof.post.numbers import significant
 
@@ -128,15 +128,10 @@ def _engine(options: CampaignOptions) -> Iterator[Engine]:
 
 def _warm_up(plan: Plan, talk: bool) -> None:
     """Compile before anything flies in parallel: two processes that compile would do the work twice."""
-    from edl6dof.sim.loop import fly as compiled_loop
+    if announce_compiling(talk):
+        from edl6dof.campaign.executor import Pilot
 
-    if is_cached(compiled_loop):
-        return
-    if talk:
-        print("Compiling the simulator (up to a minute, kept for all later flights) ...", file=sys.stderr, flush=True)
-    from edl6dof.campaign.executor import Pilot
-
-    Pilot(plan.loaded).fly(list(plan.cases(0, 1)))
+        Pilot(plan.loaded).fly(list(plan.cases(0, 1)))
 
 
 @contextmanager
@@ -190,7 +185,7 @@ def _show(store: Store, options: CampaignOptions) -> None:
         console.print(f"stopped after {summary['cases']} of {summary['cases_planned']} cases: the interval is narrow enough")
     if summary["flown_in_this_run"]:
         console.print(f"{summary['flights_per_second']:.1f} flights per second on {summary['engine']}", markup=False)
-    console.print(f"edl6dof report {store.folder}", markup=False)
+    console.print(f"next: edl6dof report {store.folder}, edl6dof refly {store.folder} CASE", markup=False)
 
 
 def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: bool) -> int:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from edl6dof.config.source import parse_document
+from edl6dof.config.wording import counted
 from edl6dof.post.files import atomic_file
 from edl6dof.post.run import Run, refusal
 
@@ -39,7 +40,7 @@ def run_export(folder: Path, form: str, target: Path | None, force: bool) -> int
     target = target or folder / FILES[form]
     with atomic_file(target, force) as partial_file:
         rows = writer(run, partial_file)
-    print(f"{target}: {rows} rows")
+    print(f"{target}: {counted(rows, 'row')}")
     return 0
 
 

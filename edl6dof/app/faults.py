@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import statistics
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,18 +17,21 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.jsontext import json_text
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import counted, nearest
 from edl6dof.post.folder import atomic_folder
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 
 _LEGEND = """\
-matrix: seconds from fault to verdict; a name: another was named; -: never fired after the fault; ?: fired, not named
-below it: medians from the fault and from its first use to the verdict (s), worst distance from the site, worst attitude error"""
+matrix: s from the fault to the verdict; a name: another thruster was named;
+-: never fired after the fault; ?: fired, but not named
+below it: medians of s to the verdict, from the fault and from its first use;
+largest distance from the site (m) and attitude error (deg)"""
 
 
 @dataclass(frozen=True)
@@ -87,8 +89,8 @@ def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]
     for name in names:
         if name not in allowed:
             near = nearest(name, list(allowed))
-            hint = f"did you mean {near!r}? " if near else ""
-            problems.append(Problem(option, 0, 0, "", f"no {name!r}; {hint}({', '.join(allowed)})"))
+            hint = f"; did you mean {near!r}?" if near else ""
+            problems.append(Problem(option, 0, 0, "", f"no {name!r}{hint} (there are: {', '.join(allowed)})"))
     if problems:
         raise ConfigError(problems)
     return [name for name in allowed if name in names] or list(usual)
@@ -128,7 +130,8 @@ def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str]
         if not row["success"]:
             console.print(Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red"))
     lost = sum(not row["success"] for row in rows)
-    verdict = f"{lost} of {len(rows)} flights not within limits" if lost else f"all {len(rows)} flights landed within limits"
+    flights = counted(len(rows), "flight")
+    verdict = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
     console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
     console.print(Text(verdict, style="bold red" if lost else "bold green"))
 
@@ -161,8 +164,8 @@ def _cell(row: Row) -> Text:
 def _overview(groups: list[dict[str, Any]]) -> Table:
     """Counts, median times from fault and from first use to the verdict, largest distance from the site and attitude error."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for index, heading in enumerate(("phase", "landed", "named", "wrong", "s", "used", "m", "deg")):
-        table.add_column(heading, justify="right" if index else "left", header_style="", no_wrap=True)
+    for index, heading in enumerate(("phase", "landed", "named", "wrong", "from\nfault s", "from\nuse s", "site\nm", "error\ndeg")):
+        table.add_column(heading, justify="right" if index else "left", header_style="", vertical="bottom", no_wrap=True)
     for group in groups:
         counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"])
         figures = [(group["median_time_to_detect_s"], 2), (group["median_from_first_use_s"], 2)]
@@ -175,12 +178,7 @@ def _overview(groups: list[dict[str, Any]]) -> Table:
 @contextmanager
 def _progress(total: int, quiet: bool) -> Iterator[Callable[[int, Row], None] | None]:
     """A bar on stderr, if that is a terminal; a word before the first flight has to be compiled."""
-    from edl6dof.jit import is_cached
-    from edl6dof.sim.loop import fly as compiled_loop
-
-    if not quiet and not is_cached(compiled_loop):
-        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
-        print(message, file=sys.stderr, flush=True)
+    announce_compiling(not quiet)
     console = Console(stderr=True)
     if quiet or not console.is_terminal:
         yield None

@@ -12,6 +12,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.post.folder import atomic_folder
@@ -50,13 +51,8 @@ def run_fly(options: FlyOptions) -> int:
 
 
 def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
-    from edl6dof.jit import is_cached
-    from edl6dof.sim.loop import fly as compiled_loop
-
     talk = not (options.quiet or options.as_json)
-    if talk and not is_cached(compiled_loop):
-        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
-        print(message, file=sys.stderr, flush=True)
+    announce_compiling(talk)
     with _progress(talk) as report:
         flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
     write_files(flight, folder, options.replay)
@@ -99,6 +95,7 @@ def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
         show_flight(console, flight)
         files = ", ".join(sorted(path.name for path in target.iterdir()))
         console.print(f"{target}: {files}", markup=False)
+        console.print(f"next: edl6dof report {target}, edl6dof replay {target}", markup=False)
 
 
 def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
@@ -107,7 +104,7 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
         raise _problem("--save-state", f"must be a time in s, 0 or more (got {save:g})")
     if options.start is None:
         if options.scenario is None:
-            raise _problem("edl6dof fly", "name a scenario, or continue a state with --from STATE")
+            raise _problem("edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE")
         return load_scenario(options.scenario, options.sets), None
     from edl6dof.sim.flight import continue_from
 

@@ -51,7 +51,8 @@ def chosen(run: Run, patterns: Sequence[str]) -> list[str]:
     for pattern in patterns:
         names = [name for name in run if fnmatchcase(name, pattern)]
         if not names:
-            near = nearest(pattern, list(run))
+            begun = [name for name in run if name.startswith(pattern)]
+            near = f"{pattern}*" if len(begun) > 1 else nearest(pattern, begun or list(run))
             raise refusal(
                 run.folder, f"no channel {pattern!r}" + (f"; did you mean {near!r}?" if near else "") + " (edl6dof plot RUN lists all)"
             )

@@ -44,6 +44,8 @@ def report_of(folder: Path) -> Report:
         from edl6dof.post.dispersed.build import campaign_report
 
         return campaign_report(folder)
+    if not folder.is_dir():
+        raise refusal(folder, "no such folder; name that of a run or a campaign")
     raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
 
 

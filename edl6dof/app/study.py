@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,8 +15,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import refuse
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import counted, nearest
 from edl6dof.post.folder import atomic_folder
 from edl6dof.post.numbers import significant
 from edl6dof.studies.registry import STUDIES
@@ -63,9 +63,10 @@ def run_study(options: StudyOptions) -> int:
 
 
 def _list() -> int:
-    width = max(len(name) for name in STUDIES)
+    table = Table(box=None, show_header=False, pad_edge=False, padding=(0, 2, 0, 0))
     for name, study in STUDIES.items():
-        print(f"{name:<{width}}  {study.title} ({study.source})")
+        table.add_row(name, f"{study.title} ({study.source})")
+    Console(highlight=False).print(table)
     return 0
 
 
@@ -74,7 +75,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
     for grid in report.grids:
         console.print(_grid(grid))
         console.print()
-    count = f", {report.runs} runs" if study.counted else ""
+    count = f", {counted(report.runs, 'run')}" if study.counted else ""
     table = Table(title=f"{study.title}{count}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (("figure", 0), ("unit", 0), ("computed", 1), ("published", 1), ("", 0), ("note", 0)):
         table.add_column(heading, justify="right" if right else "left", header_style="")
@@ -126,12 +127,7 @@ def _mark(finding: Finding) -> Text:
 @contextmanager
 def _progress(study: Study, quiet: bool) -> Iterator[Progress]:
     """A line on stderr that counts runs, if that is a terminal; a word before the first flight has to be compiled."""
-    from edl6dof.jit import is_cached
-    from edl6dof.sim.loop import fly as compiled_loop
-
-    if not quiet and not is_cached(compiled_loop):
-        message = "Compiling the simulator (first flight on this machine; up to a minute, kept for all later flights) ..."
-        print(message, file=sys.stderr, flush=True)
+    announce_compiling(not quiet)
     console = Console(stderr=True)
     talk = console.is_terminal and not quiet
 

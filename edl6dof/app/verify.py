@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import time
 from collections.abc import Sequence
 from itertools import groupby
@@ -14,8 +13,9 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import refuse
-from edl6dof.config.wording import nearest
+from edl6dof.config.wording import counted, nearest
 from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
 from edl6dof.verify.runner import Report, run_case
@@ -46,13 +46,8 @@ def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
 
 
 def _run(names: Sequence[str], quiet: bool) -> list[Report]:
-    from edl6dof.jit import is_cached
-    from edl6dof.sim.loop import fly as compiled_loop
-
     talk = not quiet
-    if talk and not is_cached(compiled_loop):
-        message = "Compiling the simulator (first use on this machine; up to a minute, kept for later) ..."
-        print(message, file=sys.stderr, flush=True)
+    announce_compiling(talk)
     console = Console(stderr=True)
     reports = []
     for number, name in enumerate(names, 1):
@@ -109,6 +104,6 @@ def _verdict(reports: Sequence[Report], seconds: float) -> Text:
     failed = [report.name for report in reports if not report.passed]
     count = sum(len(report.results) for report in reports)
     if failed:
-        return Text(f"FAILED: {', '.join(failed)}; {count} comparisons in {seconds:.1f} s", style="bold red")
+        return Text(f"FAILED: {', '.join(failed)}; {counted(count, 'comparison')} in {seconds:.1f} s", style="bold red")
     ran = sum(not report.skipped for report in reports)
-    return Text(f"all within tolerance: {count} comparisons in {ran} cases, {seconds:.1f} s", style="bold green")
+    return Text(f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s", style="bold green")

@@ -21,6 +21,11 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
     return by_fold[found[0]] if found else None
 
 
+def counted(number: int, word: str) -> str:
+    """``1 flight``, ``2 flights``."""
+    return f"{number:,} {word}{'' if number == 1 else 's'}"
+
+
 def unknown_key(key: str, allowed: Sequence[str]) -> str:
     """Message for a key that does not exist, with the key that was probably meant."""
     same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]

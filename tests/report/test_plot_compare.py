@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from PIL import Image
 
 from edl6dof import cli
+from edl6dof.app.compare import MOST
 from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
 from edl6dof.post.report.paper import write_pdf
@@ -76,7 +78,7 @@ def test_pdf_holds_tables_and_figures(run, tmp_path):
     assert len(re.findall(rb"/Type /Page\b", content)) == 2 + len(list(part.figures())), "two pages of tables, one for each figure"
 
 
-@pytest.mark.parametrize("place, words", [("nowhere", "no telemetry.parquet"), (".", "no telemetry.parquet")])
+@pytest.mark.parametrize("place, words", [("nowhere", "no such folder"), (".", "no telemetry.parquet")])
 def test_folder_that_is_no_run_is_refused_in_one_line(place, words, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, _, err = command(capsys, monkeypatch, "report", place)
@@ -107,6 +109,8 @@ def test_plot_puts_channels_of_one_unit_into_one_panel(run):
 
 
 def test_plot_names_what_was_meant(run):
+    with pytest.raises(ConfigError, match=r"did you mean 'truth\.rate_\*'"):
+        chosen(run, ["truth.rate_"])
     with pytest.raises(ConfigError, match=r"did you mean 'truth\.mach'"):
         chosen(run, ["truth.mac"])
 
@@ -140,8 +144,33 @@ def test_overlay_holds_the_curves_of_both(run, other):
 
 def test_compare_writes_a_page_and_says_so(run, other, tmp_path, capsys, monkeypatch):
     code, out, _ = command(capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html")
-    assert code == 0 and "seed" in out and out.endswith("c.html\n")
+    assert code == 0 and "\n  seed: 1 | 8\n" in out and out.endswith("c.html\n")
     assert Path(tmp_path / "c.html").stat().st_size < 7_000_000
+
+
+def test_counts_are_compared_as_whole_numbers(run, other):
+    rows = {row[0]: row[2:] for row in figures_table(run, other).rows}
+    assert rows["bank reversals"] == ["4", "4", "+0"]
+
+
+def test_terminal_shows_the_first_of_many_differences(run, other, tmp_path, capsys, monkeypatch):
+    folder = tmp_path / "far"
+    shutil.copytree(other.folder, folder)
+    text = (folder / "scenario.yaml").read_text()
+    (folder / "scenario.yaml").write_text(re.sub(r"^( *\w+): \d+\.\d+\b", r"\1: 77.5", text, flags=re.MULTILINE))
+    code, out, _ = command(capsys, monkeypatch, "compare", run.folder, folder, "--out", tmp_path / "c.html")
+    shown = [line for line in out.splitlines() if line.endswith(" | 77.5")]
+    assert code == 0 and len(shown) == MOST - 1  # the seed is the first of them
+    assert re.search(r"^  and \d{3} more, listed in the page$", out, re.MULTILINE)
+
+
+def test_two_campaigns_are_told_how_they_are_compared(tmp_path, capsys, monkeypatch):
+    for name in "ab":
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "campaign.json").touch()
+    monkeypatch.chdir(tmp_path)
+    code, _, err = command(capsys, monkeypatch, "compare", "a", "b")
+    assert code == 2 and "edl6dof campaign --compare a b" in err
 
 
 def test_export_wants_exactly_one_form(run, tmp_path, capsys, monkeypatch):

@@ -130,10 +130,11 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values with five digits, and the difference."""
+    """Both values with five digits, or whole, and the difference."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
-    places = min(max(4 - math.floor(math.log10(size)), 0), 6) if size > 0.0 else 0
+    whole = all(value.is_integer() for value in given if math.isfinite(value))
+    places = 0 if whole else min(max(4 - math.floor(math.log10(size)), 0), 6)
     shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
     change = given[1] - given[0]
     return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]

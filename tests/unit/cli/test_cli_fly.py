@@ -25,8 +25,9 @@ def test_nominal_lands_within_limits_with_status_0(nominal, here, capsys, monkey
     code, out, err = run(capsys, monkeypatch, "fly", "tianwen1", *QUICK)
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[-2].startswith("tianwen1: landed within limits at t = ")
-    assert lines[-1] == "runs/tianwen1: events.json, scenario.yaml, summary.json, telemetry.parquet"
+    assert lines[-3].startswith("tianwen1: landed within limits at t = ")
+    assert lines[-2] == "runs/tianwen1: events.json, scenario.yaml, summary.json, telemetry.parquet"
+    assert lines[-1] == "next: edl6dof report runs/tianwen1, edl6dof replay runs/tianwen1"
     assert max(map(len, (line.rstrip() for line in lines))) <= 80
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", out), "control characters"
     for title in ("Timeline", "Beside the published flight", "Limits"):
@@ -45,7 +46,7 @@ def test_missed_limit_is_status_1_and_is_named(here, capsys, monkeypatch):
 def test_flight_that_does_not_land_is_status_1(here, capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
     assert code == 1
-    assert out.splitlines()[-2].startswith("drop: ")
+    assert out.splitlines()[-3].startswith("drop: ")
 
 
 def test_quiet_prints_one_line(here, capsys, monkeypatch):

@@ -1,0 +1,17 @@
+"""A word before the first flight on a machine, which takes its time to compile."""
+
+from __future__ import annotations
+
+import sys
+
+
+def announce_compiling(talk: bool) -> bool:
+    """Whether the simulator has yet to be compiled; with ``talk``, standard error says so."""
+    from edl6dof.jit import is_cached
+    from edl6dof.sim.loop import fly as compiled_loop
+
+    if is_cached(compiled_loop):
+        return False
+    if talk:
+        print("Compiling the simulator (first use on this machine; up to a minute, kept for later) ...", file=sys.stderr, flush=True)
+    return True
