@@ -83,7 +83,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
         table.add_row(finding.label, finding.unit, *_numbers(finding), _mark(finding), finding.note)
     console.print(table)
     for remark in report.remarks:
-        console.print(remark, markup=False)
+        console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
     missed = [finding.label for finding in report.findings if not finding.ok]
     verdict = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
