@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.case import Case
-from edl6dof.campaign.readback import NotApplied, applied
+from edl6dof.campaign.readback import NotApplied, Place, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.campaign.variants import Variant, Variants
 from edl6dof.config.errors import ConfigError
@@ -129,6 +129,7 @@ class Pilot:
         self.variants = Variants(loaded)
         self.collect = collect
         self._buffers = local()
+        self._places: dict[str, Place] = {}
 
     def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
         """Fly cases in threads and yield their rows, in the order of the cases."""
@@ -149,7 +150,7 @@ class Pilot:
         """What flies, or why it cannot."""
         try:
             variant = self.variants.build(case)
-            return _Ready(variant, applied(variant, case.truth, case.told))
+            return _Ready(variant, applied(variant, case.truth, case.told, self._places))
         except _UNFLYABLE as error:
             return _reason(error)
 

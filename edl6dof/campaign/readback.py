@@ -23,16 +23,15 @@ from edl6dof.sim.scenario import Scenario
 Keys = tuple[str | int, ...]
 
 
-#: Where a list item of that name was found last: looked at first, as every case asks for the same.
-_LAST_INDEX: dict[str, int] = {}
-
-
 class NotApplied(Exception):
     """A change of a case did not reach what is flown."""
 
 
-def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, Any]) -> dict[str, Any]:
+def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, Any], places: dict[str, Place]) -> dict[str, Any]:
     """Column name to value for every change of a case, ``truth.`` and ``belief.`` in front.
+
+    ``places``, filled here, tells for the next cases of one scenario where the record holds a path: a number that is found there needs no
+    walk through the models.
 
     Raises:
         NotApplied: the record, or the validated scenario where the record has no such field, holds another value.
@@ -41,8 +40,16 @@ def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, 
     words = {kind: variant.parts.case.view(kind) for kind in (np.float64, np.int64)}
     row: dict[str, Any] = {}
     for path, wanted in case_truth.items():
-        keys, row[f"truth.{path}"] = _confirmed(path, wanted, true)
-        _compare_record(words, path, keys, row[f"truth.{path}"])
+        place = places.get(path)
+        if place is not None and type(wanted) is float and _holds(words, place, wanted):
+            row[f"truth.{path}"] = wanted
+            continue
+        keys, value = _confirmed(path, wanted, true)
+        row[f"truth.{path}"] = value
+        if (place := _place(keys)) is not None and isinstance(value, bool | int | float):
+            if not _holds(words, place, value):
+                raise NotApplied(f"{path} should be {value!r} and its record holds {_held(words, place) / place.to_si!r}")
+            places[path] = place
     for path, wanted in told.items():
         row["profile" if path == "profile" else f"belief.{path}"] = _confirmed(path, wanted, believed)[1]
     return row
@@ -74,14 +81,8 @@ def _walk(value: Any, path: str) -> tuple[Keys, Any]:
 
 
 def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
-    guess = _LAST_INDEX.get(part, 0)
-    if guess < len(items) and getattr(items[guess], "name", None) == part:
-        return guess
     names = [getattr(item, "name", None) for item in items]
-    if part not in names:
-        return int(part)
-    _LAST_INDEX[part] = names.index(part)
-    return _LAST_INDEX[part]
+    return names.index(part) if part in names else int(part)
 
 
 def _same(value: Any, wanted: Any) -> bool:
@@ -93,7 +94,7 @@ def _same(value: Any, wanted: Any) -> bool:
     return not isinstance(wanted, bool | int | str) or value == wanted
 
 
-class _Place(NamedTuple):
+class Place(NamedTuple):
     """Where the case record holds a parameter: as which kind of number of eight bytes, how many of them in front, its unit in SI."""
 
     kind: type
@@ -101,17 +102,16 @@ class _Place(NamedTuple):
     to_si: float
 
 
-def _compare_record(words: Mapping[type, np.ndarray], path: str, keys: Keys, value: Any) -> None:
-    place = _place(keys)
-    if place is None or not isinstance(value, bool | int | float):
-        return
-    held = float(words[place.kind][place.index])
-    if not isclose(held, float(value) * place.to_si, rel_tol=1e-12):
-        raise NotApplied(f"{path} should be {value!r} and its record holds {held / place.to_si!r}")
+def _held(words: Mapping[type, np.ndarray], place: Place) -> float:
+    return float(words[place.kind][place.index])
+
+
+def _holds(words: Mapping[type, np.ndarray], place: Place, value: float) -> bool:
+    return isclose(_held(words, place), value * place.to_si, rel_tol=1e-12)
 
 
 @cache
-def _place(keys: Keys) -> _Place | None:
+def _place(keys: Keys) -> Place | None:
     """Place of a parameter in the case record; ``None`` where its value stays in Python."""
     dtype, model, offset, to_si = CASE, Scenario, 0, 1.0
     for depth, key in enumerate(keys):
@@ -128,4 +128,4 @@ def _place(keys: Keys) -> _Place | None:
         dtype, model, offset, to_si = dtype[target], info.annotation, offset + dtype.fields[target][1], unit.to_si
     if dtype.names is not None or dtype.shape:
         return None
-    return _Place(np.float64 if dtype.kind == "f" else np.int64, offset // dtype.itemsize, to_si)
+    return Place(np.float64 if dtype.kind == "f" else np.int64, offset // dtype.itemsize, to_si)

@@ -25,18 +25,18 @@ def largest(log: np.ndarray, words: np.ndarray) -> np.ndarray:
     if not len(log):
         return np.full(len(words), nan)
     found = np.zeros(len(words), np.int64)
-    _largest(_words(log, np.int64), words, found)
+    _largest(rows_of_words(log, np.int64), words, found)
     return found.view(np.float64)
 
 
 def longest(log: np.ndarray, words: np.ndarray) -> float:
     """Largest length over all rows of the vector of some columns; ``nan`` of no rows, and where a number is not one."""
-    return sqrt(_longest(_words(log, np.float64), words)) if len(log) else nan
+    return sqrt(_longest(rows_of_words(log), words)) if len(log) else nan
 
 
 def nearest(log: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
     """Least distance of two points, columns ``a`` and ``b``, over the rows that have both; ``nan`` where none has."""
-    return _nearest(_words(log, np.float64), a, b)
+    return _nearest(rows_of_words(log), a, b)
 
 
 def fastest_turns(log: np.ndarray, rates: np.ndarray, roll: int, angles: np.ndarray) -> np.ndarray:
@@ -45,11 +45,12 @@ def fastest_turns(log: np.ndarray, rates: np.ndarray, roll: int, angles: np.ndar
     ``nan`` of no rows, and where a number is not one.
     """
     found = np.full(len(rates), 0.0 if len(log) else nan)
-    _fastest_turns(_words(log, np.float64), rates, roll, angles, found)
+    _fastest_turns(rows_of_words(log), rates, roll, angles, found)
     return found
 
 
-def _words(log: np.ndarray, kind: type) -> np.ndarray:
+def rows_of_words(log: np.ndarray, kind: type = np.float64) -> np.ndarray:
+    """A log as a table of numbers of eight bytes."""
     return log.view(kind).reshape(len(log), log.itemsize // 8)
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from edl6dof.sim.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
-from edl6dof.sim.extremes import fastest_turns, largest, longest, nearest
+from edl6dof.sim.extremes import fastest_turns, largest, longest, nearest, rows_of_words
 from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
@@ -36,6 +36,18 @@ class Telemetry(Mapping[str, np.ndarray]):
     def rows(self, start: int, stop: int | None) -> Telemetry:
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], self._thrusters)
+
+    def at(self, t: float, *names: str) -> list[float]:
+        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond an end its value is held."""
+        times = self["t_s"]
+        after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
+        near = self.rows(after - 1, after + 1)
+        words, from_si = _words(self._log.dtype, names)
+        table, beside = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
+        if len(beside) == 1:
+            return table[0].tolist()
+        share = min(max((t - beside[0]) / (beside[1] - beside[0]), 0.0), 1.0)
+        return (table[0] + share * (table[1] - table[0])).tolist()
 
     def largest(self, *names: str) -> np.ndarray:
         """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the time that columns take."""

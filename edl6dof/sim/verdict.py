@@ -80,12 +80,6 @@ def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> 
     return figures
 
 
-def _at(telemetry: Telemetry, name: str, t: float) -> float:
-    """Value of a channel at time ``t``, on the straight line between the rows beside it."""
-    near = around(telemetry, t)
-    return float(np.interp(t, near["t_s"], near[name]))
-
-
 def around(telemetry: Telemetry, t: float) -> Telemetry:
     """The two rows before and after time ``t``, or the nearest two."""
     times = telemetry["t_s"]
@@ -114,17 +108,17 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
     if "phase.lift" in when:
         figures["lift_start_s"] = when["phase.lift"]
     if (t := when.get("trim_wing")) is not None:
-        figures["trim_wing_s"], figures["trim_wing_mach"] = t, _at(telemetry, "truth.mach", t)
+        figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
     if (t := when.get("mortar")) is not None:
         figures["parachute_s"] = t
-        for name in ("mach", "dynamic_pressure_pa", "total_alpha_deg", "altitude_m", "height_m"):
-            figures[f"parachute_{name}"] = _at(telemetry, f"truth.{name}", t)
+        names = ("mach", "dynamic_pressure_pa", "total_alpha_deg", "altitude_m", "height_m")
+        values = telemetry.at(t, *(f"truth.{name}" for name in names))
+        figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})
     if (t := when.get("heat_shield")) is not None:
         figures["heat_shield_s"] = t
     if (t := when.get("backshell")) is not None:
         figures["backshell_s"] = t
-        figures["backshell_height_m"] = _at(telemetry, "truth.height_m", t)
-        figures["backshell_speed_m_s"] = _at(telemetry, "truth.speed_m_s", t)
+        figures["backshell_height_m"], figures["backshell_speed_m_s"] = telemetry.at(t, "truth.height_m", "truth.speed_m_s")
     if "mortar" in when and "backshell" in when:
         figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
     if "backshell" in when and "touchdown" in when:
@@ -197,7 +191,7 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
     figures = {
         "max_rate_powered_deg_s": _largest(powered, *_RATES),
         "max_attitude_error_powered_deg": powered.longest("control.error_pitch_deg", "control.error_yaw_deg"),
-        "roll_error_at_ignition_deg": _at(telemetry, "control.error_roll_deg", start),
+        "roll_error_at_ignition_deg": telemetry.at(start, "control.error_roll_deg")[0],
         "max_roll_error_powered_deg": _largest(settled, "control.error_roll_deg"),
         "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
     }

@@ -108,15 +108,19 @@ def test_caller_may_not_hide_a_figure(loaded):
         fly_cases(loaded, CASES[:1], collect=lambda flight: {"touchdown_s": 0.0})
 
 
-def test_value_that_did_not_arrive_is_noticed(loaded):
+@pytest.mark.parametrize("known", [False, True], ids=["first case", "later case"])
+def test_value_that_did_not_arrive_is_noticed(loaded, known):
     """The classic failure: a dispersion that nobody applies."""
-    variant = Pilot(loaded).variants.build(CASES[0])
-    assert applied(variant, CASES[0].truth, CASES[0].told) == {"truth.vehicle.mass.entry_kg": 1290.0, "profile": 0}
+    variant, places = Pilot(loaded).variants.build(CASES[0]), {}
+    if known:
+        applied(variant, CASES[0].truth, CASES[0].told, places)
+        assert list(places) == ["vehicle.mass.entry_kg"]
+    assert applied(variant, CASES[0].truth, CASES[0].told, places) == {"truth.vehicle.mass.entry_kg": 1290.0, "profile": 0}
     variant.parts.case["vehicle"]["mass"]["entry"] = 1285.0
     with pytest.raises(NotApplied, match="its record holds 1285"):
-        applied(variant, CASES[0].truth, CASES[0].told)
+        applied(variant, CASES[0].truth, CASES[0].told, places)
     with pytest.raises(NotApplied, match=r"should be 1200.0 and is 1290.0"):
-        applied(variant, {"vehicle.mass.entry_kg": 1200.0}, {})
+        applied(variant, {"vehicle.mass.entry_kg": 1200.0}, {}, places)
 
 
 def test_readback_reaches_list_elements_in_their_units(loaded):
@@ -128,14 +132,15 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
             "vehicle.engine.misalignment_y_deg": 0.1,
         },
     )
-    variant = Pilot(loaded).variants.build(case)
-    assert applied(variant, case.truth, {}) == {f"truth.{path}": value for path, value in case.truth.items()}
+    variant, places = Pilot(loaded).variants.build(case), {}
+    for _ in range(2):
+        assert applied(variant, case.truth, {}, places) == {f"truth.{path}": value for path, value in case.truth.items()}
     record = variant.parts.case[0]["vehicle"]
     assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
     assert record["engine"]["misalignment_y"] == pytest.approx(np.radians(0.1))
     record["rcs"]["thrusters"][2]["thrust"] = 250.0
     with pytest.raises(NotApplied, match="D3"):
-        applied(variant, case.truth, {})
+        applied(variant, case.truth, {}, places)
 
 
 def test_overrides_are_exact():
