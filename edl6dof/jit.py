@@ -18,7 +18,7 @@ from typing import Any
 import numba
 from numba.core import caching
 
-import edl6dof.lean_numba  # noqa: F401  before any kernel is built
+from edl6dof.lean_numba import compiled_by_type  # imported before any kernel is built
 
 PACKAGE = Path(__file__).resolve().parent
 #: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X, Y``: the rest of it.
@@ -36,9 +36,10 @@ def kernel(function: Callable[..., Any]) -> Any:
     # The locator is chosen at decoration; setting it only here leaves other users of numba in the process alone.
     numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
     finally:
         numba.config.CACHE_LOCATOR_CLASSES = before
+    return compiled_by_type(compiled)
 
 
 #: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set before any is built.

