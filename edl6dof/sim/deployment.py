@@ -8,7 +8,6 @@ import numpy as np
 
 from edl6dof.sim.scenario import Scenario
 from edl6dof.sim.telemetry import Telemetry
-from edl6dof.sim.verdict import around
 from edl6dof.spatial.frames import great_circle
 
 
@@ -21,7 +20,7 @@ def deployment_figures(scenario: Scenario, telemetry: Telemetry, figures: dict[s
     t = figures.get("parachute_s")
     if t is None or not any(phase.guidance == "entry" for phase in scenario.mission.phases):
         return {}
-    first, near = telemetry.rows(0, 1), around(telemetry, t)
+    first, near = telemetry.rows(0, 1), telemetry.beside(t)
     start = tuple(float(angle[0]) for angle in _track(first))
     here = tuple(float(np.interp(t, near["t_s"], angle)) for angle in _track(near))
     arc, azimuth = _arc(start, here)

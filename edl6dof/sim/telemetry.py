@@ -37,16 +37,20 @@ class Telemetry(Mapping[str, np.ndarray]):
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], self._thrusters)
 
-    def at(self, t: float, *names: str) -> list[float]:
-        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond an end its value is held."""
+    def beside(self, t: float) -> Telemetry:
+        """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no more."""
         times = self["t_s"]
         after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
-        near = self.rows(after - 1, after + 1)
+        return self.rows(after - 1, after + 1)
+
+    def at(self, t: float, *names: str) -> list[float]:
+        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond an end its value is held."""
+        near = self.beside(t)
         words, from_si = _words(self._log.dtype, names)
-        table, beside = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
-        if len(beside) == 1:
+        table, times = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
+        if len(times) == 1:
             return table[0].tolist()
-        share = min(max((t - beside[0]) / (beside[1] - beside[0]), 0.0), 1.0)
+        share = min(max((t - times[0]) / (times[1] - times[0]), 0.0), 1.0)
         return (table[0] + share * (table[1] - table[0])).tolist()
 
     def largest(self, *names: str) -> np.ndarray:

@@ -80,13 +80,6 @@ def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> 
     return figures
 
 
-def around(telemetry: Telemetry, t: float) -> Telemetry:
-    """The two rows before and after time ``t``, or the nearest two."""
-    times = telemetry["t_s"]
-    after = max(1, min(_row(times, t), len(times) - 1))
-    return telemetry.rows(after - 1, after + 1)
-
-
 def _row(rising: np.ndarray, value: float) -> int:
     """Index of the first element that is not below ``value``."""
     return int(np.searchsorted(rising, value))

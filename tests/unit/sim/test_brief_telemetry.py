@@ -95,3 +95,10 @@ def test_peaks_are_the_largest_of_the_telemetry(nominal):
     assert figures["peak_dynamic_pressure_pa"] == np.max(flight["truth.dynamic_pressure_pa"])
     assert figures["peak_heat_flux_w_cm2"] == pytest.approx(np.max(flight["truth.heat_flux_w_cm2"]), rel=1e-15)
     assert figures["max_riser_tension_n"] == np.max(flight["truth.riser_tension_n"])
+
+
+def test_values_between_rows_lie_on_straight_lines_and_are_held_beyond_the_ends(nominal):
+    flight, names = nominal.telemetry, ("truth.mach", "truth.height_m", "control.error_roll_deg")
+    for t in (0.0, 100.013, 277.2561, nominal.time_s, nominal.time_s + 5.0):
+        assert flight.at(t, *names) == pytest.approx([np.interp(t, flight["t_s"], flight[name]) for name in names], rel=1e-12)
+    assert flight.rows(7, 8).at(1.0, "truth.mach") == [flight["truth.mach"][7]]
