@@ -1,11 +1,11 @@
 """Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1.
 
 Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it would be non-negative least
-squares.  Each step moves the duty that has farthest to go to its best value (Gauss-Southwell rule), which comes as near to the optimum in
-a dozen steps as eight cycles through all thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B of the
-effects keep up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque before force.  It
-starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the fine thrusters alone (Hu et al.
-2022, section 4.3).
+squares.  Each step moves the duty that has farthest to go to its best value (Gauss-Southwell rule), which comes as near to the optimum
+in some twenty steps as eight cycles through all thrusters.  It works on the slope of the error with each duty, which the products
+B' W^2 B of the effects keep up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque
+before force.  It starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the fine
+thrusters alone (Hu et al. 2022, section 4.3).
 
 Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of Gauss and Southwell, Luo and
 Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
@@ -22,8 +22,11 @@ from edl6dof.registry import Member
 class LeastSquaresParams(Params):
     """Bounded least squares over all thrusters."""
 
-    steps: int = param(60, "largest number of changes of a duty", ge=1, le=1000000)
+    steps: int = param(200, "largest number of changes of a duty", ge=1, le=1000000)
     tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
+    translating_tolerance: float = param(
+        2e-3, "the same while translating, where force and torque compete and many small changes add up", gt=0.0, lt=1.0
+    )
     force_scale_n: float = param(600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0)
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
     axial_force_scale_n: float = param(1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0)
@@ -66,7 +69,7 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
         slope[i] = product(weight, effect[i], demand)
         # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
         price[i] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
-    descend(p.steps, p.tolerance, n, count, memory)
+    descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory)
     for row in range(ROWS):
         memory.undelivered[row] = demand[row]
     for k in range(n):

@@ -26,7 +26,7 @@ def params(**changes):
 
 def exact():
     """Settings with which the iteration runs until it stands still."""
-    return params(steps=400000, tolerance=1e-13)
+    return params(steps=400000, tolerance=1e-13, translating_tolerance=1e-13)
 
 
 def wrenches(thrusters, count, centre):
@@ -100,8 +100,7 @@ def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_lay
 
 @pytest.mark.parametrize("translating", [False, True])
 def test_one_control_cycle_from_cold_delivers_the_torque_of_the_optimum_with_the_flown_settings(shared_onboard, translating):
-    """A few steps find the torque, to a hundredth of what one 250 N thruster gives; what is left to gain is propellant, less than a sixth
-    of one such thruster at 100 N m."""
+    """A few steps find the torque; what is left to gain is propellant, less than a sixth of one 250 N thruster at 100 N m."""
     rng = np.random.default_rng(4)
     vehicle = shared_onboard[0]["vehicle"]
     p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
@@ -112,7 +111,7 @@ def test_one_control_cycle_from_cold_delivers_the_torque_of_the_optimum_with_the
         memory = solve(p, vehicle["thrusters"], count, centre, demand, allowed=0b1101, translating=translating)
         best = best_cost(p, effect[:, keep], thrust[keep], demand, translating)
         assert best - 1e-7 <= cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best + 0.045**2
-        assert np.all(np.abs(demand[3:] - effect[3:] @ memory["duty"][:count]) < 0.01 * 290.0)
+        assert np.all(np.abs(demand[3:] - effect[3:] @ memory["duty"][:count]) < 2.0)
 
 
 def test_demand_beyond_all_authority_saturates_valves_at_the_bounds_and_never_past_them(shared_onboard):
