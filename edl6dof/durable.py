@@ -36,7 +36,7 @@ def sync(path: Path) -> None:
     """Force a file, or the list of names in a folder, to the disk."""
     if path.is_dir() and os.name == "nt":
         return  # Windows opens no folders, and writes their lists through
-    handle = os.open(path, os.O_RDONLY)
+    handle = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)
     try:
         os.fsync(handle)
     finally:
