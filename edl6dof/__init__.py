@@ -20,19 +20,20 @@ __version__ = "0.1.0"
 __all__ = ["fly", "load"]
 
 
-def load(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
+def load(name_or_path: str | Path, overrides: Iterable[str] = (), trust: bool = False) -> LoadedScenario:
     """Read and validate a scenario file, or a shipped scenario by name.
 
     Args:
         name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
         overrides: texts ``"dotted.path=value"``.
+        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other scenario always are.
 
     Raises:
         edl6dof.config.errors.ConfigError: with every problem found, each with file, line and key.
     """
     from edl6dof.plugins import activate
 
-    activate([name_or_path])
+    activate([name_or_path], trust)
     from edl6dof.sim.scenario import load_scenario
 
     return load_scenario(name_or_path, overrides)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -15,19 +16,24 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: typer.Context) -> object:
         """Run the command that was asked for."""
-        from edl6dof.app.ending import BAD_INPUT, INTERRUPTED
+        from edl6dof.app import ending
         from edl6dof.config.errors import ConfigError
 
         try:
-            _activate_plugins(sys.argv[1:])
             return super().invoke(ctx)
         except ConfigError as error:
             print(error, file=sys.stderr)
-            raise typer.Exit(BAD_INPUT) from None
+            raise typer.Exit(ending.BAD_INPUT) from None
         except KeyboardInterrupt:
             print("interrupted; nothing was written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+            raise typer.Exit(ending.INTERRUPTED) from None
+        except BrokenPipeError:
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115  what is still in the buffer has nowhere to go
+            raise typer.Exit(ending.BROKEN_PIPE) from None
 
+
+EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is missing on this machine;
+70 a defect of the program; 130 interrupted."""
 
 app = typer.Typer(
     cls=Commands,
@@ -35,6 +41,7 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
+    epilog=EXIT_STATUS,
 )
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
@@ -59,6 +66,10 @@ Sets = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change one parameter (edl6dof params lists them); repeatable.")
 ]
 
+Trust = Annotated[
+    bool, typer.Option("--trust", help="Load the plugins that a received run or campaign names: their code runs with your rights.")
+]
+
 
 @app.command()
 def fly(
@@ -72,11 +83,13 @@ def fly(
     as_json: Annotated[bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")] = False,
     save_state: Annotated[float | None, typer.Option(metavar="T", help="Keep the state at time T (s) as state.npz.")] = None,
     start: Annotated[Path | None, typer.Option("--from", metavar="STATE", help="Continue a saved state.")] = None,
+    trust: Trust = False,
 ) -> None:
     """Fly one scenario and write its run folder.
 
     Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input, 130 interrupted.
     """
+    _load_plugins(scenario, trust=trust)
     from edl6dof.app.fly import FlyOptions, run_fly
 
     options = FlyOptions(scenario, tuple(sets or ()), out, force, replay, report, quiet, as_json, save_state, start)
@@ -84,8 +97,13 @@ def fly(
 
 
 @app.command()
-def check(files: Annotated[list[str], typer.Argument(metavar="SCENARIO", help="Scenario files or names.")], sets: Sets = None) -> None:
+def check(
+    files: Annotated[list[str], typer.Argument(metavar="SCENARIO", help="Scenario files or names.")],
+    sets: Sets = None,
+    trust: Trust = False,
+) -> None:
     """Check scenario files; name each mistake with file, line and key."""
+    _load_plugins(*files, trust=trust)
     from edl6dof.app.inspect import run_check
 
     raise typer.Exit(run_check(files, tuple(sets or ())))
@@ -99,6 +117,7 @@ def params(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List parameters: default, unit, bounds, meaning, status."""
+    _load_plugins()
     from edl6dof.app.params import run_params
 
     raise typer.Exit(run_params(path, as_json))
@@ -107,6 +126,7 @@ def params(
 @app.command()
 def schema() -> None:
     """JSON schema of scenario files, for editors."""
+    _load_plugins()
     from edl6dof.app.inspect import run_schema
 
     raise typer.Exit(run_schema())
@@ -123,14 +143,21 @@ def replay(
         str, typer.Option(metavar="NAME", help="Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Thrusters.")
     ] = "",
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
+    trust: Trust = False,
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
 
     Exit status: 0 shown or written, 1 the viewer does not run here, 2 bad input.
     """
+    from edl6dof.app.ending import refusing_damage
+
+    if runs[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
+        _load_plugins(runs[0], trust=trust)
     from edl6dof.app.replay import ReplayOptions, run_replay
 
-    raise typer.Exit(run_replay(ReplayOptions(tuple(runs), web, html, screenshot, at, page, force)))
+    with refusing_damage(*runs):
+        status = run_replay(ReplayOptions(tuple(runs), web, html, screenshot, at, page, force))
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -147,9 +174,12 @@ def report(
 
     The page opens offline, and its plots can be zoomed.
     """
+    from edl6dof.app.ending import refusing_damage
     from edl6dof.app.report import run_report
 
-    raise typer.Exit(run_report(run, out, pdf, png, force))
+    with refusing_damage(run):
+        status = run_report(run, out, pdf, png, force)
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -167,9 +197,12 @@ def plot(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Plot channels of a run; those of one unit share a panel."""
+    from edl6dof.app.ending import refusing_damage
     from edl6dof.app.plot import run_plot
 
-    raise typer.Exit(run_plot(run, channels or [], against, since, until, out, force))
+    with refusing_damage(run):
+        status = run_plot(run, channels or [], against, since, until, out, force)
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -184,8 +217,11 @@ def compare(
     Figures stand side by side, what the scenarios differ in is listed, and every plot shows one flight over the other.
     """
     from edl6dof.app.compare import run_compare
+    from edl6dof.app.ending import refusing_damage
 
-    raise typer.Exit(run_compare(first, second, out, force))
+    with refusing_damage(first, second):
+        status = run_compare(first, second, out, force)
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -203,9 +239,12 @@ def export(
     """Write the telemetry of a run in the form of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
+    from edl6dof.app.ending import refusing_damage
     from edl6dof.app.export import run_export
 
-    raise typer.Exit(run_export(run, form or "nesc", file, force))
+    with refusing_damage(run):
+        status = run_export(run, form or "nesc", file, force)
+    raise typer.Exit(status)
 
 
 @app.command()
@@ -238,6 +277,7 @@ def study(
 
     Exit status: 0 every published bound is kept, 1 not, 2 bad input, 130 interrupted.
     """
+    _load_plugins()
     from edl6dof.app.study import StudyOptions, run_study
 
     raise typer.Exit(run_study(StudyOptions(name, runs, out, force, quick, as_json)))
@@ -263,6 +303,7 @@ def campaign(
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    trust: Trust = False,
 ) -> None:
     """Fly many dispersed flights, or a grid of them.
 
@@ -270,6 +311,8 @@ def campaign(
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
     """
+    if compare is None:
+        _load_plugins(scenario, trust=trust)
     from edl6dof.app.campaign import CampaignOptions, run_campaign, run_compare
 
     if compare is not None:
@@ -285,11 +328,14 @@ def refly(
     out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Run folder; runs/<name>_case<number> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
+    trust: Trust = False,
 ) -> None:
     """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical, 1 not, 2 bad input.
     """
+    if folder.is_dir():
+        _load_plugins(folder, trust=trust)
     from edl6dof.app.campaign import run_refly
 
     raise typer.Exit(run_refly(folder, case, out, force, replay))
@@ -307,6 +353,7 @@ def faults(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads; as many as there are cores if not given.")] = None,
+    trust: Trust = False,
 ) -> None:
     """Fail every thruster in every phase, one flight each.
 
@@ -314,6 +361,7 @@ def faults(
 
     Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
     """
+    _load_plugins(scenario, trust=trust)
     from edl6dof.app.faults import FaultOptions, run_faults
 
     options = FaultOptions(scenario, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers)
@@ -328,16 +376,26 @@ def version() -> None:
     print(__version__)
 
 
-def _activate_plugins(arguments: list[str]) -> None:
-    """Load the plugins that scenarios among the arguments name, before anything is imported that they must join."""
-    from edl6dof.config.plugin_scan import files_from_environment, scenarios_naming_plugins
+def _load_plugins(*operands: str | Path | None, trust: bool = False) -> None:
+    """Load the plugins of what is to be flown and of the environment, before anything is imported that they must join."""
+    from edl6dof.config.plugin_scan import files_from_environment, files_naming_plugins
 
-    if files_from_environment() or any(scenarios_naming_plugins(arguments)):
+    given = [operand for operand in operands if operand is not None]
+    if files_from_environment() or any(file for operand in given for file in files_naming_plugins(operand)):
         from edl6dof.plugins import activate
 
-        activate(arguments)
+        activate(given, trust)
 
 
 def main() -> None:
-    """Entry point."""
-    app(prog_name="edl6dof")
+    """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its own."""
+    try:
+        app(prog_name="edl6dof")
+    except Exception:
+        import traceback
+
+        from edl6dof.app.ending import DEFECT
+
+        traceback.print_exc()
+        print("edl6dof: this is a defect of the program, not of what you gave it; please report it with these lines", file=sys.stderr)
+        sys.exit(DEFECT)

@@ -5,9 +5,12 @@ A plugin file is what a member's file in the package is, with one line more that
     FAMILY = "entry_law"                         # or reversal, powered_law, controller
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
-The families, their records and the compiled loop are made once in a process, so plugins are read first: the command line and
-``edl6dof.load`` do that for the scenarios they are given; other programs call :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
-A plugin runs with all rights of the user: it is the user's own code, and only a scenario or that variable can name it.
+The families, their records and the compiled loop are made once in a process, so plugins are read first: the commands that fly and
+``edl6dof.load`` do that for the scenario they are given; other programs call :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
+
+A plugin runs with all rights of the user.  It is loaded for a scenario that the user flies, which is the user's own; a folder of results
+may come from anybody, so the plugins that it names are loaded only when the user trusts it, or has accepted their very content before
+(:mod:`edl6dof.config.accepted`).  What only shows results loads none.
 """
 
 from __future__ import annotations
@@ -20,9 +23,10 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from edl6dof.config.accepted import accept, is_accepted
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.locate import shown
-from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, scenarios_naming_plugins
+from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins, is_result
 from edl6dof.config.source import Document, parse_document
 from edl6dof.jit import outside_sources
 from edl6dof.registry import Member, is_built, join
@@ -35,25 +39,45 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 
+_ASK = "is code that would run with your rights, and this folder may come from anybody; read it, then say --trust (once)"
+
 #: Plugins of this process by absolute path: key of the family, and the member.
 ACTIVE: dict[Path, tuple[str, Member]] = {}
 
 
-def activate(scenarios: Iterable[str | Path]) -> None:
-    """Load the plugins of scenario files and run folders, and those of the environment; other texts are passed over.
+def activate(scenarios: Iterable[str | Path], trust: bool = False) -> None:
+    """Load the plugins that the scenarios (files, names, campaign folders) and the environment name.
+
+    Args:
+        scenarios: what the user has asked to fly.
+        trust: whether plugins that a folder of results names may be loaded.
 
     Raises:
-        ConfigError: a plugin cannot be used, or comes too late.
+        ConfigError: a plugin cannot be used, comes too late, or stands in a folder that is not trusted.
     """
-    wanted: dict[Path, Document | None] = dict.fromkeys(files_from_environment())
-    for file in scenarios_naming_plugins(scenarios):
-        document = parse_document(file.read_text(encoding="utf-8-sig", errors="replace"), shown(file))
-        document.files = (file,)
-        wanted.update(dict.fromkeys(named_plugins(document), document))
-    new = {path: document for path, document in wanted.items() if path not in ACTIVE}
+    named = {path: document for operand in scenarios for path, document in _named_by(operand, trust).items()}
+    new = {path: document for path, document in {**dict.fromkeys(files_from_environment()), **named}.items() if path not in ACTIVE}
+    accept(path for path in new if path in named)
     outside_sources.extend(str(path) for path in new if path.is_file())
     for path, document in new.items():
         _load(path, document)
+
+
+def _named_by(operand: str | Path, trust: bool) -> dict[Path, Document]:
+    """Plugins that an operand names, each with the document that names it.
+
+    Raises:
+        ConfigError: one stands in a folder of results, which is not trusted, and has not been accepted before.
+    """
+    found: dict[Path, Document] = {}
+    for file in files_naming_plugins(operand):
+        document = parse_document(file.read_text(encoding="utf-8-sig", errors="replace"), shown(file))
+        document.files = (file,)
+        for path in named_plugins(document):
+            if (is_result(file) or Path(operand).is_dir()) and not (trust or is_accepted(path)):
+                raise _problem(path, document, _ASK)
+            found[path] = document
+    return found
 
 
 def require(document: Document) -> None:

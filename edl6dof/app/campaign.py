@@ -197,7 +197,7 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     try:
         store = Store(folder)
         plan = run.resumed_plan(store)
-        with atomic_folder(target, force) as partial:
+        with atomic_folder(target, "flight", force) as partial:
             flight = reflown(plan, number)
             wrong = differences(store, plan, number, flight)
             write_files(flight, partial, replay)

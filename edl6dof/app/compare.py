@@ -9,9 +9,10 @@ from rich.console import Console
 from rich.markup import escape
 
 from edl6dof.app.report import write_page
+from edl6dof.config.errors import refusal
 from edl6dof.post.files import refuse_existing_file
 from edl6dof.post.report.document import Cell, Table, Text
-from edl6dof.post.run import Run, refusal
+from edl6dof.post.run import Run
 from edl6dof.post.tables import open_table
 
 #: Differences of the scenarios that the terminal shows.

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from edl6dof.config.source import parse_document
+from edl6dof.config.errors import refusal
 from edl6dof.config.wording import counted
 from edl6dof.post.files import atomic_file
-from edl6dof.post.run import Run, refusal
+from edl6dof.post.run import Run
 
 #: Forms that can be written, and the file each goes to inside the run folder.
 FILES = {
@@ -106,9 +106,9 @@ def nesc_table(run: Run) -> dict[str, np.ndarray]:
     """The check-case columns of a run."""
     from edl6dof.interchange.nesc import check_case_table
     from edl6dof.sim.records import build_case, build_tables
-    from edl6dof.sim.scenario import check_document
+    from edl6dof.sim.viewed import viewed_scenario
 
-    truth = check_document(parse_document(run.scenario_text, str(run.folder / "scenario.yaml"))).truth
+    truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
     tables = build_tables(truth)
     return check_case_table(run, build_case(truth, tables)[0], tables[0]["atmosphere"])
 

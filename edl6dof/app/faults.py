@@ -24,6 +24,7 @@ from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.jsontext import json_text
 from edl6dof.config.wording import counted, nearest
+from edl6dof.manifest import listed
 from edl6dof.post.folder import atomic_folder
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 
@@ -56,7 +57,7 @@ def run_faults(options: FaultOptions) -> int:
     kinds, phases, thrusters = _grid(options, loaded)
     target = options.out or Path("runs") / f"faults-{loaded.scenario.name}"
     cases = fault_cases(thrusters, kinds, phases, options.after_s)
-    with atomic_folder(target, options.force) as folder:
+    with atomic_folder(target, "faults", options.force) as folder:
         with _progress(len(cases), quiet=options.as_json) as progress:
             rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
         pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
@@ -132,7 +133,7 @@ def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str]
     lost = sum(not row["success"] for row in rows)
     flights = counted(len(rows), "flight")
     verdict = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
-    console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
     console.print(Text(verdict, style="bold red" if lost else "bold green"))
 
 

@@ -15,6 +15,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.manifest import listed
 from edl6dof.post.folder import atomic_folder
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
@@ -41,8 +42,12 @@ def run_fly(options: FlyOptions) -> int:
     """Fly, write the run folder, show the result; returns the exit status."""
     loaded, state = _load(options)
     target = options.out or Path("runs") / loaded.scenario.name
-    with atomic_folder(target, options.force) as folder:
+    with atomic_folder(target, "flight", options.force) as folder:
         flight = _fly_into(folder, options, loaded, state)
+    if options.report:
+        from edl6dof.app.report import report_of, write_page
+
+        write_page(report_of(target), target / "report.html", force=False)
     _show(flight, target, options)
     if options.save_state_s is not None and flight.saved is None:
         message = f"--save-state {options.save_state_s:g}: no state was saved; the flight ended at {flight.time_s:.2f} s"
@@ -56,10 +61,6 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     with _progress(talk) as report:
         flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
     write_files(flight, folder, options.replay)
-    if options.report:
-        from edl6dof.app.report import report_of, write_page
-
-        write_page(report_of(folder), folder / "report.html", force=False)
     return flight
 
 
@@ -93,8 +94,7 @@ def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
         console.print(verdict(flight))
     else:
         show_flight(console, flight)
-        files = ", ".join(sorted(path.name for path in target.iterdir()))
-        console.print(f"{target}: {files}", markup=False)
+        console.print(f"{target}: {listed(target)}", markup=False)
         console.print(f"next: edl6dof report {target}, edl6dof replay {target}", markup=False)
 
 

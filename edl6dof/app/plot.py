@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
 from edl6dof.post.files import atomic_file, refuse_existing_file
 from edl6dof.post.report.document import Report, Section
 from edl6dof.post.report.figure import Axis, Figure, Panel, Trace
-from edl6dof.post.run import Run, refusal
+from edl6dof.post.run import Run
 
 ENDINGS = (".html", ".png", ".pdf", ".svg")
 

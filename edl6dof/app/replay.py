@@ -13,10 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.config.errors import refusal
 from edl6dof.post.files import atomic_file, refuse_existing_file
-from edl6dof.post.run import Run, refusal
+from edl6dof.post.run import Run
 from edl6dof.sim.flight import fly
-from edl6dof.sim.scenario import Scenario, load_scenario
+from edl6dof.sim.scenario import Scenario
+from edl6dof.sim.viewed import viewed_scenario
 
 FAILED = 1
 RECORDING = "replay.rrd"
@@ -44,8 +46,8 @@ class FlownRun:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The resolved scenario."""
-        return load_scenario(str(self._run.folder / "scenario.yaml"), ()).scenario
+        """The resolved scenario, as far as the package itself knows it."""
+        return viewed_scenario(self._run.scenario_text, str(self._run.folder / "scenario.yaml")).scenario
 
     @property
     def phase_names(self) -> list[str]:
@@ -98,9 +100,11 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
     A campaign comes first; the flights after it, or its nominal one, fly among its trajectories.
     """
     alone = options.runs[0]
-    ready = alone if alone.is_file() else alone / RECORDING
-    if len(options.runs) == 1 and ready.is_file() and (not options.page or alone.is_file()):
-        yield ready
+    if len(options.runs) == 1 and alone.is_file():
+        yield alone
+        return
+    if len(options.runs) == 1 and (alone / RECORDING).is_file() and not options.page:
+        yield Run(alone).file(RECORDING)
         return
     from edl6dof.app.swarm import campaign_plan, is_campaign, trajectories
     from edl6dof.post.replay.recording import history, write_replay

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from edl6dof.config.errors import refusal
 from edl6dof.post.files import atomic_file, refuse_existing_file
 from edl6dof.post.report.document import Report
-from edl6dof.post.run import TELEMETRY, Run, refusal
+from edl6dof.post.run import TELEMETRY, Run
 
 
 def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> int:

@@ -18,6 +18,7 @@ from rich.text import Text
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import refuse
 from edl6dof.config.wording import counted, nearest
+from edl6dof.manifest import listed
 from edl6dof.post.folder import atomic_folder
 from edl6dof.post.numbers import significant
 from edl6dof.studies.registry import STUDIES
@@ -51,7 +52,7 @@ def run_study(options: StudyOptions) -> int:
         return refuse(f"-n {options.runs}: {reason}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
-    with atomic_folder(target, options.force) as folder:
+    with atomic_folder(target, "study", options.force) as folder:
         with _progress(study, quiet=options.as_json) as progress:
             report = study.run(runs, progress)
         write_study(study, report, folder)
@@ -84,7 +85,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
     console.print(table)
     for remark in report.remarks:
         console.print(remark, markup=False, soft_wrap=False)
-    console.print(f"{target}: {', '.join(sorted(path.name for path in target.iterdir()))}", markup=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
     missed = [finding.label for finding in report.findings if not finding.ok]
     verdict = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
     console.print(Text(f"{study.name}: {verdict}", style="bold red" if missed else "bold green"))

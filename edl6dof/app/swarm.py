@@ -13,9 +13,9 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.plan import Plan
 from edl6dof.campaign.run import resumed_plan
 from edl6dof.campaign.store import Store, StoreError
+from edl6dof.config.errors import refusal
 from edl6dof.post.replay.history import thin, vector
 from edl6dof.post.replay.swarm import Trajectory
-from edl6dof.post.run import refusal
 from edl6dof.sim.flight import Flight
 
 #: Cases drawn; more would hide each other.

@@ -36,6 +36,11 @@ class ConfigError(Exception):
         return "\n".join(str(problem) for problem in self.problems)
 
 
+def refusal(place: object, message: str) -> ConfigError:
+    """The error of a file, a folder or an option that cannot be used: one line, of at most 300 characters."""
+    return ConfigError([Problem(str(place), 0, 0, "", " ".join(message.split())[:300])])
+
+
 class Inconsistent(ValueError):
     """Raised by a model validator for values that do not fit together: each problem at its own key instead of at the section's.
 

@@ -1,10 +1,10 @@
-"""Which command-line arguments are scenarios that name plugins: found without importing anything heavy."""
+"""Which files name plugins, among a scenario and those it extends: found without importing anything heavy."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from os.path import isfile, join
 from pathlib import Path
 
@@ -16,6 +16,9 @@ VARIABLE = "EDL6DOF_PLUGINS"
 #: Size, in bytes, of the largest file that is read as a scenario; a page with a scenario printed in it is none.
 LARGEST = 2_000_000
 
+#: Files by which a folder is known to hold results, perhaps somebody else's.
+RESULT_MARKS = ("manifest.json", "campaign.json")
+
 #: A resolved file without plugins says ``plugins: []``.
 _NAMES_PLUGINS = re.compile(rb"^plugins[ \t]*:(?![ \t]*\[[ \t]*\])", re.MULTILINE)
 _EXTENDS = re.compile(rb"^extends[ \t]*:[ \t]*[\"']?([^\s\"'#]+)", re.MULTILINE)
@@ -26,27 +29,31 @@ def files_from_environment() -> list[Path]:
     return [Path(text).absolute() for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
 
 
-def scenarios_naming_plugins(arguments: Iterable[str | Path]) -> Iterator[Path]:
-    """Files with a ``plugins`` key among the arguments (a file, a scenario's name, a run or campaign folder) and what they extend."""
-    for text in map(str, arguments):
-        seen: set[Path] = set()
-        file = _scenario(text, Path())
-        while file is not None and file not in seen:
-            seen.add(file)
-            content = _content(file)
-            if _NAMES_PLUGINS.search(content):
-                yield file
-            base = _EXTENDS.search(content)
-            file = _scenario(base.group(1).decode(errors="replace"), file.parent) if base else None
+def files_naming_plugins(operand: str | Path) -> Iterator[Path]:
+    """Files with a ``plugins`` key among what a command was given to fly (a file, a scenario's name, a campaign's folder) and its bases."""
+    seen: set[Path] = set()
+    file = _scenario(str(operand), Path())
+    while file is not None and file not in seen:
+        seen.add(file)
+        content = _content(file)
+        if _NAMES_PLUGINS.search(content):
+            yield file
+        base = _EXTENDS.search(content)
+        file = _scenario(base.group(1).decode(errors="replace"), file.parent) if base else None
+
+
+def is_result(file: Path) -> bool:
+    """Whether a scenario or campaign file lies in a folder of results: such a folder may come from anybody."""
+    return any(isfile(join(file.parent, mark)) for mark in RESULT_MARKS)
 
 
 def _scenario(text: str, folder: Path) -> Path | None:
-    """The file that an argument, or what stands after ``extends``, means; ``None`` when it is no scenario."""
+    """The file that an operand, or what stands after ``extends``, means; ``None`` when it is no scenario."""
     if "\0" in text:
         return None
     here = join(folder, text)
-    inside = (join(here, name) for name in ("scenario.yaml", "campaign.yaml"))
-    found = next((Path(place) for place in (here, f"{here}.yaml", *inside) if isfile(place)), None)
+    places = (here, f"{here}.yaml", join(here, "campaign.yaml"))
+    found = next((Path(place) for place in places if isfile(place)), None)
     return found or find_shipped("scenarios", text.removeprefix("scenarios/"))
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from edl6dof.post.run import refusal
+from edl6dof.config.errors import refusal
+from edl6dof.durable import put_in_place
 
 
 @contextmanager
@@ -23,7 +24,7 @@ def atomic_file(target: Path, force: bool) -> Iterator[Path]:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield partial
         refuse_existing_file(target, force)  # another program may have finished meanwhile
-        partial.replace(target)
+        put_in_place(partial, target)
     except OSError as error:
         raise refusal(target, f"cannot be written: {error.strerror or error}") from None
     finally:

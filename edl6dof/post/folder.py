@@ -11,27 +11,38 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from edl6dof.post.run import refusal
+from edl6dof.config.errors import refusal
+from edl6dof.durable import put_in_place
+from edl6dof.manifest import MANIFEST, Manifest, seal
 
 #: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts as left behind.
 STALE_S = 86400.0
 
+#: Command that makes a folder of each kind.
+_COMMANDS = {"flight": "fly", "faults": "faults", "study": "study"}
+
 
 @contextmanager
-def atomic_folder(target: Path, force: bool) -> Iterator[Path]:
-    """Yield a hidden folder beside ``target`` that takes its place when the block ends without an exception.
+def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
+    """Yield a hidden folder beside ``target`` that gets its manifest and takes its place when the block ends without an exception.
 
     A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception leaves nothing, not
     even the parent folders made here.
 
+    Args:
+        target: the folder wanted.
+        kind: what it is a result of, as its manifest says: ``flight``, ``faults`` or ``study``.
+        force: whether a result of the same kind may be replaced.
+
     Raises:
-        ConfigError: ``target`` exists and ``force`` is not set, or it cannot be written.
+        ConfigError: ``target`` exists and must not be replaced, or it cannot be written.
     """
     try:
-        _refuse_existing(target, force)
+        _refuse_existing(target, kind, force)
         with _swapped(Path(os.path.realpath(target))) as folder:  # the swap must move a folder, not a link to one
             yield folder
-            _refuse_existing(target, force)  # another run may have finished meanwhile
+            seal(folder, kind)
+            _refuse_existing(target, kind, force)  # another run may have finished meanwhile, or something been put there
     except OSError as error:
         raise refusal(target, f"cannot be written: {error.strerror or error}") from None
 
@@ -49,7 +60,7 @@ def _swapped(target: Path) -> Iterator[Path]:
         try:
             if target.exists():
                 target.rename(old)
-            partial.rename(target)
+            put_in_place(partial, target)
         except BaseException:
             if old.exists() and not target.exists():
                 old.rename(target)
@@ -63,16 +74,22 @@ def _swapped(target: Path) -> Iterator[Path]:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _refuse_existing(target: Path, force: bool) -> None:
-    """Raise :class:`ConfigError` when ``target`` must not be replaced; a file in its place is never replaced."""
+def _refuse_existing(target: Path, kind: str, force: bool) -> None:
+    """Raise :class:`ConfigError` when ``target`` must not be replaced: only a whole result of the same kind ever is, and nothing else."""
     if target.exists() and not target.is_dir():
         raise refusal(target, "is a file, not a folder; choose another folder with --out")
     if not target.is_dir() or not any(target.iterdir()):
         return
     if not force:
         raise refusal(target, "exists; choose another folder with --out, or replace it with --force")
-    if not (target / "summary.json").is_file():
-        raise refusal(target, "is not a run folder (no summary.json); it is not replaced even with --force")
+    never = "it is not replaced, even with --force"
+    if not (target / MANIFEST).is_file():
+        raise refusal(target, f"is no result of 'edl6dof {_COMMANDS[kind]}' (it has no {MANIFEST}); {never}")
+    found = Manifest.of(target)
+    if found.kind != kind:
+        raise refusal(target, f"is a result of 'edl6dof {_COMMANDS[found.kind]}'; {never}")
+    if stranger := found.stranger():
+        raise refusal(target, f"holds {stranger}; {never}")
 
 
 def _make_folders(folder: Path) -> list[Path]:

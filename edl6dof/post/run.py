@@ -1,8 +1,7 @@
-"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown again."""
+"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown again, and no code is loaded."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -10,44 +9,48 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import refusal
 from edl6dof.config.source import parse_document
+from edl6dof.manifest import Manifest
+from edl6dof.post.contents import Content, Event, Summary, parsed
 
 TELEMETRY = "telemetry.parquet"
-
-
-def refusal(place: Path | str, message: str) -> ConfigError:
-    """The error of a file or folder that cannot be used."""
-    return ConfigError([Problem(str(place), 0, 0, "", " ".join(message.split())[:300])])
 
 
 class Run(Mapping[str, np.ndarray]):
     """The telemetry columns of a run by name, read when they are asked for; and its events, summary and scenario.
 
+    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is used.
+
     Raises:
-        ConfigError: the folder is no run, or one of its files cannot be read.
+        ConfigError: the folder is no run, or one of its files is missing, damaged or cannot be read.
     """
 
     def __init__(self, folder: Path):
         self.folder = folder
+        if not folder.is_dir():
+            raise refusal(folder, "no such folder; name the folder of a run")
+        self._manifest = Manifest.of(folder)
+        if self._manifest.kind != "flight":
+            raise refusal(folder, f"holds a result of kind {self._manifest.kind!r}; name the folder of a run")
         for name in (TELEMETRY, "events.json", "summary.json", "scenario.yaml"):
             if not (folder / name).is_file():
                 raise refusal(folder / name, "no such file; name the folder of a run")
 
     @cached_property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Summary:
         """Outcome, figures, limits and published figures."""
-        return self._json("summary.json", dict)
+        return self._json("summary.json", Summary)
 
     @cached_property
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> list[Event]:
         """The timeline."""
-        return self._json("events.json", list)
+        return self._json("events.json", list[Event])
 
     @cached_property
     def scenario_text(self) -> str:
         """The resolved scenario as YAML."""
-        return (self.folder / "scenario.yaml").read_text(encoding="utf-8")
+        return self._manifest.read("scenario.yaml").decode("utf-8")
 
     @cached_property
     def scenario(self) -> dict[str, Any]:
@@ -57,7 +60,7 @@ class Run(Mapping[str, np.ndarray]):
     @property
     def name(self) -> str:
         """Name of the scenario."""
-        return str(self.summary["name"])
+        return self.summary["name"]
 
     @cached_property
     def phase_names(self) -> list[str]:
@@ -67,7 +70,7 @@ class Run(Mapping[str, np.ndarray]):
     @cached_property
     def when(self) -> dict[str, float]:
         """Time (s) of the first event of each key."""
-        return {event["key"]: float(event["t_s"]) for event in reversed(self.events)}
+        return {event["key"]: event["t_s"] for event in reversed(self.events)}
 
     @property
     def t(self) -> np.ndarray:
@@ -103,6 +106,15 @@ class Run(Mapping[str, np.ndarray]):
         """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is empty or did not happen."""
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
+    def file(self, name: str) -> Path:
+        """A file of the folder for a program that reads it itself, compared with its hash.
+
+        Raises:
+            ConfigError: it is missing or damaged.
+        """
+        self._manifest.read(name)
+        return self.folder / name
+
     def _described(self, name: str, key: bytes) -> str:
         return (self._file.schema_arrow.field(name).metadata or {}).get(key, b"").decode()
 
@@ -116,17 +128,18 @@ class Run(Mapping[str, np.ndarray]):
         import pyarrow.parquet as pq
 
         path = self.folder / TELEMETRY
+        content = self._manifest.read(TELEMETRY)
         try:
-            return pq.ParquetFile(path)
+            file = pq.ParquetFile(pa.BufferReader(content))
         except (OSError, pa.ArrowException) as error:
             raise refusal(path, f"cannot be read: {error}") from None
+        schema, rows = file.schema_arrow, file.metadata.num_rows
+        if "t_s" not in schema.names or rows == 0 or any(field.type != pa.float64() for field in schema):
+            raise refusal(path, "is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns")
+        return file
 
-    def _json(self, name: str, kind: type) -> Any:
-        path = self.folder / name
+    def _json(self, name: str, kind: type[Content]) -> Content:
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise refusal(path, f"cannot be read: {error}") from None
-        if not isinstance(content, kind):
-            raise refusal(path, "is not the file of a run")
-        return content
+            return parsed(self._manifest.read(name), kind)
+        except ValueError as error:
+            raise refusal(self.folder / name, f"is not the file of a run: {error}") from None

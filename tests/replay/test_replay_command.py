@@ -9,6 +9,7 @@ import pytest
 import edl6dof
 from edl6dof.app import replay as command
 from edl6dof.config.errors import ConfigError
+from edl6dof.manifest import seal
 from edl6dof.post.replay import viewer
 from edl6dof.post.replay.recording import history, write_replay
 from edl6dof.post.results import write_run
@@ -20,6 +21,7 @@ def run(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("runs") / "short"
     folder.mkdir()
     write_run(edl6dof.fly("tianwen1", ["simulation.time_limit_s=20"]), folder)
+    seal(folder, "flight")
     return folder
 
 
@@ -66,7 +68,7 @@ def test_several_runs_get_labels_that_tell_them_apart(run):
 
 
 def test_refusals_name_the_file(run, tmp_path):
-    with pytest.raises(ConfigError, match="telemetry.parquet: no such file"):
+    with pytest.raises(ConfigError, match="is no result of edl6dof"):
         command.run_replay(options(tmp_path))
     (tmp_path / "there.png").write_bytes(b"mine")
     with pytest.raises(ConfigError, match="exists"):

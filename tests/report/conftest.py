@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from edl6dof.manifest import seal
 from edl6dof.post.results import write_run
 from edl6dof.post.run import Run
 
@@ -14,4 +15,5 @@ def run(nominal, tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs") / "nominal"
     folder.mkdir()
     write_run(nominal, folder)
+    seal(folder, "flight")
     return Run(folder)

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from edl6dof.app.export import FILES, run_export
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.orientation import days_since_j2000, icrf_to_fixed
+from edl6dof.manifest import seal
 from edl6dof.post.run import Run
 
 #: Date of t = 0 in the scenario.
@@ -172,6 +173,7 @@ def test_a_scenario_without_a_date_cannot_become_a_message(run, tmp_path):
     for name in ("telemetry.parquet", "events.json", "summary.json"):
         (tmp_path / name).write_bytes((run.folder / name).read_bytes())
     (tmp_path / "scenario.yaml").write_text(run.scenario_text.replace('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""'))
+    seal(tmp_path, "flight")
     with pytest.raises(ConfigError, match="epoch_utc"):
         run_export(Run(tmp_path).folder, "oem", None, force=False)
     assert not list(tmp_path.glob("*.oem"))

@@ -17,6 +17,7 @@ from edl6dof import cli
 from edl6dof.app.compare import MOST
 from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
+from edl6dof.manifest import seal
 from edl6dof.post.report.paper import write_pdf
 from edl6dof.post.review.build import flight_report
 from edl6dof.post.review.overlay import comparison_report, differences_table, figures_table
@@ -45,6 +46,7 @@ def other(run, tmp_path_factory):
     summary["figures"]["propellant_used_kg"] += 3.0
     (folder / "summary.json").write_text(json.dumps(summary))
     (folder / "scenario.yaml").write_text(re.sub(r"^seed: 1\b", "seed: 8", run.scenario_text, flags=re.MULTILINE))
+    seal(folder, "flight")
     return Run(folder)
 
 
@@ -89,10 +91,12 @@ def test_broken_telemetry_is_refused_in_one_line(run, tmp_path, capsys, monkeypa
     for name in ("events.json", "summary.json", "scenario.yaml"):
         (tmp_path / name).write_bytes((run.folder / name).read_bytes())
     (tmp_path / "telemetry.parquet").write_bytes(b"PAR1 not really PAR1")
+    seal(tmp_path, "flight")
     code, _, err = command(capsys, monkeypatch, "report", tmp_path)
     assert code == 2 and "cannot be read" in err and err.count("\n") == 1
     (tmp_path / "telemetry.parquet").write_bytes((run.folder / "telemetry.parquet").read_bytes())
     (tmp_path / "summary.json").write_text("{")
+    seal(tmp_path, "flight")
     code, _, err = command(capsys, monkeypatch, "report", tmp_path)
     assert code == 2 and "summary.json" in err and err.count("\n") == 1
 
@@ -158,6 +162,7 @@ def test_terminal_shows_the_first_of_many_differences(run, other, tmp_path, caps
     shutil.copytree(other.folder, folder)
     text = (folder / "scenario.yaml").read_text()
     (folder / "scenario.yaml").write_text(re.sub(r"^( *\w+): \d+\.\d+\b", r"\1: 77.5", text, flags=re.MULTILINE))
+    seal(folder, "flight")
     code, out, _ = command(capsys, monkeypatch, "compare", run.folder, folder, "--out", tmp_path / "c.html")
     shown = [line for line in out.splitlines() if line.endswith(" | 77.5")]
     assert code == 0 and len(shown) == MOST - 1  # the seed is the first of them

@@ -11,6 +11,7 @@ import pytest
 import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
+from edl6dof.manifest import seal
 from edl6dof.post.report.drawing import drawing
 from edl6dof.post.results import write_run
 from edl6dof.post.review import actuators, phase_planes, site, trajectory
@@ -119,6 +120,7 @@ def faulty(tmp_path_factory):
     folder = tmp_path_factory.mktemp("runs") / "faulty"
     folder.mkdir()
     write_run(flight, folder)
+    seal(folder, "flight")
     return Run(folder)
 
 
@@ -150,6 +152,7 @@ def test_subtitle_names_what_was_made_to_fail(faulty):
 def test_flight_without_flight_software_has_a_report_too(tmp_path):
     flight = edl6dof.fly("nesc/case06")
     write_run(flight, tmp_path)
+    seal(tmp_path, "flight")
     report = flight_report(Run(tmp_path))
     assert {section.key for section in report.sections} >= {"verdict", "events", "trajectory", "configuration", "software"}
     for figure in report.figures():
@@ -158,6 +161,7 @@ def test_flight_without_flight_software_has_a_report_too(tmp_path):
 
 def test_point_mass_is_shown_without_an_attitude(tmp_path):
     write_run(edl6dof.fly("zheng2015"), tmp_path)
+    seal(tmp_path, "flight")
     report = flight_report(Run(tmp_path))
     keys = {section.key for section in report.sections}
     assert {"trajectory", "guidance"} <= keys and not {"attitude", "phase_planes", "landing"} & keys

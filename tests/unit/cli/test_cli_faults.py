@@ -20,7 +20,7 @@ def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
     code, out, err, target = flown
     assert code == 0, err
     assert "6 flights landed within limits" in out
-    assert sorted(path.name for path in target.iterdir()) == ["faults.parquet", "summary.json"]
+    assert sorted(path.name for path in target.iterdir()) == ["faults.parquet", "manifest.json", "summary.json"]
 
 
 def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):

@@ -70,9 +70,14 @@ def test_overwriting_needs_force(here, capsys, monkeypatch):
     assert (code, out) == (2, "")
     assert err == "runs/drop: exists; choose another folder with --out, or replace it with --force\n"
     assert Path("runs/drop/summary.json").stat().st_mtime_ns == before
-    Path("runs/drop/stale.txt").touch()
+    Path("runs/drop/notes.txt").write_text("mine")
+    code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)
+    assert (code, out) == (2, "")
+    assert err == "runs/drop: holds notes.txt, which edl6dof did not write; it is not replaced, even with --force\n"
+    assert Path("runs/drop/notes.txt").read_text() == "mine"
+    Path("runs/drop/notes.txt").unlink()
     assert run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)[0] == 1
-    assert sorted(os.listdir("runs/drop")) == ["events.json", "scenario.yaml", "summary.json", "telemetry.parquet"]
+    assert sorted(os.listdir("runs/drop")) == ["events.json", "manifest.json", "scenario.yaml", "summary.json", "telemetry.parquet"]
     assert not hidden(here / "runs")
 
 
@@ -81,7 +86,7 @@ def test_force_never_replaces_what_is_no_run_folder(here, capsys, monkeypatch):
     (here / "precious" / "thesis.tex").write_text("years of work")
     code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--out", "precious", "--force", *QUICK)
     assert code == 2
-    assert "precious: is not a run folder" in err
+    assert "precious: is no result of 'edl6dof fly'" in err
     code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--out", "drop.yaml", "--force", *QUICK)
     assert code == 2
     assert "is a file" in err

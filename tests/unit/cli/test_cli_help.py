@@ -63,7 +63,7 @@ def test_a_flight_without_replay_imports_only_what_it_flies_with(tmp_path):
 def test_help_names_every_command(capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "--help")
     assert code == 0
-    lines = out.partition("Commands:\n")[2].splitlines()
+    lines = out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
     assert [line.split()[0] for line in lines] == [command.name or command.callback.__name__ for command in cli.app.registered_commands]
     assert not [line for line in lines if line.endswith("...")], "the summary of a command fits on its line"
 

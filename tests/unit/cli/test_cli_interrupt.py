@@ -11,6 +11,7 @@ import pytest
 from cli_run import SHORT, hidden, run, spawn
 
 from edl6dof.config.errors import ConfigError
+from edl6dof.manifest import seal
 from edl6dof.post import folder as run_folder
 from edl6dof.post.folder import atomic_folder
 
@@ -55,7 +56,7 @@ def test_run_of_a_living_process_is_left_alone(tmp_path, monkeypatch):
     target = tmp_path / "run"
     other = tmp_path / f".run.{os.getppid()}-{run_folder._host()}.part"
     other.mkdir()
-    with atomic_folder(target, force=False) as folder:
+    with atomic_folder(target, "flight", force=False) as folder:
         (folder / "summary.json").write_text("{}")
     assert other.is_dir()
     assert (target / "summary.json").is_file()
@@ -66,7 +67,7 @@ def test_folder_of_another_host_goes_only_when_it_is_old(tmp_path):
     fresh.mkdir()
     old.mkdir()
     os.utime(old, (1e9, 1e9))
-    with atomic_folder(tmp_path / "run", force=False):
+    with atomic_folder(tmp_path / "run", "flight", force=False):
         pass
     assert hidden(tmp_path) == [fresh.name]
 
@@ -75,7 +76,7 @@ def test_names_with_dots_and_brackets(tmp_path):
     for name in ("v1.2", "a[b]", "x y"):
         dead = tmp_path / f".{name}.{2**22 + 1}-{run_folder._host()}.part"
         dead.mkdir()
-        with atomic_folder(tmp_path / name, force=False) as folder:
+        with atomic_folder(tmp_path / name, "flight", force=False) as folder:
             (folder / "summary.json").write_text("{}")
         assert not dead.exists()
         assert (tmp_path / name / "summary.json").is_file()
@@ -86,7 +87,7 @@ def test_neighbours_leftovers_are_not_touched(tmp_path):
     other.mkdir()
     user = tmp_path / ".run.backup.tar"
     user.mkdir()
-    with atomic_folder(tmp_path / "run", force=False):
+    with atomic_folder(tmp_path / "run", "flight", force=False):
         pass
     assert user.is_dir()
 
@@ -95,10 +96,11 @@ def test_kill_between_the_two_renames_brings_the_former_run_back(tmp_path):
     target, aside = tmp_path / "run", tmp_path / f".run.{2**22 + 1}-{run_folder._host()}.old"
     aside.mkdir()
     (aside / "summary.json").write_text("former")
-    with pytest.raises(ConfigError), atomic_folder(target, force=False):
+    seal(aside, "flight")
+    with pytest.raises(ConfigError), atomic_folder(target, "flight", force=False):
         pass
     assert (target / "summary.json").read_text() == "former"
-    with atomic_folder(target, force=True) as folder:
+    with atomic_folder(target, "flight", force=True) as folder:
         (folder / "summary.json").write_text("new")
     assert (target / "summary.json").read_text() == "new"
     assert not hidden(tmp_path)
@@ -108,16 +110,13 @@ def test_failing_second_rename_restores_the_former_run(tmp_path, monkeypatch):
     target = tmp_path / "run"
     target.mkdir()
     (target / "summary.json").write_text("former")
-    rename, calls = Path.rename, []
+    seal(target, "flight")
 
-    def failing(self, to):
-        calls.append(to)
-        if len(calls) == 2:
-            raise KeyboardInterrupt
-        return rename(self, to)
+    def failing(partial, target):
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(Path, "rename", failing)
-    with pytest.raises(KeyboardInterrupt), atomic_folder(target, force=True) as folder:
+    monkeypatch.setattr(run_folder, "put_in_place", failing)
+    with pytest.raises(KeyboardInterrupt), atomic_folder(target, "flight", force=True) as folder:
         (folder / "summary.json").write_text("new")
     assert (target / "summary.json").read_text() == "former"
     assert not hidden(tmp_path)
@@ -125,7 +124,7 @@ def test_failing_second_rename_restores_the_former_run(tmp_path, monkeypatch):
 
 def test_result_that_appeared_meanwhile_is_not_replaced(tmp_path):
     target = tmp_path / "run"
-    with pytest.raises(ConfigError), atomic_folder(target, force=False) as folder:
+    with pytest.raises(ConfigError), atomic_folder(target, "flight", force=False) as folder:
         (folder / "summary.json").write_text("late")
         target.mkdir()
         (target / "summary.json").write_text("first")
@@ -134,6 +133,6 @@ def test_result_that_appeared_meanwhile_is_not_replaced(tmp_path):
 
 
 def test_exception_removes_the_folders_made_for_it(tmp_path):
-    with pytest.raises(ZeroDivisionError), atomic_folder(tmp_path / "a" / "b" / "run", force=False):
+    with pytest.raises(ZeroDivisionError), atomic_folder(tmp_path / "a" / "b" / "run", "flight", force=False):
         raise ZeroDivisionError
     assert not list(tmp_path.iterdir())

@@ -10,6 +10,7 @@ import pytest
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.source import read_document
+from edl6dof.manifest import seal
 from edl6dof.post.folder import atomic_folder
 from edl6dof.post.results import write_run
 from edl6dof.sim.scenario import Scenario, check_document
@@ -19,6 +20,7 @@ from edl6dof.sim.scenario import Scenario, check_document
 def run(nominal, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run")
     write_run(nominal, folder)
+    seal(folder, "flight")
     return folder
 
 
@@ -47,24 +49,24 @@ def test_resolved_scenario_reads_back_equal(nominal, run):
 
 def test_folder_appears_whole_or_not_at_all(tmp_path):
     target = tmp_path / "run"
-    with pytest.raises(RuntimeError, match="half way"), atomic_folder(target, force=False) as folder:
+    with pytest.raises(RuntimeError, match="half way"), atomic_folder(target, "flight", force=False) as folder:
         (folder / "a").write_text("x")
         raise RuntimeError("half way")
     assert list(tmp_path.iterdir()) == []
-    with atomic_folder(target, force=False) as folder:
+    with atomic_folder(target, "flight", force=False) as folder:
         (folder / "summary.json").write_text("{}")
         assert not target.exists()
     assert (target / "summary.json").is_file()
-    with pytest.raises(ConfigError), atomic_folder(target, force=False):
+    with pytest.raises(ConfigError), atomic_folder(target, "flight", force=False):
         pass
-    with atomic_folder(target, force=True) as folder:
+    with atomic_folder(target, "flight", force=True) as folder:
         (folder / "b").write_text("y")
-    assert [path.name for path in target.iterdir()] == ["b"]
+    assert sorted(path.name for path in target.iterdir()) == ["b", "manifest.json"]
 
 
 def test_force_does_not_replace_a_folder_that_is_no_run(tmp_path):
     (tmp_path / "precious").mkdir()
     (tmp_path / "precious" / "thesis.tex").write_text("...")
-    with pytest.raises(ConfigError, match="not a run folder"), atomic_folder(tmp_path / "precious", force=True):
+    with pytest.raises(ConfigError, match="is no result of .edl6dof fly."), atomic_folder(tmp_path / "precious", "flight", force=True):
         pass
     assert (tmp_path / "precious" / "thesis.tex").read_text() == "..."

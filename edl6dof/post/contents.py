@@ -1,0 +1,67 @@
+"""What the JSON files of a run hold: the types that are written, and that a file read back must have."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
+
+Content = TypeVar("Content")
+
+_EXACT = ConfigDict(strict=True, allow_inf_nan=False)
+
+
+class Limit(TypedDict):
+    """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
+
+    __pydantic_config__ = _EXACT
+    name: str
+    value: float | None
+    limit: float
+    unit: str
+    ok: bool
+
+
+class Summary(TypedDict):
+    """``summary.json``: outcome, figures by name with unit suffix, limits, and the published figures of the real flight."""
+
+    __pydantic_config__ = _EXACT
+    name: str
+    outcome: str
+    success: bool
+    time_s: float
+    phase: str
+    edl6dof_version: str
+    seed: int
+    scenario_sha256: str
+    figures: dict[str, float | None]
+    limits: list[Limit]
+    published: dict[str, float]
+
+
+class Event(TypedDict):
+    """One event of ``events.json`` with the state of the vehicle then; null where that is not finite."""
+
+    __pydantic_config__ = _EXACT
+    t_s: float
+    key: str
+    name: str
+    detail: str
+    altitude_m: float | None
+    height_m: float | None
+    speed_m_s: float | None
+    mach: float | None
+
+
+def parsed(content: bytes, kind: type[Content]) -> Content:
+    """The content of a file, whose types are right.
+
+    Raises:
+        ValueError: it is not of this kind; the text says where.
+    """
+    try:
+        return TypeAdapter(kind).validate_json(content)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")) from None
