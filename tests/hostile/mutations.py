@@ -101,9 +101,13 @@ def _dave(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
     return ["check", case, "--set", f"vehicle.daveml={json.dumps([str(name), *others])}"]
 
 
+#: Words of a command line at the wrong place.
+_ODD = ("tianwen1", "mutant.yaml", ".", "--force", "--out", "-n", "--set", "seed=3", "--at", "--from", "-1", "--json")
+
+
 def _words(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
     """A command with arguments that are none; ``fly`` ends soon."""
-    odd = [*NASTY[:25], str(folder), *"tianwen1 mutant.yaml . --force --out -n --set seed=3 --at --from -1 --json".split()]
+    odd = [*NASTY[:25], *_ODD, str(folder)]
     command = draw.choice(("fly", "check", "params", "report", "plot", "compare", "export", "refly", "campaign", "faults", "study"))
     words = [command, *(draw.choice(odd) for _ in range(draw.randint(1, 4)))]
     words = [word for word in words if word and "\0" not in word]
