@@ -11,6 +11,7 @@ from math import acos, atan2, cos, exp, sin, sqrt
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.frames import (
     bank_angle,
     fixed_to_ned,
@@ -58,8 +59,8 @@ NAV = np.dtype(
         ("gravity", "f8"),
         ("tilt", "f8"),
         ("roll_to_south", "f8"),
-        ("footpad_contact", "i8"),
-        ("wing_open", "i8"),
+        ("footpad_contact", FLAG),
+        ("wing_open", FLAG),
     ],
     align=True,
 )
