@@ -6,14 +6,14 @@ a file can bring back declares its range where the record is declared, as metada
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 
 def whole(low: int, high: int, of: str = "") -> np.dtype:
-    """A whole number from ``low`` to ``high``; with ``of`` it numbers the things of that name, and ``high`` is for as many as can be."""
+    """A whole number from ``low`` to ``high``; with ``of`` it numbers things of that name, of which there may be fewer."""
     return np.dtype("i8", metadata={"low": low, "high": high, "of": of})
 
 
@@ -54,3 +54,19 @@ def first_not_finite(record: np.ndarray) -> str | None:
         if not field.is_whole and "if_ever" not in field.declared and not np.all(finite := np.isfinite(field.values)):
             return field.place(~finite)
     return None
+
+
+def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
+    """Path and complaint of each whole number of a record (length one) that is not in its declared range.
+
+    ``sizes`` says how many there are of the things that some of them number, where that is known.  What declares nothing may hold anything:
+    that is the memory of a plugin.
+    """
+    for field in numbers(record):
+        if not field.is_whole or "low" not in field.declared:
+            continue
+        low, high, of = (field.declared[key] for key in ("low", "high", "of"))
+        if of in sizes:
+            high = max(min(high, sizes[of] - 1), 0)
+        if np.any(wrong := (field.values < low) | (field.values > high)):
+            yield field.place(wrong), f"must be {low} .. {high} (got {field.values[wrong][0]})"

@@ -21,7 +21,7 @@ from edl6dof.sim.events import Moment, moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
-from edl6dof.sim.loop import prepare
+from edl6dof.sim.loop import prepare, take_up
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
@@ -234,6 +234,9 @@ def fly(
         parts: the scenario's records, where the caller has built them already.
         log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than figures and events need, of
             ``BRIEF``; the flight then reads from it.
+
+    Raises:
+        ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
     case, tables, onboard = parts or records.build_records(loaded)
@@ -242,7 +245,9 @@ def fly(
         sensed, cycle = records.initial_sensed(), 0
         prepare(case, tables, plant)
     else:
+        start.check_fits(scenario)
         plant, fsw, sensed, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensed), start.cycle
+        take_up(case, plant, fsw)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1

@@ -26,6 +26,14 @@ def prepare(cases, tables_, plants):
 
 
 @kernel
+def take_up(cases, plants, memories):
+    """Let a saved plant and flight-software memory forget what they worked out from parameters, which may have changed since."""
+    case, plant, allocator = cases[0], plants[0], memories[0].allocator
+    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    allocator.effect_of = allocator.gram_of = 0
+
+
+@kernel
 def write_row(case, plant, fsw, log, brief, row):
     """Log the present state as row ``row`` of the one of the two logs that is not empty."""
     if len(log) > 0:
