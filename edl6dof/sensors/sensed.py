@@ -9,6 +9,7 @@ from edl6dof.sensors.imu import READINGS
 
 SENSED = np.dtype(
     [
+        ("readings", READINGS),  # under way
         ("t", "f8"),
         ("r_I", "f8", (3,)),
         ("v_I", "f8", (3,)),
@@ -19,7 +20,6 @@ SENSED = np.dtype(
         ("footpad_contact", FLAG),
         ("imu_rate_B", "f8", (3,)),
         ("imu_gain_B", "f8", (3,)),  # integral of the specific force, m/s
-        ("readings", READINGS),
         ("wing_open", FLAG),  # end switch of the trim wing
     ],
     align=True,

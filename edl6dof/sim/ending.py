@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
+from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
 from edl6dof.sim.outcome import CRASHED, DEPLOYED, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
@@ -76,7 +76,7 @@ def _phase(flight: Flight) -> str:
 
 
 def _circumstances(flight: Flight) -> tuple[str, str]:
-    """What went wrong before, in words with and without figures: propellant used up, engine cut off in the air."""
+    """What went wrong before, in words with and without figures: propellant used up, engine cut off in the air, legs not let out."""
     plant = flight.plant[0]
     told, plain = [], []
     if isfinite(t := float(plant["exhausted_time"])):
@@ -87,4 +87,11 @@ def _circumstances(flight: Flight) -> tuple[str, str]:
         plain.append("the engine was cut off above the ground")
         (height,) = flight.telemetry.at(cut_off, "truth.height_m")
         told.append(f"the engine was cut off {height:.1f} m above the ground at t = {cut_off:.1f} s")
-    return tuple(f" after {' and '.join(words)}" if words else "" for words in (told, plain))
+    legs = " with its legs folded" if flight.code == CRASHED and _slow_enough(flight) else ""
+    return tuple(legs + (f" after {' and '.join(words)}" if words else "") for words in (told, plain))
+
+
+def _slow_enough(flight: Flight) -> bool:
+    """Whether the speed at first contact was one that legs stand."""
+    speed = hypot(flight.metrics["touchdown_vertical_m_s"], flight.metrics["touchdown_horizontal_m_s"])
+    return speed <= flight.loaded.truth.limits.crash_speed_m_s

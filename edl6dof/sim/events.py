@@ -68,7 +68,8 @@ def _with_state(telemetry: Mapping[str, np.ndarray], t: float, key: str, name: s
         "speed_m_s": telemetry["truth.speed_m_s"][i],
         "mach": telemetry["truth.mach"][i],
     }
-    values = {column: (float(value) if abs(value) < 1e9 else None) for column, value in row.items()}
+    known = t >= telemetry["t_s"][0] - 1e-9  # a flight that goes on from a saved state has no telemetry of what was before
+    values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
     return {"t_s": t, "key": key, "name": name, "detail": _in_words(values), **values}
 
 

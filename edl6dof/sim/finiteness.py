@@ -26,7 +26,9 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its state, and whatever is wrong with
 #: the memory of the flight computer in what guidance, control and modulation make of it.
 _READINGS = _words(SENSED, "t", "imu_gain_B")
-_NAVIGATED, _GUIDED = _words(FSW, "nav", "nav"), _words(FSW, "guide", "guide")
+_PHASE_START = _words(FSW, "phase_start", "phase_start")
+_NAVIGATED, _GUIDED = _words(FSW, "mass", "nav"), _words(FSW, "guide", "guide")
+_ESTIMATED = _words(FSW, "disturbance", "disturbance")
 _DEMANDED = _words(FSW, "attitude_error", "demand")
 _COMMANDED = _words(COMMAND, "opens", "alpha", FSW.fields["command"][1])
 
@@ -41,11 +43,13 @@ def _all_finite(words, first, last):
 
 @kernel
 def works_with_finite(readings, memory):
-    """Whether what is sensed, navigated, guided, demanded and commanded is finite; ``SENSED`` and ``FSW`` as words of eight bytes."""
+    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as words of eight bytes."""
     return (
         _all_finite(readings, _READINGS[0], _READINGS[1])
+        and _all_finite(memory, _PHASE_START[0], _PHASE_START[1])
         and _all_finite(memory, _NAVIGATED[0], _NAVIGATED[1])
         and _all_finite(memory, _GUIDED[0], _GUIDED[1])
+        and _all_finite(memory, _ESTIMATED[0], _ESTIMATED[1])
         and _all_finite(memory, _DEMANDED[0], _DEMANDED[1])
         and _all_finite(memory, _COMMANDED[0], _COMMANDED[1])
     )

@@ -127,11 +127,14 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        when = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
-        figures = metrics(self.telemetry, when, self.phase_names)
-        figures |= peak_figures(self.plant[0], when) | touchdown_state(self.case, self.plant)
-        figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
-        return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
+        happened = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
+        # a flight that goes on from a saved state has no telemetry of what happened before
+        when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
+            figures = metrics(self.telemetry, when, self.phase_names)
+            figures |= peak_figures(self.plant[0], happened) | touchdown_state(self.case, self.plant)
+            figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
+            return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 
     @cached_property
     def checks(self) -> list[Check]:

@@ -34,11 +34,11 @@ class DisturbanceParams(Params):
 
 DISTURBANCE = np.dtype(
     [
-        ("torque", "f8", (3,)),
-        ("force", "f8", (3,)),
-        ("seen", "f8", (6,)),  # force and torque of the last cycle that the commands do not explain
         ("rate", "f8", (3,)),
         ("gain", "f8", (3,)),
+        ("seen", "f8", (6,)),  # force and torque of the last cycle that the commands do not explain
+        ("torque", "f8", (3,)),
+        ("force", "f8", (3,)),
         ("started", FLAG),
     ],
     align=True,
