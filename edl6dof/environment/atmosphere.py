@@ -13,11 +13,12 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, cubic_coefficients, held, row_at, straight_beyond
+from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, cubic_coefficients, row_at, straight_beyond
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import DENSITY_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.environment.us76 import us76
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import held
 
 TABLE, EXPONENTIAL, US76, NONE = range(4)
 

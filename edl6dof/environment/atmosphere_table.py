@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 
 MAX_ROWS = 512
 
@@ -32,31 +33,13 @@ ATMOSPHERE_TABLE = np.dtype(
 @kernel
 def row_at(table, alt):
     """Row below ``alt`` (m) and the position above it in rows: in 0..1 inside the table, outside it the distance beyond."""
-    u = (alt - table.bottom) * table.per_step
-    last = table.rows - 2
-    # Written so that a NaN altitude gives row 0 and a NaN position, and never an index out of range.
-    if not u >= 0.0:
-        return 0, u
-    if u >= last:
-        return last, u - last
-    row = int(u)
-    return row, u - row
+    return cell((alt - table.bottom) * table.per_step, table.rows - 1)
 
 
 @kernel
 def cubic(curve, row, t):
     """Cubic from ``row`` (t = 0) to the next row (t = 1)."""
     return curve[row, 0] + t * (curve[row, 1] + t * (curve[row, 2] + t * curve[row, 3]))
-
-
-@kernel
-def held(t):
-    """Position inside the row: beyond the table its end value is held (a NaN stays)."""
-    if t < 0.0:
-        return 0.0
-    if t > 1.0:
-        return 1.0
-    return t
 
 
 @kernel

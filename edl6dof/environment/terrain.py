@@ -8,7 +8,7 @@ Left out: relief below one degree; around the site a plane stands for it.
 
 from __future__ import annotations
 
-from math import cos, floor, pi, radians, sin, sqrt, tan
+from math import cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import Literal
 
@@ -18,6 +18,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell, held_cell, wrapped
 
 MOLA, PLANE, NONE = range(3)
 
@@ -72,8 +73,7 @@ def _site_plane(terrain, lat, lon):
     tilt_east = terrain.tilt_east
     if tilt_north == 0.0 and tilt_east == 0.0:
         return 0.0, 0.0, 0.0
-    turn = lon - terrain.site_longitude
-    turn -= 2.0 * pi * floor(turn / (2.0 * pi) + 0.5)
+    turn = wrapped(lon - terrain.site_longitude + pi, 2.0 * pi) - pi
     north = _RADIUS * (lat - terrain.site_latitude)
     east = _RADIUS * cos(terrain.site_latitude) * turn
     rise = tilt_north * north + tilt_east * east
@@ -89,19 +89,8 @@ def _site_plane(terrain, lat, lon):
 def mola(grid, lat, lon):
     """Map height (m) and rise per metre towards north and east: bilinear, so heights are continuous and slopes are not."""
     centric = lat - _CENTRIC * sin(2.0 * lat)
-    u = 89.5 - centric * (180.0 / pi)
-    # Also catches NaN: an index must never come from one.
-    if not u >= 0.0:
-        u = 0.0
-    u = min(u, 179.0)
-    row = min(int(u), 178)
-    u -= row
-    degrees = lon * (180.0 / pi) + 179.5
-    turns = degrees - 360.0 * floor(degrees / 360.0)
-    if not turns >= 0.0:
-        turns = 0.0
-    column = min(int(turns), 359)
-    t = turns - column
+    row, u = held_cell(89.5 - centric * (180.0 / pi), 179)
+    column, t = cell(wrapped(lon * (180.0 / pi) + 179.5, 360.0), 360)
     right = (column + 1) % 360
     nw = float(grid.height[row, column])
     ne = float(grid.height[row, right])

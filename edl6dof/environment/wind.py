@@ -15,10 +15,11 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients, held, row_at
+from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients, row_at
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import held, held_cell
 
 TABLE, CONSTANT, SHEAR, NONE = range(4)
 
@@ -120,12 +121,7 @@ def gust_coordinate(alt, length, growth):
 
 @kernel
 def _random_gust(w, alt):
-    u = gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing
-    if not u >= 0.0:
-        u = 0.0
-    u = min(u, MAX_ROWS - 1.0)
-    row = min(int(u), MAX_ROWS - 2)
-    t = u - row
+    row, t = held_cell(gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing, MAX_ROWS - 1)
     return cubic(w.gust_east, row, t), cubic(w.gust_north, row, t), cubic(w.gust_up, row, t)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG, whole
 from edl6dof.spatial.vector import dot, put3, sub, take3
 
 MAX_CHECKED = 8
@@ -37,7 +38,8 @@ CHECK_OUT = np.dtype(
 
 #: ``next`` counts the thrusters done; ``response`` is the rate change of each over the expected one.
 CHECK_OUT_MEMORY = np.dtype(
-    [("next", "i8"), ("under_way", "i8"), ("since", "f8"), ("rate", "f8", (3,)), ("response", "f8", (MAX_CHECKED,))], align=True
+    [("next", whole(0, MAX_CHECKED)), ("under_way", FLAG), ("since", "f8"), ("rate", "f8", (3,)), ("response", "f8", (MAX_CHECKED,))],
+    align=True,
 )
 
 

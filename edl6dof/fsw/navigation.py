@@ -11,6 +11,7 @@ from math import acos, atan2, cos, exp, sin, sqrt
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.frames import (
     bank_angle,
     fixed_to_ned,
@@ -21,6 +22,7 @@ from edl6dof.spatial.frames import (
     total_angle_of_attack,
     wind_angles,
 )
+from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.quaternion import axes, from_frame, to_frame
 from edl6dof.spatial.vector import clamp, dot, norm, put3, scale, take3
 
@@ -57,8 +59,8 @@ NAV = np.dtype(
         ("gravity", "f8"),
         ("tilt", "f8"),
         ("roll_to_south", "f8"),
-        ("footpad_contact", "i8"),
-        ("wing_open", "i8"),
+        ("footpad_contact", FLAG),
+        ("wing_open", FLAG),
     ],
     align=True,
 )
@@ -67,12 +69,10 @@ NAV = np.dtype(
 @kernel
 def model_atmosphere(table, altitude):
     """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at ``altitude`` (m)."""
-    s = clamp((altitude - table.bottom) / table.spacing, 0.0, table.ln_density.shape[0] - 1.001)
-    i = int(s)
-    f = s - i
+    i, f = held_cell((altitude - table.bottom) / table.spacing, table.ln_density.shape[0] - 1)
     slope = table.ln_density[i + 1] - table.ln_density[i]
     density = exp(table.ln_density[i] + f * slope)
-    sound = table.speed_of_sound[i] + f * (table.speed_of_sound[i + 1] - table.speed_of_sound[i])
+    sound = between(table.speed_of_sound, i, f)
     return density, sound, -table.spacing / slope
 
 

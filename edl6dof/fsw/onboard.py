@@ -20,7 +20,7 @@ from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE
 from edl6dof.fsw.estimation.observe import EstimationParams
-from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF, GUIDE
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
@@ -32,7 +32,8 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
 from edl6dof.fsw.navigation import NAV
-from edl6dof.mission.phases import MISSION, PHASE_MEMORY
+from edl6dof.mission.phases import MAX_PHASES, MISSION, PHASE_MEMORY
+from edl6dof.records import FLAG, whole
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -198,44 +199,44 @@ COMMAND = np.dtype(
     [
         ("opens", "f8", (MAX_THRUSTERS,)),
         ("closes", "f8", (MAX_THRUSTERS,)),
-        ("request", "i8", (7,)),
+        ("request", FLAG, (7,)),
         ("thrust", "f8"),
-        ("engine_mode", "i8"),
+        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
         # what a vehicle without attitude dynamics follows
-        ("steering", "i8"),
+        ("steering", FLAG),
         ("bank", "f8"),
         ("alpha", "f8"),
-        ("phase", "i8"),
-        ("isolate", "i8", (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
+        ("phase", whole(0, MAX_PHASES - 1, of="phases")),
+        ("isolate", FLAG, (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
     ],
     align=True,
 )
 
-#: All memory of the flight software.
+#: All memory of the flight software, in the order in which a cycle works it out.
 FSW = np.dtype(
     [
         *PHASE_MEMORY,
-        ("configuration", "i8"),
-        ("wing_out", "i8"),  # the trim wing was commanded open
+        ("configuration", whole(ENTRY, LANDER)),
+        ("wing_out", FLAG),  # the trim wing was commanded open
         ("wing_time", "f8"),  # when
-        ("wing_failed", "i8"),  # and it did not open
-        ("saturated", "i8"),
-        ("healthy", "i8", (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
-        ("ignited", "i8"),
+        ("wing_failed", FLAG),  # and it did not open
+        ("saturated", FLAG),
+        ("healthy", FLAG, (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
+        ("ignited", FLAG),
         ("ignition_time", "f8"),
         ("mass", "f8"),
-        ("demand", "f8", (6,)),
-        ("activity", ACTIVITY),
-        ("disturbance", DISTURBANCE),
-        ("diagnosis", DIAGNOSIS),
-        ("attitude_error", "f8", (3,)),
         ("nav", NAV),
-        ("guide", GUIDE),
         ("entry", ENTRY_MEMORY),
         ("powered", POWERED_LAWS.memory),
         ("terminal", TERMINAL),
+        ("guide", GUIDE),
+        ("activity", ACTIVITY),
+        ("disturbance", DISTURBANCE),
+        ("diagnosis", DIAGNOSIS),
         ("check_out", CHECK_OUT_MEMORY),
         ("control", CONTROLLERS.memory),
+        ("attitude_error", "f8", (3,)),
+        ("demand", "f8", (6,)),
         ("allocator", ALLOCATOR),
         ("modulator", MODULATOR),
         ("command", COMMAND),

@@ -13,6 +13,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
 MAX_PHASES = 16
 MAX_EVENTS = 6
@@ -165,8 +166,8 @@ def sequence(mission, nav, guide, fsw, request):
 
 #: Fields of the flight-software memory that the sequencer owns.
 PHASE_MEMORY = [
-    ("phase", "i8"),
+    ("phase", whole(0, MAX_PHASES - 1, of="phases")),
     ("phase_start", "f8"),
-    ("event_done", "i8", (MAX_EVENTS,)),
-    ("entered", "f8", (MAX_PHASES,)),
+    ("event_done", FLAG, (MAX_EVENTS,)),
+    ("entered", TIME_IF_EVER, (MAX_PHASES,)),
 ]

@@ -10,6 +10,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
+from edl6dof.records import COUNT
 from edl6dof.vehicle.plant import RATE
 
 #: Readings that can be under way.
@@ -24,7 +25,7 @@ class ImuParams(Params):
     )
 
 
-READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("taken", "i8")], align=True)
+READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("taken", COUNT)], align=True)
 
 
 @kernel

@@ -48,6 +48,7 @@ def moments(plant: np.void, fsw: np.void, phases: list[str]) -> list[Moment]:
     found += [(float(t), key, name) for key, name, t in zip(KEYS, DEPLOYMENTS, plant["done"], strict=True)]
     if plant["line_stretch_time"] < 1e9:
         found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
+    found.append((float(plant["exhausted_time"]), "propellant_exhausted", "propellant exhausted"))
     found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))
     return [moment for moment in found if isfinite(moment[0])]
 
@@ -67,6 +68,12 @@ def _with_state(telemetry: Mapping[str, np.ndarray], t: float, key: str, name: s
         "speed_m_s": telemetry["truth.speed_m_s"][i],
         "mach": telemetry["truth.mach"][i],
     }
-    values = {column: (float(value) if abs(value) < 1e9 else None) for column, value in row.items()}
-    detail = f"{values['altitude_m'] / 1e3:.1f} km, {values['speed_m_s']:.0f} m/s, Mach {values['mach']:.2f}"
-    return {"t_s": t, "key": key, "name": name, "detail": detail, **values}
+    known = t >= telemetry["t_s"][0] - 1e-9  # a flight that goes on from a saved state has no telemetry of what was before
+    values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
+    return {"t_s": t, "key": key, "name": name, "detail": _in_words(values), **values}
+
+
+def _in_words(values: Mapping[str, float | None]) -> str:
+    """Altitude, speed and Mach number, as far as they are known."""
+    forms = (("altitude_m", 1e-3, "{:.1f} km"), ("speed_m_s", 1.0, "{:.0f} m/s"), ("mach", 1.0, "Mach {:.2f}"))
+    return ", ".join(form.format(factor * value) for name, factor, form in forms if (value := values[name]) is not None)

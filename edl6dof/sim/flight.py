@@ -16,17 +16,19 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.deployment import deployment_figures
+from edl6dof.sim.ending import Ending, ending, goal_code
 from edl6dof.sim.events import Moment, moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
+from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
-from edl6dof.sim.loop import prepare
-from edl6dof.sim.outcome import DEPLOYED, FLYING, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT
+from edl6dof.sim.loop import prepare, take_up
+from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 from edl6dof.sim.state import State
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.sim.touchdown import touchdown_state
 from edl6dof.sim.verdict import Check, checks, metrics, peak_figures
-from edl6dof.vehicle.plant import NOT_BEGUN, PLANT, STATE_NAMES
+from edl6dof.vehicle.plant import NOT_BEGUN, PLANT
 
 if TYPE_CHECKING:
     import pandas
@@ -36,13 +38,6 @@ if TYPE_CHECKING:
 CHUNK_S, QUIET_CHUNK_S = 5.0, 50.0
 
 _WING_FAULTS = ("wing_stuck", "wing_lost")
-
-#: Goal of the mission: outcome that reaches it, its words, and what follows them when all limits are kept.
-_GOALS = {
-    "landing": (LANDED, "landed", " within limits"),
-    "deployment": (DEPLOYED, "deployed", " within limits"),
-    "time": (TIME_LIMIT, "flown to the time limit", ""),
-}
 
 #: Called between chunks with (time s, time limit s, phase name, altitude m, Mach).
 Progress = Callable[[float, float, str, float, float], None]
@@ -60,6 +55,8 @@ class Flight:
         log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
         code: outcome code of the loop.
         flown_cycles: base cycles flown by this call.
+        saved: the state that was to be kept, if the flight came so far.
+        not_finite: first quantity that was not finite, if that ended the flight.
     """
 
     loaded: LoadedScenario
@@ -70,6 +67,7 @@ class Flight:
     code: int
     flown_cycles: int = 0
     saved: State | None = field(default=None, repr=False)
+    not_finite: str | None = None
 
     @property
     def scenario(self) -> Scenario:
@@ -98,7 +96,7 @@ class Flight:
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""
-        self.events, self.metrics, self.checks, self.outcome  # noqa: B018  computed from it, and kept from here on
+        self.events, self.metrics, self.checks, self.ending  # noqa: B018  computed from it, and kept from here on
         self.log = self.log[:0].copy()
         self.__dict__.pop("telemetry", None)
 
@@ -129,11 +127,14 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        when = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
-        figures = metrics(self.telemetry, when, self.phase_names)
-        figures |= peak_figures(self.plant[0], when) | touchdown_state(self.case, self.plant)
-        figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
-        return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
+        happened = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
+        # a flight that goes on from a saved state has no telemetry of what happened before
+        when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
+            figures = metrics(self.telemetry, when, self.phase_names)
+            figures |= peak_figures(self.plant[0], happened) | touchdown_state(self.case, self.plant)
+            figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
+            return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
 
     @cached_property
     def checks(self) -> list[Check]:
@@ -148,48 +149,28 @@ class Flight:
     @property
     def success(self) -> bool:
         """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within all limits."""
-        return self.code == _GOALS[self.scenario.mission.goal][0] and all(check.ok for check in self.checks)
+        return self.ending.success
 
     @cached_property
+    def ending(self) -> Ending:
+        """How the flight ended."""
+        return ending(self)
+
+    @property
     def outcome(self) -> str:
         """How the flight ended, in words."""
-        goal, words, within = _GOALS[self.scenario.mission.goal]
-        if self.code == goal:
-            missed = [check.label for check in self.checks if not check.ok]
-            return words + (f" outside limits ({', '.join(missed)})" if missed else within)
-        if self.code == NOT_FINITE:
-            bad = self.first_bad_quantity
-            return f"not finite: {bad} at t = {self.time_s:.2f} s in phase {self.phase}"
-        if OUTCOMES[self.code] == "crashed":
-            vertical = self.metrics.get("touchdown_vertical_m_s", float("nan"))
-            return f"crashed at {vertical:.1f} m/s descent rate in phase {self.phase}"
-        return f"{OUTCOMES[self.code]} in phase {self.phase}" if self.phase_names else OUTCOMES[self.code]
+        return self.ending.outcome
 
     @property
     def cause(self) -> str:
         """Why the flight is no success, without numbers, so that flights with one cause count together; empty for a success."""
-        if self.success:
-            return ""
-        missed = [check.label for check in self.checks if not check.ok]
-        if self.code == _GOALS[self.scenario.mission.goal][0]:
-            return f"outside limits: {', '.join(missed)}"
-        if self.code == NOT_FINITE:
-            return f"not finite: {self.first_bad_quantity} in phase {self.phase}"
-        return f"{OUTCOMES[self.code]} in phase {self.phase}"
+        return self.ending.cause
 
     @property
     def phase(self) -> str:
         """Name of the last phase."""
         names = self.phase_names
         return names[int(self.fsw["phase"][0])] if names else "free flight"
-
-    @property
-    def first_bad_quantity(self) -> str | None:
-        """Name of the first state that is not finite, or ``None``."""
-        for name, value in zip(STATE_NAMES, self.plant["y"][0], strict=True):
-            if not np.isfinite(value):
-                return name
-        return None
 
     @property
     def resolved_scenario(self) -> str:
@@ -204,12 +185,12 @@ class Flight:
         """
         from pyquaternion import Quaternion
 
-        times = self.log["t"]
+        times, attitudes = self.log["t"], self.log["truth"]
         if not times[0] <= t <= times[-1]:
             raise ValueError(f"t must lie in {times[0]:g} .. {times[-1]:g} s, got {t:g}")
-        i = min(int(np.searchsorted(times, t, side="right")) - 1, len(times) - 2)
-        before, after = (Quaternion([self.log["truth"][f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, i + 1))
-        return Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i]))
+        i = int(np.searchsorted(times, t, side="right")) - 1
+        before, after = (Quaternion([attitudes[f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, min(i + 1, len(times) - 1)))
+        return Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i])) if t > times[i] else before
 
     def to_pandas(self) -> pandas.DataFrame:
         """Telemetry as a data frame indexed by time.
@@ -256,6 +237,9 @@ def fly(
         parts: the scenario's records, where the caller has built them already.
         log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than figures and events need, of
             ``BRIEF``; the flight then reads from it.
+
+    Raises:
+        ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
     case, tables, onboard = parts or records.build_records(loaded)
@@ -264,9 +248,11 @@ def fly(
         sensed, cycle = records.initial_sensed(), 0
         prepare(case, tables, plant)
     else:
+        start.check_fits(scenario)
         plant, fsw, sensed, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensed), start.cycle
+        take_up(case, plant, fsw)
     base = scenario.flight_software.rates.base_hz
-    stop = _last_cycle(loaded) + 1
+    stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
     chunk = round((QUIET_CHUNK_S if progress is None else CHUNK_S) * base)
     first, code, saved, rows = cycle, FLYING, None, 0
@@ -285,14 +271,13 @@ def fly(
         cycle += flown
         if progress is not None:
             _report(progress, scenario, plant, fsw)
-    flight = Flight(loaded, case, plant, fsw, log[:rows], code, cycle - first)
-    flight.saved = saved
-    return flight
+    wrong = first_cause(plant, sensed, fsw) if code != goal_code(scenario.mission.goal) else None
+    return Flight(loaded, case, plant, fsw, log[:rows], NOT_FINITE if wrong else code, cycle - first, saved, wrong)
 
 
 def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:
     """Rows of telemetry that the longest flight allowed can fill, from a base cycle on."""
-    return (_last_cycle(loaded) + 1 - first_cycle) // loaded.truth.simulation.log_every + 2
+    return max(_last_cycle(loaded) + 1 - first_cycle, 1) // loaded.truth.simulation.log_every + 2
 
 
 def _last_cycle(loaded: LoadedScenario) -> int:

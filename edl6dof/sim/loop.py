@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.perfect import sense
+from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
 from edl6dof.sim.record import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
-from edl6dof.vehicle.integrate import advance, refresh
+from edl6dof.vehicle.integrate import advance, go_back, refresh, retrace
 from edl6dof.vehicle.mass import compose_dry
 from edl6dof.vehicle.peaks import note_peaks
 
@@ -23,15 +26,33 @@ def prepare(cases, tables_, plants):
 
 
 @kernel
+def take_up(cases, plants, memories):
+    """Let a saved plant and flight-software memory forget what they worked out from parameters, which may have changed since."""
+    case, plant, allocator = cases[0], plants[0], memories[0].allocator
+    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    allocator.effect_of = allocator.gram_of = 0
+
+
+@kernel
+def write_row(case, plant, fsw, log, brief, row):
+    """Log the present state as row ``row`` of the one of the two logs that is not empty."""
+    if len(log) > 0:
+        record(case, plant, fsw, log[row])
+    else:
+        record_brief(case, plant, fsw, brief[row])
+
+
+@kernel
 def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps, log, brief, log_first):
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
     All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one is empty and the other
     has a row for each logged cycle.  Cycle ``k`` starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and
-    the last state always.
+    the last state always.  A step that fails is undone: the last state is the one before it.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     sensed, fsw = sensors[0], memories[0]
+    readings, memory = sensors.view(np.int64), memories.view(np.int64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
     for k in range(first, last):
@@ -39,19 +60,25 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
         refresh(case, tables, plant)
         sense(case, plant, sensed)
         run(onboard, sensed, k, fsw)
-        actuate(case, fsw.command, plant)
-        note_peaks(plant)
-        outcome = judge(case, plant)
-        if k % case.simulation.log_every == 0 or outcome != FLYING:
-            if len(log) > 0:
-                record(case, plant, fsw, log[log_first + rows])
-            else:
-                record_brief(case, plant, fsw, brief[log_first + rows])
+        outcome = NOT_FINITE
+        if works_with_finite(readings, memory):
+            actuate(case, fsw.command, plant)
+            note_peaks(plant)
+            outcome = judge(case, plant)
+        logged = k % case.simulation.log_every == 0 or outcome != FLYING
+        if logged:
+            write_row(case, plant, fsw, log, brief, log_first + rows)
             rows += 1
         if outcome != FLYING:
             return outcome, k - first, rows
         for j in range(steps):
             if not advance(case, tables, plant, t + cycle * (j + 1) / steps):
+                go_back(plant)
+                if plant.t > t or not logged:
+                    refresh(case, tables, plant)
+                    write_row(case, plant, fsw, log, brief, log_first + rows)
+                    rows += 1
+                retrace(case, tables, plant)
                 return NOT_FINITE, k - first, rows
         step_debris(case, tables, plant, t, cycle)
     return FLYING, last - first, rows

@@ -6,7 +6,7 @@ from math import acos, cos, isfinite, sqrt
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
-from edl6dof.vehicle.body import ground_velocity_N, tilt
+from edl6dof.vehicle.body import tilt
 from edl6dof.vehicle.parachute import PACKED
 from edl6dof.vehicle.plant import ATTITUDE, MORTAR, POSITION, RATE, VELOCITY
 
@@ -18,23 +18,28 @@ THIN_AIR = 50.0
 
 
 @kernel
+def contact_speed(spin, y):
+    """Planet-relative speed (m/s) in the state ``y`` of the first ground contact."""
+    r, v = take3(y, POSITION), take3(y, VELOCITY)
+    return norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
+
+
+@kernel
 def judge(case, plant):
-    """Outcome code of the present state; ``plant.out`` must be fresh."""
+    """Outcome code of the present state, all of it finite; ``plant.out`` must be fresh."""
     limits, out, y = case.limits, plant.out, plant.y
     t = plant.t
     if case.ends_at_deployment != 0 and isfinite(plant.done[MORTAR]):
         return DEPLOYED
     if plant.touched != 0:
-        if t == plant.touchdown_time or t - plant.touchdown_time < 0.05:
-            speed = norm(ground_velocity_N(case, t, take3(y, POSITION), take3(y, VELOCITY), out))
-            if plant.legs == 0 or speed > limits.crash_speed:
-                return CRASHED
+        if plant.legs == 0 or contact_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
+            return CRASHED
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
         if tilt(case, t, q, out) > 0.8:
             return TIPPED_OVER
-        if t - plant.touchdown_time >= case.simulation.settle:
+        if t - plant.touchdown_time >= case.simulation.settle and out.pads > 0:
             return LANDED
-        return FLYING
+        return TIME_LIMIT if t >= case.simulation.time_limit - 1e-9 else FLYING
     if norm(take3(y, RATE)) > limits.body_rate:
         return LOST_ATTITUDE
     if plant.canopy == PACKED and out.dynamic_pressure > THIN_AIR and case.vehicle.aero.model == 0:

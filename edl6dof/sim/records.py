@@ -256,7 +256,7 @@ def _new_plant() -> np.ndarray:
     record["kept"]["t"] = record["debris"]["kept"]["t"] = np.nan
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = 1e99
-    record["touchdown_time"] = np.nan
+    record["touchdown_time"] = record["exhausted_time"] = np.nan
     record["agl"] = 1e99
     return plant
 

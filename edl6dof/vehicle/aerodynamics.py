@@ -19,6 +19,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell, cell_among
 
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
@@ -200,22 +201,12 @@ def capsule_coefficients(capsule, table, mach, rho, angle):
 
     Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source: :mod:`edl6dof.vehicle.aerotable`.
     """
-    low, high = 0, table.n_mach - 1
-    mach = min(max(mach, table.mach[low]), table.mach[high])
-    while high - low > 1:
-        middle = (low + high) // 2
-        if mach < table.mach[middle]:
-            high = middle
-        else:
-            low = middle
-    b = (mach - table.mach[low]) / (table.mach[high] - table.mach[low])
-    degrees = angle * DEG_PER_RAD
-    i = min(max(int(degrees), 0), 179)
-    t = degrees - i
+    low, b = cell_among(table.mach, table.n_mach, mach)
+    i, t = cell(angle * DEG_PER_RAD, 180)
     # Hermite basis: values at both ends, slopes (stored per degree, the spacing of the grid) at both ends.
     h1 = t * t * (3.0 - 2.0 * t)
     basis = (1.0 - h1, h1, t * (1.0 - t) * (1.0 - t), t * t * (t - 1.0))
-    lower, upper, rare = table.continuum[low], table.continuum[high], table.free_molecular
+    lower, upper, rare = table.continuum[low], table.continuum[low + 1], table.free_molecular
     ca = (1.0 - b) * _hermite(lower, i, 0, basis) + b * _hermite(upper, i, 0, basis)
     cn = (1.0 - b) * _hermite(lower, i, 2, basis) + b * _hermite(upper, i, 2, basis)
     cm = (1.0 - b) * _hermite(lower, i, 4, basis) + b * _hermite(upper, i, 4, basis)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from edl6dof.jit import kernel
-from edl6dof.spatial.frames import fixed_to_ned, ned_to_fixed, rotate_z
+from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
 from edl6dof.spatial.vector import add, clamp, cross, dot, inertia_solve, inertia_times, norm, put3, scale, sub, take3
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
@@ -201,15 +201,6 @@ def motion(case, plant, y, dy):
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, take3(out.canopy_acceleration_I, 0))
-
-
-@kernel
-def ground_velocity_N(case, t, r_I, v_I, out):
-    """Planet-relative velocity in north-east-down, m/s."""
-    spin = case.planet.rotation_rate
-    v = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    v_F = rotate_z(cos(spin * t), sin(spin * t), v)
-    return fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, v_F)
 
 
 @kernel

@@ -17,14 +17,13 @@ from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
 from edl6dof.registry import Family, Member
-from edl6dof.vehicle.plant import MAX_FAULTS, MORTAR, NOT_BEGUN, THRUST
+from edl6dof.vehicle.plant import MAX_FAULTS, MORTAR, NOT_BEGUN, THRUST, THRUSTER_KINDS
 from edl6dof.vehicle.trim_wing import wing_opening
 
 #: Longer than any base cycle, s: a valve held open is open all through it.
 LONG = 1.0
 
-#: Faults of one thruster, by the number that ``plant.valves.fault`` and the telemetry carry; 0 is a thruster that works.
-THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
+#: Numbers of ``THRUSTER_KINDS``.
 STUCK_OFF, STUCK_ON, DEGRADED = 1, 2, 3
 
 

@@ -7,7 +7,7 @@ rounded; thruster impulse stays exact because valve levels are integrated in clo
 
 from __future__ import annotations
 
-from math import atan2, cos, isfinite, sin, sqrt
+from math import atan2, cos, isnan, sin, sqrt
 
 from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
@@ -22,6 +22,7 @@ from edl6dof.vehicle.plant import (
     CANOPY_POSITION,
     EVENTS,
     POSITION,
+    PROPELLANT,
     STATES,
     STATES_VEHICLE,
     VELOCITY,
@@ -136,8 +137,11 @@ def take_attitude(y):
 def step(case, tables, plant, h):
     """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its end."""
     t = plant.t
+    plant.step = h
+    for i in range(STATES):
+        plant.y0[i] = plant.y[i]
     fx, fy, fz, mx, my, mz, flow = fire(case.vehicle.rcs, plant.valves, t, h, plant.out.dynamic_pressure)
-    if plant.y[13] <= 0.0:
+    if plant.y[PROPELLANT] <= 0.0:
         fx = fy = fz = mx = my = mz = flow = 0.0
     put3(plant.rcs_force, 0, (fx, fy, fz))
     put3(plant.rcs_moment, 0, (mx, my, mz))
@@ -167,8 +171,6 @@ def located_step(case, tables, plant, h):
     """Step of at most ``h`` that ends exactly at the first event of the state; returns whether it ended at one."""
     t = plant.t
     before = event_function(case, plant, t)
-    for i in range(STATES):
-        plant.y0[i] = plant.y[i]
     for i in range(plant.level0.shape[0]):
         plant.level0[i] = plant.valves.level[i]
     put3(plant.velocity_gain0, 0, take3(plant.velocity_gain, 0))
@@ -197,8 +199,55 @@ def located_step(case, tables, plant, h):
 
 
 @kernel
+def finite(y):
+    """Whether the states of the vehicle, or their derivatives, are finite; those of the canopy show in them at once."""
+    total = 0.0
+    for i in range(STATES_VEHICLE):
+        total += 0.0 * y[i]
+    return total == 0.0
+
+
+@kernel
+def note_exhaustion(case, plant):
+    """Note when, during the last step, the propellant was used up."""
+    left, before = plant.y[PROPELLANT], plant.y0[PROPELLANT]
+    if left <= 0.0 and isnan(plant.exhausted_time) and case.vehicle.mass.propellant.mass > 0.0:
+        after = left / (left - before) if before > left else 1.0
+        plant.exhausted_time = plant.t - after * plant.step
+
+
+@kernel
+def go_back(plant):
+    """Undo a step that failed; its result goes to ``plant.trial``."""
+    for i in range(STATES):
+        plant.trial[i], plant.y[i] = plant.y[i], plant.y0[i]
+    plant.t -= plant.step
+    plant.fresh = 0
+
+
+@kernel
+def retrace(case, tables, plant):
+    """Look for what made the step fail that :func:`go_back` has undone: evaluate its stages again up to the first that is not finite.
+
+    The state of that stage is left in ``plant.trial``, the quantities met there in ``plant.out``, its derivative in ``plant.k[0]``.  When
+    every stage is finite, the result of the step stays in ``plant.trial``.
+    """
+    dy, y = plant.k[0], plant.k[1]
+    for i in range(STATES):
+        dy[i] = 0.0
+    for share in (0.0, 0.5, 0.5, 1.0):
+        for i in range(STATES):
+            y[i] = plant.y[i] + share * plant.step * dy[i]
+        derivatives(case, tables, plant, plant.t + share * plant.step, y, dy)
+        if not (finite(y) and finite(dy)):
+            for i in range(STATES):
+                plant.trial[i] = y[i]
+            return
+
+
+@kernel
 def advance(case, tables, plant, t_end):
-    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False if not finite."""
+    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False after a step that failed."""
     while True:
         due = t_end
         event = -1
@@ -210,20 +259,25 @@ def advance(case, tables, plant, t_end):
         if h > TIME_TOLERANCE:
             if plant.fresh == 0 and plant.out.altitude - plant.ground_elevation < NEAR_GROUND:
                 look_down(case, tables, plant)
+            located = False
             if event_function(case, plant, plant.t) != 1.0:
-                if located_step(case, tables, plant, h):
-                    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
-                    if plant.canopy == EXTRACTING:
-                        plant.canopy = INFLATING
-                        plant.line_stretch_time = plant.t
-                    else:
-                        plant.touched = 1
-                        plant.touchdown_time = plant.t
-                        for i in range(STATES):
-                            plant.touchdown[i] = plant.y[i]
-                    continue
+                located = located_step(case, tables, plant, h)
             else:
                 step(case, tables, plant, h)
+            if not finite(plant.y):
+                return False
+            note_exhaustion(case, plant)
+            if located:
+                derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
+                if plant.canopy == EXTRACTING:
+                    plant.canopy = INFLATING
+                    plant.line_stretch_time = plant.t
+                else:
+                    plant.touched = 1
+                    plant.touchdown_time = plant.t
+                    for i in range(STATES):
+                        plant.touchdown[i] = plant.y[i]
+                continue
         plant.t = due
         if event < 0:
             break
@@ -231,7 +285,4 @@ def advance(case, tables, plant, t_end):
         plant.done[event] = plant.t
         carry_out(case, tables, plant, event)
         plant.fresh = 0
-    total = 0.0
-    for i in range(STATES_VEHICLE):
-        total += plant.y[i]
-    return isfinite(total)
+    return True

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.records import FLAG, TIME_IF_EVER, whole
+from edl6dof.vehicle.debris import FALLING
+from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
+from edl6dof.vehicle.parachute import PACKED, RELEASED
 from edl6dof.vehicle.rcs import MAX_THRUSTERS
 from edl6dof.vehicle.surroundings import KEPT
 
@@ -32,6 +36,8 @@ TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF =
 #: How many faults one flight may have, and the time that stands for "not yet".
 MAX_FAULTS = 16
 NOT_BEGUN = 1e99
+#: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that works.
+THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
 
 VALVES = np.dtype(
     [
@@ -40,44 +46,45 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
-        ("fault", "i8", (MAX_THRUSTERS,)),  # which fault each thruster has, 0 for none
+        ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),  # which fault each thruster has, 0 for none
     ],
     align=True,
 )
 
-#: Quantities evaluated with the derivatives at the last point of the trajectory; sensors and the log read them.
+#: Quantities evaluated with the derivatives at the last point of the trajectory, in the order in which one follows from the other; sensors
+#: and the log read them.
 OUTPUT = np.dtype(
     [
-        ("altitude", "f8"),
         ("sin_lat", "f8"),
         ("cos_lat", "f8"),
         ("sin_lon", "f8"),
         ("cos_lon", "f8"),
+        ("altitude", "f8"),
+        ("gravity_I", "f8", (3,)),
         ("density", "f8"),
         ("pressure", "f8"),
         ("temperature", "f8"),
         ("speed_of_sound", "f8"),
-        ("mach", "f8"),
-        ("dynamic_pressure", "f8"),
-        ("heat_flux", "f8"),
-        ("gravity_I", "f8", (3,)),
-        ("v_air_B", "f8", (3,)),
-        ("v_air_I", "f8", (3,)),
         ("wind_N", "f8", (3,)),
-        ("aero_force_B", "f8", (3,)),
-        ("aero_moment_B", "f8", (3,)),
-        ("load_force_B", "f8", (3,)),  # all but engine and thrusters
-        ("load_moment_B", "f8", (3,)),
-        ("canopy_acceleration_I", "f8", (3,)),
-        ("specific_force_B", "f8", (3,)),
-        ("disturbance_moment_B", "f8", (3,)),
-        ("riser_tension", "f8"),
-        ("engine_thrust", "f8"),
+        ("v_air_I", "f8", (3,)),
+        ("v_air_B", "f8", (3,)),
         ("mass", "f8"),
         ("centre", "f8", (3,)),
         ("inertia", "f8", (6,)),
-        ("pads", "i8"),
+        ("mach", "f8"),
+        ("dynamic_pressure", "f8"),
+        ("heat_flux", "f8"),
         ("wing_opening", "f8"),
+        ("aero_force_B", "f8", (3,)),
+        ("aero_moment_B", "f8", (3,)),
+        ("riser_tension", "f8"),
+        ("canopy_acceleration_I", "f8", (3,)),
+        ("pads", whole(0, MAX_FOOTPADS)),
+        ("load_force_B", "f8", (3,)),  # all but engine and thrusters
+        ("load_moment_B", "f8", (3,)),
+        ("engine_thrust", "f8"),
+        ("specific_force_B", "f8", (3,)),
+        ("disturbance_moment_B", "f8", (3,)),
     ],
     align=True,
 )
@@ -85,7 +92,7 @@ OUTPUT = np.dtype(
 #: A part that has left the vehicle: a point mass with drag.
 DEBRIS = np.dtype(
     [
-        ("active", "i8"),
+        ("active", whole(0, FALLING)),
         ("mass", "f8"),
         ("drag_area", "f8"),
         ("r_I", "f8", (3,)),
@@ -99,16 +106,18 @@ DEBRIS = np.dtype(
 #: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
 PEAKS = np.dtype([("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True)
 
+#: One follows from the other roughly in this order.
 PLANT = np.dtype(
     [
         ("t", "f8"),
         ("y", "f8", (STATES,)),
-        ("attached", "i8", (3,)),
-        ("canopy", "i8"),
-        ("legs", "i8"),
-        ("running", "i8"),
-        ("starting", "i8"),
-        ("touched", "i8"),
+        ("trial", "f8", (STATES,)),  # a stage of the integrator
+        ("attached", FLAG, (3,)),
+        ("canopy", whole(PACKED, RELEASED)),
+        ("legs", FLAG),
+        ("running", FLAG),
+        ("starting", FLAG),
+        ("touched", FLAG),
         ("thrust_command", "f8"),
         # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
         ("bank", "f8"),
@@ -122,15 +131,18 @@ PLANT = np.dtype(
         ("thrust_held", "f8"),  # level at which a fault holds the throttle, N
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
-        ("touchdown_time", "f8"),
+        ("touchdown_time", TIME_IF_EVER),
+        ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
         ("due", "f8", (len(EVENTS),)),
-        ("done", "f8", (len(EVENTS),)),
+        ("done", TIME_IF_EVER, (len(EVENTS),)),
         ("dry", BODY),
         ("valves", VALVES),
-        ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("rcs_force", "f8", (3,)),
         ("rcs_moment", "f8", (3,)),
         ("rcs_flow", "f8"),
+        ("out", OUTPUT),
+        ("k", "f8", (4, STATES)),  # derivatives in the stages of the integrator
+        ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("latitude", "f8"),
         ("longitude", "f8"),
         ("ground_elevation", "f8"),
@@ -139,16 +151,14 @@ PLANT = np.dtype(
         ("touchdown", "f8", (STATES,)),
         ("peaks", PEAKS),
         ("debris", DEBRIS, (2,)),
-        ("out", OUTPUT),
         ("kept", KEPT),
         # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate them
-        ("fresh", "i8"),
-        # scratch of the integrator
-        ("k", "f8", (4, STATES)),
-        ("trial", "f8", (STATES,)),
+        ("fresh", FLAG),
+        # at the start of the last step, and its length
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
         ("velocity_gain0", "f8", (3,)),
+        ("step", "f8"),
     ],
     align=True,
 )

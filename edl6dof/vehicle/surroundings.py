@@ -10,6 +10,7 @@ from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import central_F, departure_F
 from edl6dof.environment.wind import wind
 from edl6dof.jit import kernel
+from edl6dof.records import TIME_IF_EVER
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.vector import add, put3, sub, take3
 
@@ -17,7 +18,7 @@ from edl6dof.spatial.vector import add, put3, sub, take3
 #: centre of the planet at first) sine and cosine of latitude and longitude, height, and departure of gravity from its central term.
 KEPT = np.dtype(
     [
-        ("t", "f8"),
+        ("t", TIME_IF_EVER),
         ("turn", "f8", (2,)),
         ("at", "f8", (3,)),
         ("direction", "f8", (4,)),

@@ -36,3 +36,7 @@ class Records:
 
     def __len__(self) -> int:
         return len(self.array)
+
+    def view(self, kind: type) -> np.ndarray:
+        """The same memory as plain numbers."""
+        return self.array.view(kind)

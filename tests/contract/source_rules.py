@@ -87,12 +87,11 @@ def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
 
 def has_kernels(source: str) -> bool:
     """Whether a source defines a compiled function."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.FunctionDef):
-            for mark in node.decorator_list:
-                if getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit"):
-                    return True
-    return False
+    return any(isinstance(node, ast.FunctionDef) and _is_kernel(node) for node in ast.walk(ast.parse(source)))
+
+
+def _is_kernel(function: ast.FunctionDef) -> bool:
+    return any(getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit") for mark in function.decorator_list)
 
 
 def layer_of(module: str) -> str:
@@ -111,3 +110,18 @@ def upward_imports(module: str, source: str) -> list[str]:
         if name.startswith("edl6dof.") and HEIGHT.get(layer_of(name), HEIGHT["cli"]) > mine:
             found.append(f"{module}:{line} imports {name}")
     return sorted(set(found))
+
+
+#: Calls that make a whole number of a float: what is not a number becomes one that lies outside every table.
+WHOLE = ("int", "round", "floor", "ceil", "trunc", "rint", "int32", "int64", "intp", "uint8", "uint32", "uint64", "astype", "searchsorted")
+
+
+def whole_numbers_in_kernels(source: str) -> list[str]:
+    """``line: kernel calls name`` of what compiled functions make whole numbers with."""
+    return [
+        f"{call.lineno}: {function.name} calls {_called(call)}"
+        for function in ast.walk(ast.parse(source))
+        if isinstance(function, ast.FunctionDef) and _is_kernel(function)
+        for call in ast.walk(function)
+        if isinstance(call, ast.Call) and _called(call) in WHOLE
+    ]

@@ -56,7 +56,7 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
     axial = 1.0 / p.axial_force_scale**2 if boosting else 0.0
     lateral = 1.0 / (p.force_scale if translating else p.stray_force_scale) ** 2
     weight = (axial, lateral, 1.0 / params.torque_scale**2)
-    keep_products(weight, count, 1 + 4 * memory.effect_of + 2 * int(translating) + int(boosting), memory)
+    keep_products(weight, count, 1 + 4 * memory.effect_of + 2 * translating + boosting, memory)
     order, n = memory.order, 0
     # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
     for fine_turn in (True, False):

@@ -7,6 +7,7 @@ from math import copysign
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 from edl6dof.spatial.vector import take3
 
 MAX_THRUSTERS = 32
@@ -17,17 +18,17 @@ NO_TORQUE = 1e-9  # N m, a demand that is none
 ALLOCATOR = np.dtype(
     [
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
-        ("effect_of", "i8"),  # configuration that these effects belong to, plus one; 0 before the first
+        ("effect_of", whole(0, 3)),  # configuration that these effects belong to, plus one; 0 before the first
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
         # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its use;
         # products of the weighted effects, duty for each slope, and what these were worked out for
-        ("order", "i8", (MAX_THRUSTERS,)),
+        ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
         ("slope", "f8", (MAX_THRUSTERS,)),
         ("price", "f8", (MAX_THRUSTERS,)),
         ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
         ("gain", "f8", (MAX_THRUSTERS,)),
-        ("gram_of", "i8"),
+        ("gram_of", whole(0, 16)),
     ],
     align=True,
 )

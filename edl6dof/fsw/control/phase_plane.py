@@ -19,6 +19,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.control.frames import inertia_torque, wind_attitude_error
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 from edl6dof.registry import Member
 
 
@@ -32,7 +33,7 @@ class PhasePlaneParams(Params):
     acceleration_deg_s2: float = param(1.2, "angular acceleration of a firing", gt=0.0)
 
 
-MEMORY = np.dtype([("firing", "i8", (3,))], align=True)
+MEMORY = np.dtype([("firing", whole(-1, 1), (3,))], align=True)
 
 
 @kernel

@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 from edl6dof.spatial.vector import clamp
 
 
@@ -29,9 +30,9 @@ class ZoneParams(Params):
     integral_limit_deg_s2: float = param(15.0, "largest acceleration from the integral", ge=0.0)
 
 
-AXIS = np.dtype([("integral", "f8"), ("zone", "i8")], align=True)
-
 PID, PARABOLA, CONSTANT, LIMITER = range(4)
+
+AXIS = np.dtype([("integral", "f8"), ("zone", whole(PID, LIMITER))], align=True)
 
 
 @kernel

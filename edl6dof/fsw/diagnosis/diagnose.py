@@ -25,8 +25,9 @@ from edl6dof.fsw.diagnosis.probe import (
     open_probe,
     suspect,
 )
-from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, RESIDUAL, restart_residual, without_slow_part
 from edl6dof.jit import kernel
+from edl6dof.records import COUNT, whole
 
 MAX_FINDINGS = 4
 #: Names of the kinds of finding, by number.
@@ -58,16 +59,25 @@ class DiagnosisParams(Params):
     trust_s: float = param(5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0)
 
 
-FINDING = np.dtype([("thruster", "i8"), ("kind", "i8"), ("confidence", "f8"), ("loss", "f8"), ("t", "f8")], align=True)
+FINDING = np.dtype(
+    [
+        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+        ("kind", whole(NOTHING, DEGRADED)),
+        ("confidence", "f8"),
+        ("loss", "f8"),
+        ("t", "f8"),
+    ],
+    align=True,
+)
 DIAGNOSIS = np.dtype(
     [
         ("residual", RESIDUAL),
         ("hypotheses", HYPOTHESES),
         ("probe", PROBE),
         ("exercise", EXERCISE),
-        ("streak", "i8"),
+        ("streak", COUNT),
         ("found", FINDING, (MAX_FINDINGS,)),
-        ("n_found", "i8"),
+        ("n_found", whole(0, MAX_FINDINGS)),
     ],
     align=True,
 )

@@ -25,6 +25,7 @@ import numpy as np
 
 from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, product
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 
 COMPONENTS = 2.0
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
@@ -42,13 +43,13 @@ HYPOTHESES = np.dtype(
         ("old", SUMS, (MAX_THRUSTERS,)),
         ("on", SUMS, (MAX_THRUSTERS,)),
         # the best one of the last cycle
-        ("thruster", "i8"),
-        ("kind", "i8"),
+        ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+        ("kind", whole(NOTHING, DEGRADED)),
         ("loss", "f8"),
         ("evidence", "f8"),
         ("confidence", "f8"),
         # the best of "stuck on"
-        ("on_thruster", "i8"),
+        ("on_thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
         ("on_evidence", "f8"),
     ],
     align=True,

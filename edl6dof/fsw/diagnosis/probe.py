@@ -17,6 +17,7 @@ import numpy as np
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, forget, weights
 from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, WINDOW, product
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 
 NOBODY = -1
 UNDER_WAY, SOUND, GUILTY = range(3)
@@ -28,7 +29,7 @@ LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank
 
 PROBE = np.dtype(
     [
-        ("suspect", "i8"),
+        ("suspect", whole(NOBODY, MAX_THRUSTERS - 1, of="thrusters")),
         ("since", "f8"),
         ("before", "f8", (6,)),
         ("share_before", "f8", (MAX_THRUSTERS,)),

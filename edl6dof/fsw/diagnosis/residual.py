@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
 
 MAX_THRUSTERS = 32
 WINDOW = 15  # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a disturbance
@@ -20,8 +21,8 @@ RESIDUAL = np.dtype(
         ("mean_share", "f8", (MAX_THRUSTERS,)),  # use of each thruster over the time of the slow part
         ("recent", "f8", (WINDOW, 6)),
         ("recent_share", "f8", (WINDOW, MAX_THRUSTERS)),
-        ("taken", "i8"),
-        ("restarted", "i8"),
+        ("taken", COUNT),
+        ("restarted", FLAG),
     ],
     align=True,
 )

@@ -20,6 +20,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, clamp, cross, inertia_times, put3, scale, sub, take3
 
 
@@ -33,12 +34,12 @@ class DisturbanceParams(Params):
 
 DISTURBANCE = np.dtype(
     [
-        ("torque", "f8", (3,)),
-        ("force", "f8", (3,)),
-        ("seen", "f8", (6,)),  # force and torque of the last cycle that the commands do not explain
         ("rate", "f8", (3,)),
         ("gain", "f8", (3,)),
-        ("started", "i8"),
+        ("seen", "f8", (6,)),  # force and torque of the last cycle that the commands do not explain
+        ("torque", "f8", (3,)),
+        ("force", "f8", (3,)),
+        ("started", FLAG),
     ],
     align=True,
 )

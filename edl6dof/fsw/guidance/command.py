@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.records import FLAG, whole
+
 #: Engine modes.
 ENGINE_OFF, ENGINE_THROTTLE, ENGINE_FULL = range(3)
 
@@ -13,8 +15,8 @@ GUIDE = np.dtype(
         ("alpha", "f8"),  # commanded angle of attack, rad
         ("thrust_direction_N", "f8", (3,)),  # unit vector, north-east-down
         ("thrust", "f8"),  # demanded engine thrust, N
-        ("engine_mode", "i8"),
-        ("translating", "i8"),  # lateral force is demanded of the horizontal thrusters
+        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
+        ("translating", FLAG),  # lateral force is demanded of the horizontal thrusters
         ("force_N", "f8", (2,)),  # that force, north and east, N
         ("reference_drag", "f8"),
         ("range_to_go", "f8"),

@@ -27,6 +27,7 @@ from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.guidance.entry.uncertain_drag import uncertain_drag
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 
@@ -61,7 +62,7 @@ MEMORY = np.dtype(
         ("high", "f8", (PARAMETERS,)),
         ("scale", "f8"),
         ("t", "f8"),
-        ("started", "i8"),
+        ("started", FLAG),
     ],
     align=True,
 )

@@ -13,7 +13,7 @@ from math import log
 import numpy as np
 
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import clamp
+from edl6dof.spatial.lookups import between, held_cell
 
 NODES = 64
 FIRST_MACH, LAST_MACH = 0.5, 30.0
@@ -39,11 +39,7 @@ def mach_nodes() -> np.ndarray:
 def believed_aero(vehicle, mach):
     """Drag area (m2) and lift-to-drag ratio of the ``onboard.vehicle`` at trim."""
     table = vehicle.airframe
-    s = clamp(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, 0.0, NODES - 1.001)
-    i = int(s)
-    f = s - i
+    i, f = held_cell(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, NODES - 1)
     if mach < table.wing_mach:
-        return vehicle.drag_area * (table.drag_with_wing[i] + f * (table.drag_with_wing[i + 1] - table.drag_with_wing[i])), 0.0
-    drag = table.drag[i] + f * (table.drag[i + 1] - table.drag[i])
-    lift = table.lift[i] + f * (table.lift[i + 1] - table.lift[i])
-    return vehicle.drag_area * drag, vehicle.lift_to_drag * lift
+        return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
+    return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)

@@ -25,6 +25,7 @@ from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, trackin
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 
@@ -47,7 +48,7 @@ class DobSlidingParams(Params):
 MEMORY = np.dtype(
     [
         ("tracking", TRACKING),
-        ("started", "i8"),
+        ("started", FLAG),
         ("t", "f8"),
         ("surface", "f8"),
         ("virtual", "f8"),

@@ -18,12 +18,13 @@ from math import exp
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 
 #: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer starts afresh.
 MEMORY_S = 3.0
 
 #: Estimates; a, b and time of the last sample.
-OBSERVER = np.dtype([("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", "i8")], align=True)
+OBSERVER = np.dtype([("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)], align=True)
 
 
 @kernel

@@ -20,6 +20,7 @@ from edl6dof.fsw.guidance.entry.entry_corridor import ceiling
 from edl6dof.fsw.guidance.entry.reference import STEPS, fly
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.vector import clamp
 
 RANGE_NODES = 129
@@ -55,10 +56,9 @@ def profile_drag(profile, speed):
 @kernel
 def profile_range(profile, speed):
     """Ground range (m) from ``speed`` to the end of the profile, linear between its nodes."""
-    nodes = RANGE_NODES - 1
-    s = clamp((speed - profile.final) / (profile.start - profile.final), 0.0, 1.0) * nodes
-    i = min(int(s), nodes - 1)
-    return profile.range[i] + (s - i) * (profile.range[i + 1] - profile.range[i])
+    cells = RANGE_NODES - 1
+    i, f = held_cell((speed - profile.final) / (profile.start - profile.final) * cells, cells)
+    return between(profile.range, i, f)
 
 
 @kernel

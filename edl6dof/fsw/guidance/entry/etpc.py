@@ -23,6 +23,7 @@ from edl6dof.fsw.guidance.entry.influence import INFLUENCE, NODES, fill_influenc
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.vector import clamp
 
 
@@ -36,15 +37,7 @@ class EtpcParams(Params):
 @kernel
 def at_speed(table, speed):
     """Index and fraction of a speed among the nodes of an ``INFLUENCE`` table."""
-    s = clamp((speed - table.first) / max(table.spacing, 1e-9), 0.0, NODES - 1.001)
-    i = int(s)
-    return i, s - i
-
-
-@kernel
-def between(values, i, f):
-    """Linear interpolation between nodes ``i`` and ``i + 1``."""
-    return values[i] + f * (values[i + 1] - values[i])
+    return held_cell((speed - table.first) / max(table.spacing, 1e-9), NODES - 1)
 
 
 @kernel

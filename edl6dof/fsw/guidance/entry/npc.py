@@ -20,6 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.predictor import predict
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 
@@ -35,7 +36,7 @@ class NpcParams(Params):
     start_drag_m_s2: float = param(0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0)
 
 
-MEMORY = np.dtype([("shift", "f8"), ("started", "i8"), ("miss", "f8"), ("iterations", "i8")], align=True)
+MEMORY = np.dtype([("shift", "f8"), ("started", FLAG), ("miss", "f8"), ("iterations", COUNT)], align=True)
 
 
 @kernel

@@ -16,6 +16,7 @@ from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 
 
 class PathObserverParams(Params):
@@ -26,7 +27,7 @@ class PathObserverParams(Params):
 
 #: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the estimate, rad/s.
 PATH_OBSERVER = np.dtype(
-    [("started", "i8"), ("t", "f8"), ("gamma", "f8"), ("lift_rate", "f8"), ("free_rate", "f8"), ("disturbance", "f8")], align=True
+    [("started", FLAG), ("t", "f8"), ("gamma", "f8"), ("lift_rate", "f8"), ("free_rate", "f8"), ("disturbance", "f8")], align=True
 )
 
 #: What a law that tracks drag with this observer remembers.

@@ -20,6 +20,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.range_update import shape
 from edl6dof.fsw.guidance.entry.reference import node_of
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.vector import clamp
 
 ORDER = 6
@@ -38,7 +39,7 @@ PROFILE = np.dtype(
         ("coefficient", "f8", (ORDER + 1,)),
         ("energy", "f8"),
         ("updated", "f8"),
-        ("started", "i8"),
+        ("started", FLAG),
         ("drag", "f8", (SAMPLES,)),
         ("ground", "f8", (SAMPLES,)),
     ],

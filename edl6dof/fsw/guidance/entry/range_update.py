@@ -15,6 +15,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reference import NODES, node_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.interpolation import smooth
+from edl6dof.spatial.lookups import cell
 from edl6dof.spatial.vector import clamp
 
 
@@ -46,7 +47,7 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
 
     Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE = u du.
     """
-    last = min(int((energy_speed - reference.first) / reference.spacing), NODES - 1)
+    last, _ = cell((energy_speed - reference.first) / reference.spacing, NODES)
     if last < 3:
         return scale
     first2 = reference.first * reference.first

@@ -19,6 +19,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.vector import clamp
 
 NODES = 256
@@ -94,9 +95,7 @@ def reference_bank(onboard, shift, speed):
 @kernel
 def node_of(reference, energy_speed):
     """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held at both ends."""
-    position = clamp((energy_speed - reference.first) / reference.spacing, 0.0, NODES - 1.001)
-    i = int(position)
-    return i, position - i
+    return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
 @kernel

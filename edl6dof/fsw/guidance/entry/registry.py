@@ -46,7 +46,7 @@ ENTRY_LAWS = Family(
     ),
 )
 
-ENTRY_MEMORY = np.dtype([("law", ENTRY_LAWS.memory), ("steering", STEERING), ("air", AIR_DATA)], align=True)
+ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
 wanted_bank = ENTRY_LAWS.switch("guide", 4)
 

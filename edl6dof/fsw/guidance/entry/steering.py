@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.jit import kernel
+from edl6dof.records import COUNT
 from edl6dof.spatial.vector import clamp
 
 ReversalParams = REVERSALS.params_model("ReversalParams", "logic", "crossrange_corridor", "Bank reversals.")
@@ -27,7 +28,7 @@ class HeadingAlignmentParams(Params):
 
 
 STEERING = np.dtype(
-    [("sign", "f8"), ("count", "i8"), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)],
+    [("sign", "f8"), ("count", COUNT), ("bank", "f8"), ("t", "f8"), ("reversal", REVERSALS.memory)],
     align=True,
 )
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 
@@ -28,7 +29,7 @@ class PolynomialParams(Params):
     time_floor_s: float = param(2.5, "smallest time to go used in the gains", gt=0.0)
 
 
-MEMORY = np.dtype([("started", "i8"), ("end", "f8"), ("target_L", "f8", (2,))], align=True)
+MEMORY = np.dtype([("started", FLAG), ("end", "f8"), ("target_L", "f8", (2,))], align=True)
 
 
 @kernel

@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.vector import clamp, put3
 
 
@@ -40,7 +41,7 @@ class TerminalParams(Params):
 #: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error asks for.
 LEAST_UPWARD = 0.5
 
-TERMINAL = np.dtype([("target_set", "i8"), ("target_L", "f8", (2,))], align=True)
+TERMINAL = np.dtype([("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
 
 
 @kernel

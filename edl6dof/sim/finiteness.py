@@ -1,0 +1,72 @@
+"""Whether all that the flight computer works with is finite, asked in every cycle; and what was not finite first.
+
+Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this look would end such a flight.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.onboard import COMMAND, FSW
+from edl6dof.jit import kernel
+from edl6dof.records import first_not_finite
+from edl6dof.sensors.sensed import SENSED
+from edl6dof.vehicle.plant import STATE_NAMES
+
+#: Exponent of a number that is infinite or none.
+_EXPONENT = np.int64(0x7FF0_0000_0000_0000)
+
+
+def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int, int]:
+    """Eight-byte words of a record from one field through another; whole numbers between are never negative, and so look finite."""
+    start, end = layout.fields[first][1], layout.fields[last][1] + layout[last].itemsize
+    return (base + start) // 8, (base + end) // 8
+
+
+#: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its state, and whatever is wrong with
+#: the memory of the flight computer in what guidance, control and modulation make of it.
+_READINGS = _words(SENSED, "t", "imu_gain_B")
+_PHASE_START = _words(FSW, "phase_start", "phase_start")
+_NAVIGATED, _GUIDED = _words(FSW, "mass", "nav"), _words(FSW, "guide", "guide")
+_ESTIMATED = _words(FSW, "disturbance", "disturbance")
+_DEMANDED = _words(FSW, "attitude_error", "demand")
+_COMMANDED = _words(COMMAND, "opens", "alpha", FSW.fields["command"][1])
+
+
+@kernel
+def _all_finite(words, first, last):
+    wrong = False
+    for i in range(first, last):
+        wrong |= (words[i] & _EXPONENT) == _EXPONENT
+    return not wrong
+
+
+@kernel
+def works_with_finite(readings, memory):
+    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as words of eight bytes."""
+    return (
+        _all_finite(readings, _READINGS[0], _READINGS[1])
+        and _all_finite(memory, _PHASE_START[0], _PHASE_START[1])
+        and _all_finite(memory, _NAVIGATED[0], _NAVIGATED[1])
+        and _all_finite(memory, _GUIDED[0], _GUIDED[1])
+        and _all_finite(memory, _ESTIMATED[0], _ESTIMATED[1])
+        and _all_finite(memory, _DEMANDED[0], _DEMANDED[1])
+        and _all_finite(memory, _COMMANDED[0], _COMMANDED[1])
+    )
+
+
+def first_cause(plant: np.ndarray, sensed: np.ndarray, fsw: np.ndarray) -> str | None:
+    """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when all are."""
+    for name, record in (("plant", plant), ("sensed", sensed), ("fsw", fsw)):
+        if path := first_not_finite(record):
+            return _plain_name(name, path)
+    return None
+
+
+def _plain_name(record: str, path: str) -> str:
+    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``fsw.guide.bank`` for anything else."""
+    field, _, index = path.partition("[")
+    if record == "plant" and field in ("y", "trial", "k"):
+        state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
+        return f"rate of {state}" if field == "k" else state
+    return f"{record}.{path}"

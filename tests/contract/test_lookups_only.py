@@ -1,0 +1,20 @@
+"""A float becomes an index in one place only, where every float finds one within the table."""
+
+import pytest
+from source_rules import modules, whole_numbers_in_kernels
+
+FLYING = modules("environment", "fsw", "mission", "sensors", "sim", "spatial", "vehicle")
+LOOKUPS = "edl6dof.spatial.lookups"
+
+
+@pytest.mark.parametrize("name, source", FLYING, ids=[name for name, _ in FLYING])
+def test_no_kernel_makes_an_index_of_a_float_itself(name, source):
+    if name != LOOKUPS:
+        assert whole_numbers_in_kernels(source) == []
+
+
+def test_planted_conversions_are_found():
+    for planted in ("i = int(x)", "i = table.searchsorted(x)", "i = np.int64(x) + 1", "i = math.floor(x)", "i = x.astype(int)[0]"):
+        assert whole_numbers_in_kernels(f"@kernel\ndef look(table, x):\n    {planted}\n    return table[i]") != []
+    assert whole_numbers_in_kernels("def plan(x):\n    return int(x)") == []
+    assert whole_numbers_in_kernels(dict(FLYING)[LOOKUPS]) != []

@@ -1,0 +1,158 @@
+"""What is not finite ends a flight at once, named by the quantity in which it began, and never becomes an index.
+
+With bounds checked in all compiled code (some minutes, most of them compiling):
+
+    NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=/tmp/checked python -m pytest tests/flights/test_not_finite.py
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.config.dtype import duplicate
+from edl6dof.fsw.cycle import run
+from edl6dof.records import numbers
+from edl6dof.sensors.sensed import SENSED
+from edl6dof.sim import records
+from edl6dof.sim.finiteness import first_cause, works_with_finite
+from edl6dof.sim.flight import fly
+from edl6dof.sim.state import State
+from edl6dof.vehicle.plant import STATE_NAMES, STATES_VEHICLE
+
+DISPERSED = ["seed=7", "atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "truth={atmosphere.density_factor: 0.95}"]
+#: In vacuum, in lift, while the parachute inflates, below it, under power, and while avoiding hazards.
+MOMENTS = (20.0, 150.0, 278.5, 300.0, 440.0, 500.0)
+WRONG = (np.nan, np.inf, -np.inf)
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return edl6dof.load("tianwen1", DISPERSED)
+
+
+@pytest.fixture(scope="module", params=MOMENTS)
+def state(request, loaded):
+    return fly(loaded, save_at_s=request.param).saved
+
+
+def planted(state, record, path, index, value):
+    """The state with one value of one record changed."""
+    changed = {name: duplicate(getattr(state, name)) for name in ("plant", "sensed", "fsw")}
+    field = next(field for field in numbers(changed[record]) if field.path == path)
+    field.values[index] = value
+    return State(state.cycle, **changed, scenario_text=state.scenario_text)
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize("index", range(STATES_VEHICLE))
+def test_state_is_named(loaded, state, index, value):
+    flight = fly(loaded, start=planted(state, "plant", "y", index, value))
+    assert flight.outcome.startswith(f"not finite: {STATE_NAMES[index]} at t = {state.plant['t'][0]:.2f} s in phase ")
+    assert flight.cause == f"not finite: {STATE_NAMES[index]} in phase {flight.phase}"
+    assert len(flight.log) == 1
+    assert flight.events[-1]["name"] == flight.outcome and flight.metrics
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize("field", ["rate", "gain"])
+def test_reading_under_way_is_named(loaded, state, field, value):
+    flight = fly(loaded, start=planted(state, "sensed", f"readings.{field}", ..., value))
+    assert flight.outcome.startswith(f"not finite: sensed.readings.{field}[")
+
+
+@pytest.mark.parametrize("value", WRONG)
+@pytest.mark.parametrize("path", [f.path for f in numbers(np.zeros(1, SENSED)) if not f.is_whole and "readings" not in f.path])
+def test_sensed_quantity_is_named(loaded, state, path, value):
+    onboard = records.build_records(loaded).onboard
+    changed = planted(state, "sensed", path, ..., value)
+    run(onboard[0], changed.sensed[0], changed.cycle, changed.fsw[0])
+    assert not works_with_finite(changed.sensed.view(np.int64), changed.fsw.view(np.int64))
+    assert first_cause(changed.plant, changed.sensed, changed.fsw).startswith(f"sensed.{path}")
+
+
+@pytest.mark.parametrize(
+    "t, path",
+    [
+        (20.0, "phase_start"),
+        (150.0, "entry.air.drag"),
+        (150.0, "entry.law.drag_tracking.tracking.scale"),
+        (440.0, "powered.polynomial.end"),
+        (440.0, "mass"),
+        (300.0, "mass"),
+        (490.0, "terminal.target_L"),
+    ],
+)
+def test_memory_of_the_flight_computer_is_named(loaded, t, path):
+    state = fly(loaded, save_at_s=t).saved
+    flight = fly(loaded, start=planted(state, "fsw", path, ..., np.nan))
+    assert flight.outcome.startswith(f"not finite: fsw.{path}")
+    assert flight.time_s == pytest.approx(t, abs=0.25)
+
+
+def test_step_that_fails_is_undone_and_its_first_quantity_named():
+    """Damping a billion times too stiff for the step."""
+    flight = edl6dof.fly("tianwen1", ["vehicle.landing_gear.damping_n_s_m=1e12"])
+    assert flight.outcome.startswith("not finite: plant.out.")
+    assert np.all(np.isfinite(flight.plant["y"]))
+    assert np.all(np.isfinite(flight.telemetry["truth.r_I_x_m"]))
+    assert np.all(np.diff(flight.telemetry["t_s"]) > 0.0)
+    assert flight.telemetry["t_s"][-1] == flight.time_s
+
+
+def test_last_state_before_a_failed_step_is_logged_whatever_the_rate(loaded):
+    sparse = edl6dof.fly("tianwen1", ["vehicle.landing_gear.damping_n_s_m=1e12", "simulation.log_every=1000"])
+    assert sparse.telemetry["t_s"][-1] == sparse.time_s
+    assert np.all(np.diff(sparse.telemetry["t_s"]) > 0.0)
+
+
+#: Every table that is read in flight, each with the words in which a number enters it.
+TABLES = """
+import sys
+import numpy as np
+import edl6dof
+from edl6dof.environment.atmosphere import air
+from edl6dof.environment.terrain import ground
+from edl6dof.environment.wind import wind
+from edl6dof.fsw.guidance.entry.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.drag_velocity import profile_range
+from edl6dof.fsw.guidance.entry.etpc import at_speed
+from edl6dof.fsw.guidance.entry.range_update import range_scale
+from edl6dof.fsw.guidance.entry.reference import node_of
+from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.sim import records
+from edl6dof.vehicle.aerodynamics import capsule_coefficients
+
+sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true", "flight_software.guidance.entry.law=" + sys.argv[1]]
+case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
+for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
+    found = {
+        "air": air(case["atmosphere"], tables["atmosphere"], x)[0],
+        "wind": wind(case["wind"], tables["atmosphere"], x)[0],
+        "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
+        "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
+        "aerodynamics, Mach": capsule_coefficients(case["vehicle"]["aero"]["capsule"], tables["aero"], x, 1e-3, 0.2)[0],
+        "aerodynamics, angle": capsule_coefficients(case["vehicle"]["aero"]["capsule"], tables["aero"], 5.0, 1e-3, x)[0],
+        "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
+        "airframe": believed_aero(onboard["vehicle"], x)[0],
+        "reference": node_of(onboard["reference"], x)[1],
+        "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
+        "influence": at_speed(onboard["plan"]["etpc"], x)[1],
+        "profile": profile_range(onboard["plan"]["adaptive_hinf"], x),
+    }
+    if np.isnan(x):
+        assert all(np.isnan(value) for value in found.values()), found
+print("kept within bounds")
+"""
+
+
+@pytest.mark.parametrize("law", ["etpc", "adaptive_hinf"])
+def test_no_table_is_read_out_of_bounds(law, tmp_path):
+    checked = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", TABLES, law], env=checked, capture_output=True, text=True, timeout=240)
+    assert done.stdout.strip() == "kept within bounds", done.stderr[-3000:]

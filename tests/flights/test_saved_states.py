@@ -1,0 +1,217 @@
+"""A saved state is never trusted: it is refused in a clear line, or flown to a named end."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from edl6dof.config.dtype import duplicate
+from edl6dof.config.errors import ConfigError
+from edl6dof.records import numbers
+from edl6dof.sim.flight import continue_from, fly
+from edl6dof.sim.state import State
+from edl6dof.vehicle.plant import PLANT
+
+CORRUPTIONS = 240
+MOMENTS = (150.0, 300.0, 500.0)
+
+
+@pytest.fixture(scope="module")
+def saved(nominal):
+    return {t: fly(nominal.loaded, save_at_s=t).saved for t in MOMENTS}
+
+
+@pytest.fixture
+def state(saved):
+    """A state that may be spoilt."""
+    one = saved[300.0]
+    return State(one.cycle, duplicate(one.plant), duplicate(one.sensed), duplicate(one.fsw), one.scenario_text)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "state.npz"
+
+
+def complaint(state, path):
+    state.save(path)
+    with pytest.raises(ConfigError) as caught:
+        State.load(path)
+    return str(caught.value)
+
+
+def repacked(path, **members):
+    """The file with other members; ``None`` takes one out."""
+    with zipfile.ZipFile(path) as archive:
+        data = {name: archive.read(name) for name in archive.namelist()}
+    for name, content in members.items():
+        data[f"{name}.npy"] = content
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in data.items():
+            if content is not None:
+                archive.writestr(name, content)
+
+
+def npy(array):
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
+
+
+def refused(path):
+    with pytest.raises(ConfigError) as caught:
+        State.load(path)
+    return str(caught.value)
+
+
+def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
+    files = []
+    for t, one in saved.items():
+        files.append(str(tmp_path / f"at_{t:.0f}.npz"))
+        one.save(Path(files[-1]))
+    command = [sys.executable, str(Path(__file__).with_name("corrupted.py")), "0", str(CORRUPTIONS), *files]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == 0, (lines[-1], done.stderr[-2000:])
+    ends = {number: (kind, words) for number, _, kind, words in lines}
+    assert len(ends) == CORRUPTIONS
+    kinds = [kind for kind, _ in ends.values()]
+    # both happen often enough for the test to mean something
+    assert kinds.count("refused") > 100 and kinds.count("flown") > 10
+    assert all(words and "flying" not in words for _, words in ends.values())
+
+
+@pytest.mark.parametrize("value", [-(10**6), -1, 10**6])
+@pytest.mark.parametrize("record", ["plant", "sensed", "fsw"])
+def test_every_whole_number_out_of_range_is_named(state, path, record, value):
+    for field in numbers(getattr(state, record)):
+        if not field.is_whole or field.declared["low"] <= value <= field.declared["high"]:
+            continue
+        values = field.values.flat
+        before, values[-1] = values[-1], value
+        words = complaint(state, path)
+        assert f"{record}.{field.path}" in words and f"(got {value})" in words
+        assert f"{field.declared['low']} .. {field.declared['high']}" in words
+        values[-1] = before
+
+
+@pytest.mark.parametrize("record", ["plant", "sensed", "fsw"])
+def test_every_float_that_is_not_finite_is_named(state, path, record):
+    for field in numbers(getattr(state, record)):
+        if field.is_whole or "if_ever" in field.declared:
+            continue
+        values = field.values.flat
+        before, values[0] = values[0], np.nan
+        assert f"{record}.{field.path}" in complaint(state, path)
+        values[0] = before
+
+
+@pytest.mark.parametrize("cycle", [-1, 10**9])
+def test_cycle_out_of_range_is_named(state, path, cycle):
+    assert "cycle: must be 0 .. " in complaint(State(cycle, state.plant, state.sensed, state.fsw, state.scenario_text), path)
+
+
+def test_finding_of_no_kind_is_named(state, path):
+    state.fsw["diagnosis"]["n_found"] = 1
+    assert "fsw.diagnosis.found.kind[0]: must be one of 1, 2, 3 (got 0)" in complaint(state, path)
+
+
+def test_archive_that_unpacks_to_gigabytes_is_not_unpacked(state, path):
+    state.save(path)
+    repacked(path, scenario=bytes(3_000_000))
+    assert path.stat().st_size < 100_000
+    assert "is not a state saved by" in refused(path)
+
+
+def test_member_that_claims_an_enormous_shape_is_refused(state, path):
+    state.save(path)
+    honest = npy(np.zeros(9, np.uint8))
+    repacked(path, plant=honest.replace(b"(9,), }" + b" " * 12, b"(9999999999999,), }"))
+    assert "is not a state saved by" in refused(path)
+
+
+@pytest.mark.parametrize("name", ["plant", "sensed", "fsw", "cycle", "scenario", "layout"])
+def test_missing_member_is_refused(state, path, name):
+    state.save(path)
+    repacked(path, **{name: None})
+    assert "is not a state saved by" in refused(path)
+
+
+@pytest.mark.parametrize("array", [np.zeros(PLANT.itemsize // 8), np.zeros(PLANT.itemsize - 1, np.uint8), np.zeros((2, 3))])
+def test_record_of_another_form_is_refused(state, path, array):
+    state.save(path)
+    repacked(path, plant=npy(array))
+    assert "is not a state saved by" in refused(path)
+
+
+def test_scenario_that_is_no_text_is_refused(state, path):
+    state.save(path)
+    repacked(path, scenario=npy(np.frombuffer(b"name: \xff\xfe", np.uint8)))
+    assert "not UTF-8 (byte 6)" in refused(path)
+
+
+def test_enormous_file_is_not_read(path):
+    with path.open("wb") as file:
+        file.truncate(5_000_000)
+    assert "too large for a saved state" in refused(path)
+
+
+def test_state_never_loads_code(state, path, tmp_path):
+    code = tmp_path / "evil.py"
+    code.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
+    State(state.cycle, state.plant, state.sensed, state.fsw, f"plugins: [{code}]\n{state.scenario_text}").save(path)
+    loaded = State.load(path)
+    with pytest.raises(ConfigError):
+        continue_from(loaded)
+    text = state.scenario_text.replace("plugins: []", f"plugins: [{code}]")
+    assert text != state.scenario_text
+    with pytest.raises(ConfigError, match="comes too late"):
+        continue_from(State(state.cycle, state.plant, state.sensed, state.fsw, text))
+    assert not (tmp_path / "ran").exists()
+
+
+def test_fewer_phases_than_the_state_has_flown_are_refused(saved):
+    state = saved[500.0]
+    few = continue_from(state, ("mission.phases=[{name: falling}]",))
+    with pytest.raises(ConfigError, match=r"fsw.phase: does not fit the scenario: must be 0 .. 0 \(got 5\)"):
+        fly(few, start=state)
+
+
+def test_thrusters_that_the_state_knows_must_exist(saved):
+    state = saved[300.0]
+    none = continue_from(state, ("vehicle.rcs.thrusters=[]", "flight_software.check_out.thrusters=[]"))
+    with pytest.raises(ConfigError, match="does not fit the scenario"):
+        fly(none, start=state)
+
+
+def test_another_base_rate_is_refused(saved):
+    state = saved[300.0]
+    other = continue_from(state, ("flight_software.rates.base_hz=100",))
+    with pytest.raises(ConfigError, match="base_hz: does not fit the scenario"):
+        fly(other, start=state)
+
+
+def test_other_thrusters_act_from_where_they_now_are(saved):
+    """What was worked out from the old places is forgotten: the flight is that of a state which never knew them."""
+    state = saved[500.0]
+    moved = continue_from(state, ("vehicle.rcs.thrusters.0.position_m=[-1.3, 1.0, 0.4]",))
+    first = fly(moved, start=state)
+    unknowing = State(state.cycle, state.plant, state.sensed, duplicate(state.fsw), state.scenario_text)
+    unknowing.fsw["allocator"]["effect"] = 0.0
+    unknowing.fsw["allocator"]["gram"] = 0.0
+    assert fly(moved, start=unknowing).plant["y"].tobytes() == first.plant["y"].tobytes()
+
+
+def test_state_beyond_the_time_limit_ends_at_once_and_says_so(saved):
+    state = saved[300.0]
+    flight = fly(continue_from(state, ("simulation.time_limit_s=100",)), start=state)
+    assert flight.outcome == "time limit in phase parachute"
+    assert len(flight.log) == 1
+    assert flight.attitude(300.0).norm == pytest.approx(1.0)

@@ -1,0 +1,106 @@
+"""A flight that fails says what truly happened, in outcome, cause and timeline."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.config.dtype import duplicate
+from edl6dof.sim.channels import BRIEF
+from edl6dof.sim.flight import fly, log_rows
+from edl6dof.sim.outcome import FLYING, LANDED, judge
+
+CUT_HIGH = "mission.phases.6.until.latest_s=3"
+SMALL_TANK = "vehicle.mass.propellant.mass_kg=80"
+
+
+def event(flight, key):
+    return next(one for one in flight.events if one["key"] == key)
+
+
+def test_tank_that_runs_empty_is_told_before_the_crash():
+    flight = edl6dof.fly("tianwen1", [SMALL_TANK])
+    empty = event(flight, "propellant_exhausted")
+    assert empty["name"] == "propellant exhausted"
+    assert empty["t_s"] < event(flight, "touchdown")["t_s"] - 1.0
+    speed, t = flight.metrics["touchdown_vertical_m_s"], empty["t_s"]
+    words = f"after the propellant was exhausted at t = {t:.1f} s"
+    assert flight.outcome == f"crashed at {speed:.1f} m/s descent rate in phase hover_imaging {words}"
+    assert flight.cause == "crashed in phase hover_imaging after the propellant was exhausted"
+    before = flight.telemetry["t_s"] < t
+    left = flight.telemetry["truth.propellant_kg"]
+    assert left[before].min() > 0.0 >= left[~before].max()
+
+
+def test_vehicle_without_propellant_has_none_to_exhaust():
+    flight = edl6dof.fly("nesc/case06")
+    assert math.isnan(flight.plant["exhausted_time"][0])
+    assert "propellant" not in flight.outcome
+
+
+def test_engine_cut_off_high_above_the_ground_is_told():
+    flight = edl6dof.fly("tianwen1", [CUT_HIGH])
+    cut = event(flight, "cut_off")
+    height = flight.telemetry.at(cut["t_s"], "truth.height_m")[0]
+    assert height > 10.0
+    words = f"after the engine was cut off {height:.1f} m above the ground at t = {cut['t_s']:.1f} s"
+    assert flight.outcome.startswith("crashed at ") and flight.outcome.endswith(words)
+    assert flight.cause == "crashed in phase landed after the engine was cut off above the ground"
+
+
+def test_crash_belongs_to_the_phase_that_met_the_ground():
+    """Contact itself brings about the phase ``landed``."""
+    flight = edl6dof.fly("tianwen1", ["limits.crash_speed_m_s=1"])
+    assert flight.phase == "landed"
+    assert flight.cause == "crashed in phase slow_descent"
+    assert " in phase slow_descent" in flight.outcome
+
+
+def test_vehicle_with_folded_legs_crashes_however_slow_and_says_why():
+    flight = edl6dof.fly("tianwen1", ["mission.phases.2.events.2.when.value=900"])
+    assert flight.metrics["touchdown_vertical_m_s"] < flight.scenario.limits.crash_speed_m_s
+    assert flight.cause == "crashed in phase slow_descent with its legs folded"
+
+
+def test_speed_at_first_contact_decides_about_a_crash_and_not_what_the_legs_make_of_it():
+    """Legs that throw the lander up again: it met the ground slowly, and then tips over."""
+    flight = edl6dof.fly("tianwen1", ["vehicle.landing_gear.footpads_m.1.2=10000"])
+    assert flight.metrics["touchdown_vertical_m_s"] < 3.0
+    assert flight.cause == "tipped over in phase slow_descent"
+
+
+def test_lander_that_is_off_the_ground_has_not_landed(nominal):
+    case, plant = nominal.case, duplicate(nominal.plant)
+    assert judge(case[0], plant[0]) == LANDED
+    plant["out"]["pads"] = 0
+    assert judge(case[0], plant[0]) == FLYING
+
+
+def test_time_limit_ends_a_flight_on_the_ground_too(nominal):
+    limit = math.ceil(nominal.metrics["touchdown_s"]) + 1.0
+    flight = edl6dof.fly("tianwen1", [f"simulation.time_limit_s={limit}"])
+    assert flight.outcome == "time limit in phase landed"
+
+
+@pytest.mark.parametrize("sets", [[SMALL_TANK], [CUT_HIGH], ["vehicle.landing_gear.damping_n_s_m=1e12"]])
+def test_brief_telemetry_tells_the_same(sets):
+    """A campaign's row, and its case flown again."""
+    loaded = edl6dof.load("tianwen1", sets)
+    whole, brief = fly(loaded), fly(loaded, log=np.zeros(log_rows(loaded), BRIEF))
+    assert (brief.outcome, brief.cause, brief.time_s) == (whole.outcome, whole.cause, whole.time_s)
+    assert json.dumps(brief.metrics) == json.dumps(whole.metrics)
+    assert json.dumps(brief.events) == json.dumps(whole.events)
+
+
+def test_what_happened_before_a_saved_state_has_no_figures(nominal):
+    state = fly(nominal.loaded, save_at_s=440.0).saved
+    flight = fly(nominal.loaded, start=state)
+    assert flight.outcome == "landed within limits"
+    assert "parachute_total_alpha_deg" not in flight.metrics
+    assert event(flight, "mortar")["altitude_m"] is None and event(flight, "mortar")["detail"] == ""
+    assert event(flight, "touchdown")["altitude_m"] is not None
+    assert flight.metrics["peak_load_g0"] == nominal.metrics["peak_load_g0"]
