@@ -10,15 +10,20 @@ import hashlib
 import io
 import os
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.regular import read_regular
 from edl6dof.fsw.onboard import FSW
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.vehicle.plant import PLANT
+
+#: Size, in bytes, of the largest saved state that is read, packed and unpacked.
+LARGEST = 50_000_000
 
 _RECORDS = {"plant": PLANT, "sensed": SENSED, "fsw": FSW}
 
@@ -61,14 +66,18 @@ class State:
             ConfigError: the file is missing, is no saved state, or was written by another version.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
+            content = io.BytesIO(read_regular(path, LARGEST))
+            with zipfile.ZipFile(content) as archive:
+                if sum(member.file_size for member in archive.infolist()) > LARGEST:
+                    raise ValueError("unpacks to more than any state holds")
+            with np.load(content, allow_pickle=False) as file:
                 if file["layout"].tobytes().decode() != layout_hash():
                     raise _problem(path, "was saved by another version of edl6dof whose records differ; fly to that time again")
                 records = {name: np.frombuffer(file[name].tobytes(), dtype=dtype).copy() for name, dtype in _RECORDS.items()}
                 return cls(int(file["cycle"]), scenario_text=file["scenario"].tobytes().decode(), **records)
         except OSError as error:
             raise _problem(path, f"cannot be read: {error.strerror or error}") from None
-        except (ValueError, KeyError, zipfile.BadZipFile, EOFError):
+        except (ValueError, LookupError, NotImplementedError, zipfile.BadZipFile, zlib.error, EOFError):
             raise _problem(path, "is not a state saved by 'edl6dof fly --save-state'") from None
 
 
