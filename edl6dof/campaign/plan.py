@@ -21,10 +21,7 @@ from edl6dof.config.scalars import write_flow, write_scalar
 from edl6dof.config.source import Document, parse_document, read_document, resolve_scenario
 from edl6dof.config.validate import validate
 from edl6dof.sim.flight import resolved_text
-from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document
-
-#: Sections that only the flight computer has: there is no truth to keep when its belief is dispersed.
-_SOFTWARE = ("flight_software", "mission")
+from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document, truth_problem
 
 #: Cases that are drawn at a time when all values are checked in advance.
 _CHECKED_AT_ONCE = 8192
@@ -180,9 +177,9 @@ def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: Swe
 
 
 def _with_pins(loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]) -> LoadedScenario:
-    """The scenario with the true values written out of those parameters of which only the belief will differ."""
+    """The scenario with the true values written out of those parameters that have one and of which only the belief will differ."""
     targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
-    believed = [target.path for target in targets if target.of == "belief" and not target.path.startswith(_SOFTWARE)]
+    believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:
         return loaded
     truth = {**loaded.scenario.truth, **{path: value_at(loaded.truth, path) for path in believed}}

@@ -231,6 +231,25 @@ class LoadedScenario:
     document: Document
 
 
+#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and what befalls it.
+TRUE_SECTIONS = (
+    *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
+    *("point_mass", "sensors", "faults", "seed", "profile"),
+)
+#: Parameters in them that no flight depends on.
+_LABELS = re.compile(r"(planet|vehicle)\.name|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+")
+
+
+def truth_problem(path: str) -> str:
+    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such path."""
+    section = path.strip().partition(".")[0]
+    if section not in Scenario.model_fields:
+        return ""
+    if section not in TRUE_SECTIONS:
+        return f"{section} is no part of the true world or vehicle: set it itself; truth may change {', '.join(TRUE_SECTIONS)}"
+    return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
+
+
 def check_document(document: Document) -> LoadedScenario:
     """Validate a document, and its truth where that differs.
 
@@ -240,6 +259,9 @@ def check_document(document: Document) -> LoadedScenario:
     require(document)
     try_out()
     scenario = validate(Scenario, document)
+    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
+    if wrong:
+        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
     changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
