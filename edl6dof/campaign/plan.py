@@ -18,7 +18,7 @@ from edl6dof.campaign.sampling import unit_numbers
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.scalars import write_flow, write_scalar
-from edl6dof.config.source import Document, parse_document, read_document, resolve_scenario
+from edl6dof.config.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.validate import validate
 from edl6dof.sim.flight import resolved_text
 from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document, truth_problem
@@ -151,11 +151,14 @@ def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = 
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
         raise ConfigError([document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")])
-    file = validate(CampaignFile, Document(own, dict(document.marks), files=document.files))
-    changed = {key: value for key, value in (("cases", cases), ("seed", seed)) if value is not None}
-    campaign = file.campaign.model_copy(update=changed) if file.campaign is not None else None
+    marks = dict(document.marks)
+    for key, value in (("cases", cases), ("seed", seed)):
+        if value is not None and isinstance(section := own.get("campaign"), dict):
+            own["campaign"] = {**section, key: value}
+            marks["campaign", key] = Mark(f"--{key}")
+    file = validate(CampaignFile, Document(own, marks, files=document.files))
     places = Document({}, dict(document.marks), files=document.files)
-    return _checked(load_document(document, sets), campaign, file.sweep, places)
+    return _checked(load_document(document, sets), file.campaign, file.sweep, places)
 
 
 def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document) -> Plan:

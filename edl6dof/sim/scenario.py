@@ -36,6 +36,8 @@ from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
+#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark of what is unfinished.
+_LONGEST_NAME = 150
 
 
 class SimulationParams(Params):
@@ -117,6 +119,8 @@ class Scenario(Params):
     def _names_a_folder(cls, value: str) -> str:
         if not _FOLDER_NAME.fullmatch(value):
             raise ValueError(f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})")
+        if (length := len(value.encode())) > _LONGEST_NAME:
+            raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
 
     @model_validator(mode="after")

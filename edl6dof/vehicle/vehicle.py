@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ConfigDict
 
-from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.config.base import REQUIRED, Hardware, group, param, section
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
@@ -24,7 +24,7 @@ def _or_daveml(schema: dict[str, Any]) -> None:
     schema["required"] = own
 
 
-class VehicleParams(Params):
+class VehicleParams(Hardware):
     """An entry vehicle and everything that leaves it."""
 
     model_config = ConfigDict(json_schema_extra=_or_daveml)
