@@ -6,12 +6,13 @@ reads (:mod:`edl6dof.config.dtype`) and the dotted path used by ``--set``.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from math import inf
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
 
 from edl6dof.config.units import split_unit
@@ -26,6 +27,27 @@ STATUS_MARKS: dict[str, Status] = {"P": "published", "D": "derived", "R": "recal
 REQUIRED: Any = ...
 
 Vec3 = tuple[float, float, float]
+
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_LONGEST_TITLE = 200
+
+
+def _key(value: str) -> str:
+    if not _KEY.fullmatch(value):
+        raise ValueError(f"must be at most 40 letters, digits and _, the first a letter (got {value[:60]!r})")
+    return value
+
+
+def _title(value: str) -> str:
+    if not value.isprintable() or not 0 < len(value.strip()) <= _LONGEST_TITLE:
+        raise ValueError(f"must be one line of at most {_LONGEST_TITLE} printable characters (got {value[:60]!r})")
+    return value
+
+
+#: A name that dotted paths, columns and variables of other programs are made of.
+Key = Annotated[str, AfterValidator(_key)]
+#: A name that is only shown: in headings and in the headers of files.
+Title = Annotated[str, AfterValidator(_title)]
 
 
 @dataclass(frozen=True)
