@@ -293,7 +293,9 @@ def campaign(
     seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
     cluster: Annotated[str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")] = None,
-    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads, or worker processes; all cores if not given.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, max=1024, help="Threads, or worker processes; all cores if not given.")
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/<name> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing campaign.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")] = False,
@@ -352,7 +354,9 @@ def faults(
     out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
-    workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Threads; as many as there are cores if not given.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(metavar="N", min=1, max=1024, help="Threads; as many as there are cores if not given.")
+    ] = None,
     trust: Trust = False,
 ) -> None:
     """Fail every thruster in every phase, one flight each.

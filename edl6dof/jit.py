@@ -8,16 +8,22 @@ recursively, of every module of this package that the file imports, so an edit r
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cache
-from os.path import isfile
+from os.path import isabs, isfile, join
 from pathlib import Path
+from stat import S_IMODE, S_ISDIR
+from tempfile import gettempdir
 from typing import Any
 
 import numba
 from numba.core import caching
+from numba.core.dispatcher import Dispatcher
 
+from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.lean_numba import compiled_by_type  # imported before any kernel is built
 
 PACKAGE = Path(__file__).resolve().parent
@@ -32,14 +38,26 @@ def kernel(function: Callable[..., Any]) -> Any:
 
     Fast-math stays off because it changes the last bits between machines; the run must be reproducible.
     """
+    compiled = numba.njit(error_model="numpy", nogil=True)(function)
+    if isinstance(compiled, Dispatcher):  # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
+        _keep_code(compiled)
+    return compiled_by_type(compiled)
+
+
+def _keep_code(compiled: Dispatcher) -> None:
+    """Let a kernel keep its machine code in the first folder that can be written to; without any, it is compiled in each process."""
     before = numba.config.CACHE_LOCATOR_CLASSES
     # The locator is chosen at decoration; setting it only here leaves other users of numba in the process alone.
     numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
-        compiled = numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        compiled.enable_caching()
+    except RuntimeError:
+        say_once(f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}")
+        return
     finally:
         numba.config.CACHE_LOCATOR_CLASSES = before
-    return compiled_by_type(compiled)
+    kept = compiled._cache
+    kept._cache_file = CodeFiles(Path(kept.cache_path), kept._impl.filename_base, kept._impl.locator.get_source_stamp())
 
 
 #: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set before any is built.
@@ -76,9 +94,48 @@ class TreeLocator(_TreeStamp, caching.InTreeCacheLocator):
 class UserTreeLocator(_TreeStamp, caching.UserWideCacheLocator):
     """Cache in the user's cache directory, for a package installed read-only."""
 
+    def ensure_cache_path(self) -> None:
+        """Refuse a user without a home, whom numba would give a folder called ``~`` below the current one."""
+        if not isabs(self.get_cache_path()):
+            raise FileNotFoundError(self.get_cache_path())
+        super().ensure_cache_path()
+
+
+class TemporaryTreeLocator(_TreeStamp, caching.UserWideCacheLocator):
+    """Cache in a folder for temporary files that is this user's alone, for a user without a home."""
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        super().__init__(py_func, py_file)
+        self._root = join(gettempdir(), f"edl6dof-{_user()}")
+        self._cache_path = join(self._root, self.get_suitable_cache_subpath(py_file))
+
+    def ensure_cache_path(self) -> None:
+        """Refuse a folder that somebody else has made or may write to: what lies in it is run."""
+        with suppress(FileExistsError):
+            os.mkdir(self._root, 0o700)
+        found = os.lstat(self._root)
+        if not S_ISDIR(found.st_mode) or found.st_uid != _user() or S_IMODE(found.st_mode) & 0o077:
+            raise PermissionError(self._root)
+        super().ensure_cache_path()
+        say_once(f"machine code is kept in {self._root} {_ADVICE}")
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> TemporaryTreeLocator | None:
+        """The locator, or none where there is no folder for temporary files."""
+        try:
+            return super().from_function(py_func, py_file)
+        except OSError:
+            return None
+
 
 #: Where compiled code is kept: the first of these that can be written to.
-LOCATORS = (ChosenTreeLocator, TreeLocator, UserTreeLocator)
+LOCATORS = (ChosenTreeLocator, TreeLocator, UserTreeLocator, TemporaryTreeLocator)
+_ADVICE = "(NUMBA_CACHE_DIR can name a better place)"
+
+
+def _user() -> int:
+    """Number of the user; Windows has none, and gives each user a folder for temporary files of his own."""
+    return os.getuid() if hasattr(os, "getuid") else 0
 
 
 @cache
@@ -148,5 +205,5 @@ def _file_of(dotted: str) -> str:
 
 def is_cached(compiled: Any) -> bool:
     """Whether machine code of ``compiled`` for the present sources lies in the cache (any signature)."""
-    cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
-    return cache_file is None or bool(cache_file._load_index())
+    kept = getattr(compiled, "_cache", None)  # a plain function has none
+    return kept is None or bool(getattr(kept, "_cache_file", False))

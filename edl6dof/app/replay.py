@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -67,7 +68,7 @@ class FlownRun:
 
 def run_replay(options: ReplayOptions) -> int:
     """Do what the options ask for; returns the exit status."""
-    from edl6dof.post.replay.viewer import NoViewer, open_viewer, screenshot
+    from edl6dof.post.replay.program import ViewerFailed
 
     targets = [path for path in (options.html, options.screenshot) if path is not None]
     for path in targets:
@@ -76,21 +77,51 @@ def run_replay(options: ReplayOptions) -> int:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
     try:
-        with _recording(options) as recording:
-            if options.screenshot is not None:
-                with atomic_file(options.screenshot, options.force) as partial:
-                    screenshot(recording, partial, _time(options))
-            if options.html is not None:
-                from edl6dof.post.replay.page import write_page
-
-                with atomic_file(options.html, options.force) as partial:
-                    write_page(recording, partial, f"edl6dof replay: {', '.join(_labels(options.runs))}")
-            for path in targets:
-                print(path)
-            return 0 if targets else open_viewer(recording, options.web)
-    except NoViewer as error:
+        with _ended_by_signals(), _recording(options) as recording:
+            _show(recording, options)
+    except ViewerFailed as error:
         print(error, file=sys.stderr)
         return FAILED
+    for path in targets:
+        print(path)
+    return 0
+
+
+def _show(recording: Path, options: ReplayOptions) -> None:
+    """Write what was asked for, or show the recording until the viewer is closed."""
+    from edl6dof.post.replay import page, server, viewer
+
+    title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
+    if options.screenshot is not None:
+        with atomic_file(options.screenshot, options.force) as partial:
+            viewer.screenshot(recording, partial, _time(options))
+    if options.html is not None:
+        with atomic_file(options.html, options.force) as partial:
+            partial.write_bytes(page.page(recording, title))
+    if options.screenshot is None and options.html is None:
+        if options.web:
+            server.serve(page.page(recording, title))
+        else:
+            viewer.show(recording)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no temporary file."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in (getattr(signal, name) for name in names)}
+    ending = [number for number, action in before.items() if action is signal.SIG_DFL]  # nohup ignores SIGHUP
+    for number in ending:
+        signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number in ending:
+            signal.signal(number, signal.SIG_DFL)
 
 
 @contextmanager

@@ -25,6 +25,9 @@ from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
+#: More flights than any study needs to settle a mean.
+MOST_RUNS = 1_000_000
+
 
 @dataclass(frozen=True)
 class StudyOptions:
@@ -47,8 +50,8 @@ def run_study(options: StudyOptions) -> int:
         near = nearest(options.name, list(STUDIES))
         hint = f"; did you mean {near!r}?" if near else ""
         return refuse(f"{options.name}: no such study{hint} (studies: {', '.join(STUDIES)})")
-    if options.runs is not None and (options.runs < 1 or not study.counted):
-        reason = "must be 1 or more" if study.counted else f"{study.name} is a fixed set of flights"
+    if options.runs is not None and (not 1 <= options.runs <= MOST_RUNS or not study.counted):
+        reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
         return refuse(f"-n {options.runs}: {reason}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)

@@ -20,7 +20,7 @@ from edl6dof.config.overrides import make_room
 from edl6dof.config.source import Document
 from edl6dof.config.wording import in_bounds
 from edl6dof.config.yamltree import Path
-from edl6dof.sim.scenario import LoadedScenario, Scenario
+from edl6dof.sim.scenario import LoadedScenario, Scenario, truth_problem
 from edl6dof.vehicle.faults import FaultParams, fault_problems
 
 _STANDARD = Normal(kind="normal", sigma=1.0)
@@ -78,6 +78,8 @@ class Locator:
         """Every parameter that a path means; more than one where it has a ``*``."""
         model = self.loaded.scenario if of == "belief" else self.loaded.truth
         try:
+            if of == "truth" and (words := truth_problem(path)):
+                raise ValueError(words)
             for found in _expanded(model, path):
                 keys = make_room(self._template, found, Scenario)
                 yield Target(of, found, value_at(model, found), _slot(keys), place)

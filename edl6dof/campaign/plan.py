@@ -18,13 +18,10 @@ from edl6dof.campaign.sampling import unit_numbers
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.scalars import write_flow, write_scalar
-from edl6dof.config.source import Document, parse_document, read_document, resolve_scenario
+from edl6dof.config.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.validate import validate
 from edl6dof.sim.flight import resolved_text
-from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document
-
-#: Sections that only the flight computer has: there is no truth to keep when its belief is dispersed.
-_SOFTWARE = ("flight_software", "mission")
+from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document, truth_problem
 
 #: Cases that are drawn at a time when all values are checked in advance.
 _CHECKED_AT_ONCE = 8192
@@ -154,11 +151,14 @@ def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = 
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
         raise ConfigError([document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")])
-    file = validate(CampaignFile, Document(own, dict(document.marks), files=document.files))
-    changed = {key: value for key, value in (("cases", cases), ("seed", seed)) if value is not None}
-    campaign = file.campaign.model_copy(update=changed) if file.campaign is not None else None
+    marks = dict(document.marks)
+    for key, value in (("cases", cases), ("seed", seed)):
+        if value is not None and isinstance(section := own.get("campaign"), dict):
+            own["campaign"] = {**section, key: value}
+            marks["campaign", key] = Mark(f"--{key}")
+    file = validate(CampaignFile, Document(own, marks, files=document.files))
     places = Document({}, dict(document.marks), files=document.files)
-    return _checked(load_document(document, sets), campaign, file.sweep, places)
+    return _checked(load_document(document, sets), file.campaign, file.sweep, places)
 
 
 def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document) -> Plan:
@@ -180,9 +180,9 @@ def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: Swe
 
 
 def _with_pins(loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]) -> LoadedScenario:
-    """The scenario with the true values written out of those parameters of which only the belief will differ."""
+    """The scenario with the true values written out of those parameters that have one and of which only the belief will differ."""
     targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
-    believed = [target.path for target in targets if target.of == "belief" and not target.path.startswith(_SOFTWARE)]
+    believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:
         return loaded
     truth = {**loaded.scenario.truth, **{path: value_at(loaded.truth, path) for path in believed}}

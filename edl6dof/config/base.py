@@ -6,11 +6,16 @@ reads (:mod:`edl6dof.config.dtype`) and the dotted path used by ``--set``.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from math import inf
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
+
+from edl6dof.config.units import split_unit
 
 #: published: printed by a named source; derived: calculated from published data; recalled: quoted in the literature, not re-read;
 #: estimate: engineering estimate, free to change; design: a choice of this software (gain, rate, switch), no claim on hardware.
@@ -23,11 +28,74 @@ REQUIRED: Any = ...
 
 Vec3 = tuple[float, float, float]
 
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_LONGEST_TITLE = 200
+
+
+def _key(value: str) -> str:
+    if not _KEY.fullmatch(value):
+        raise ValueError(f"must be at most 40 letters, digits and _, the first a letter (got {value[:60]!r})")
+    return value
+
+
+def _title(value: str) -> str:
+    if not value.isprintable() or not 0 < len(value.strip()) <= _LONGEST_TITLE:
+        raise ValueError(f"must be one line of at most {_LONGEST_TITLE} printable characters (got {value[:60]!r})")
+    return value
+
+
+#: A name that dotted paths, columns and variables of other programs are made of.
+Key = Annotated[str, AfterValidator(_key)]
+#: A name that is only shown: in headings and in the headers of files.
+Title = Annotated[str, AfterValidator(_title)]
+
+
+@dataclass(frozen=True)
+class Within:
+    """Annotation of a field: the largest magnitude of its number, or of each of its numbers, where no bound of its own is narrower."""
+
+    largest: float
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
+        """Tell pydantic, so that what is beyond is reported with file and line."""
+        return self._narrowed(handler(source))
+
+    def _narrowed(self, schema: Any) -> Any:
+        if schema["type"] in ("float", "int"):
+            return {**self.bounds(schema["type"] == "int", schema), **schema}
+        inner = {key: self._narrowed(schema[key]) for key in ("schema", "items_schema") if isinstance(schema.get(key), dict)}
+        if isinstance(items := schema.get("items_schema"), list):
+            inner["items_schema"] = [self._narrowed(item) for item in items]
+        return {**schema, **inner} if schema["type"] in ("nullable", "default", "list", "tuple") else schema
+
+    def bounds(self, whole: bool, own: Container[str]) -> dict[str, float]:
+        """Bounds by their pydantic names, without the sides that ``own`` bounds; whole numbers must fit the 64 bits of a record."""
+        largest = int(min(self.largest, 2**63 - 1)) if whole else self.largest
+        sides = {"ge": (("ge", "gt"), -largest), "le": (("le", "lt"), largest)}
+        return {name: value for name, (same, value) in sides.items() if abs(value) < inf and not any(key in own for key in same)}
+
 
 class Params(BaseModel):
-    """Base of every parameter model: unknown keys, wrong types and non-finite numbers are errors."""
+    """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for their unit are errors."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
+
+    #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
+    largest: ClassVar[Mapping[str, float]] = {}
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Bound every number."""
+        super().__init_subclass__(**options)
+        for name, info in vars(cls).items():
+            if isinstance(info, FieldInfo):
+                unit = split_unit(name)[1]
+                info.metadata.append(Within(cls.largest.get(unit.label, unit.largest)))
+
+
+class Hardware(Params):
+    """Base of the parameters of a vehicle and its parts, none of which is larger than a ship."""
+
+    largest = {"m": 200.0, "m2": 50e3}
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import annotated_types
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from edl6dof.config.base import Within
 from edl6dof.config.units import Unit, split_unit
 
 
@@ -53,7 +54,8 @@ class Slot:
         if not found:
             return None
         options = tuple(dict.fromkeys(option for slot in found for option in slot.options))
-        limits = tuple(limit for slot in found for limit in slot.limits)
+        inherited = tuple(limit for limit in self.limits if isinstance(limit, Within)) if isinstance(key, int) else ()
+        limits = (*(limit for slot in found for limit in slot.limits), *inherited)
         return Slot(found[0].name, options, any(slot.optional for slot in found), limits, found[0].info)
 
 
@@ -87,7 +89,16 @@ def literal_names(slot: Slot) -> list[Any]:
 
 
 def bounds(slot: Slot) -> dict[str, Any]:
-    """Bounds by their pydantic name (``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``)."""
+    """Bounds by their pydantic name (``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``), those of the unit included."""
+    found = own_bounds(slot)
+    if number := {float, int}.intersection(slot.options):
+        for limit in (limit for limit in slot.limits if isinstance(limit, Within)):
+            found.update(limit.bounds(float not in number, found))
+    return found
+
+
+def own_bounds(slot: Slot) -> dict[str, Any]:
+    """As :func:`bounds`, those only that the parameter itself declares."""
     names = ("gt", "ge", "lt", "le", "min_length", "max_length")
     found: dict[str, Any] = {}
     for limit in slot.limits:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from os.path import isdir, isfile, normpath  # unlike pathlib's, these take names that the system cannot look up
+from os.path import exists, isdir, isfile, normpath  # unlike pathlib's, these take names that the system cannot look up
 from pathlib import Path
 
 from edl6dof.config.errors import ConfigError, Problem
@@ -85,6 +85,8 @@ def _no_scenario(path: Path) -> str:
     if isdir(path) and str(path) != ".":
         inside = path / "scenario.yaml"
         return f"is a folder; did you mean {inside}?" if isfile(inside) else "is a folder, not a scenario file"
+    if exists(path) and not isdir(path):
+        return "is not a regular file"
     names = shipped_names("scenarios")
     near = near_names(str(path), "scenarios", [])
     hint = f"; did you mean {' or '.join(near)}?" if near else ""

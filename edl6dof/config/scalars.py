@@ -38,8 +38,7 @@ def read_scalar(text: str) -> Scalar:
     if is_number and len(text) > _LONGEST_NUMBER:
         raise ValueError(f"number with more than {_LONGEST_NUMBER} characters")
     if _INT.fullmatch(text):
-        value = int(text)
-        return value if abs(value) < 2**63 else float(value)  # records hold 64 bits
+        return int(text)
     if _BASED.fullmatch(text):
         return int(text, 0)
     if _FLOAT.fullmatch(text):

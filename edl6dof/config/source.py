@@ -16,6 +16,7 @@ from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.extends import EXTENDS, lay_over
 from edl6dof.config.locate import find_include, find_shipped, near_names, resolve_scenario, shown
 from edl6dof.config.plugin_scan import LARGEST
+from edl6dof.config.regular import read_regular
 from edl6dof.config.wording import got
 from edl6dof.config.yamltree import Mark, dotted, parse_yaml
 
@@ -29,6 +30,9 @@ __all__ = [
     "read_document",
     "resolve_scenario",
 ]
+
+#: Scenarios that may extend one another.
+LONGEST_CHAIN = 20
 
 #: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that file.
 INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
@@ -113,6 +117,9 @@ def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ..
         found = resolve_scenario(beside if beside.is_file() else name)
     except ConfigError as error:
         raise ConfigError([document.problem((EXTENDS,), error.problems[0].message)]) from None
+    if len(chain) > LONGEST_CHAIN:
+        message = f"is number {len(chain)} in a chain of scenarios; at most {LONGEST_CHAIN} are allowed"
+        raise ConfigError([document.problem((EXTENDS,), message)])
     if found.resolve() in chain:
         raise ConfigError([document.problem((EXTENDS,), f"leads back to {shown(found)}")])
     return _read(found, includes, chain)
@@ -152,16 +159,11 @@ def _adopt(document: Document, key: str, part: Document) -> None:
 def _read_text(path: Path) -> str:
     file = shown(path)
     try:
-        if path.is_dir():
-            raise ConfigError([Problem(file, 0, 0, "", "is a folder, not a file")])
-        if path.exists() and not path.is_file():
-            raise ConfigError([Problem(file, 0, 0, "", "is not a regular file")])
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise ConfigError([Problem(file, 0, 0, "", f"has {size} bytes; at most {LARGEST} are allowed")])
-        content = path.read_bytes()
+        content = read_regular(path, LARGEST)
     except FileNotFoundError:
         raise ConfigError([Problem(file, 0, 0, "", "no such file")]) from None
+    except IsADirectoryError:
+        raise ConfigError([Problem(file, 0, 0, "", "is a folder, not a file")]) from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise ConfigError([Problem(file, 0, 0, "", f"cannot be read: {reason}")]) from None

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, get_args, get_origin
 
-from edl6dof.config.introspect import Slot, bounds, is_model
+from edl6dof.config.introspect import Slot, bounds, is_model, own_bounds
 from edl6dof.config.units import split_unit
 
 _SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -62,10 +62,15 @@ def kinds(slot: Slot) -> list[str]:
 
 
 def in_bounds(slot: Slot, context: dict[str, Any] | None = None) -> str:
-    """``> 0 and <= 2.5``: the declared bounds of a number, or empty."""
-    limits = {**(context or {}), **bounds(slot)}
-    text = " and ".join(f"{sign} {limits[name]:g}" for name, sign in _SIGNS.items() if name in limits)
+    """``> 0 and <= 2.5``: the bounds of a number, or empty; without those of its unit when ``context`` names one that is its own."""
+    own = own_bounds(slot)
+    limits = own if context and context.keys() & own.keys() else {**(context or {}), **bounds(slot)}
+    text = " and ".join(f"{sign} {_number(limits[name])}" for name, sign in _SIGNS.items() if name in limits)
     return f"{text} {slot.unit.label}".strip() if text else ""
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:g}"
 
 
 def in_length(slot: Slot, context: dict[str, Any] | None = None) -> str:

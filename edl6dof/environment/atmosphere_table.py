@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from edl6dof.config.regular import read_regular_text
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell
 
@@ -54,8 +55,7 @@ def straight_beyond(curve, row, t):
 
 def read_table(name: str) -> dict[str, np.ndarray]:
     """Columns of a csv of edl6dof/data/atmosphere (or an absolute path) in SI units; a missing wind or sigma is zero."""
-    with (_DATA / name).open(newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
+    rows = list(csv.reader(read_regular_text(_DATA / name).splitlines()))
     columns = {heading.strip(): [float(row[k]) for row in rows[1:]] for k, heading in enumerate(rows[0])}
     found = {}
     for key, prefix, to_si in (

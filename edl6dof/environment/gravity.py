@@ -19,6 +19,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.dtype import fill
+from edl6dof.config.regular import read_regular_text
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import add, scale
@@ -134,7 +135,7 @@ def _harmonics_F(g, x, y, z):
 
 def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
     """Reference radius (m), GM (m3/s2) and normalised C, S of shape (13, 13) of a PDS ``*_sha.tab`` file."""
-    lines = (_DATA / name).read_text(encoding="ascii").splitlines()
+    lines = read_regular_text(_DATA / name, encoding="ascii").splitlines()
     head = lines[0].split(",")
     C = np.zeros((MAX_DEGREE + 1, MAX_DEGREE + 1))
     S = np.zeros_like(C)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Params, param, section
+from edl6dof.config.base import REQUIRED, Params, Title, param, section
 from edl6dof.config.dtype import fill
 from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
 from edl6dof.environment.layout import extended
@@ -13,7 +13,7 @@ from edl6dof.environment.layout import extended
 class PlanetParams(Params):
     """Reference ellipsoid, rotation and gravity field; one file each in edl6dof/data/planets."""
 
-    name: str = param(REQUIRED, "name of the planet", record=False)
+    name: Title = param(REQUIRED, "name of the planet", record=False)
     equatorial_radius_m: float = param(
         REQUIRED, "equatorial radius of the reference ellipsoid", status="published", source="planet file", gt=0.0
     )

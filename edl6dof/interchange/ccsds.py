@@ -6,6 +6,7 @@ orientation at the epoch of the scenario.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 from typing import TextIO
@@ -16,6 +17,9 @@ from edl6dof.interchange.orientation import icrf_to_fixed
 
 Columns = Mapping[str, np.ndarray]
 ORIGINATOR = "EDL6DOF"
+
+#: Characters that fit behind the longest keyword: a line of a message has at most 254.
+LONGEST_VALUE = 220
 
 
 def parse_epoch(text: str) -> datetime:
@@ -75,18 +79,23 @@ def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
     return stamps, rows
 
 
+def _value(text: str) -> str:
+    """Text as the value of a keyword: one line of printable ASCII that no reader takes for a keyword of its own."""
+    return " ".join(re.sub(r"[^ -~]|=", " ", text).split())[:LONGEST_VALUE] or "UNKNOWN"
+
+
 def _header(kind: str, version: str, comments: list[str]) -> Iterator[str]:
     yield f"CCSDS_{kind}_VERS = {version}\n"
-    yield from (f"COMMENT {line}\n" for line in comments)
+    yield from (f"COMMENT {_value(line)}\n" for line in comments)
     yield f"CREATION_DATE = {datetime.now(UTC).strftime('%Y-%m-%dT%H:%M:%S')}\n"
     yield f"ORIGINATOR = {ORIGINATOR}\n\n"
 
 
 def _metadata(name: str, planet: str, stamps: list[str], frames: dict[str, str], more: dict[str, str] | None = None) -> Iterator[str]:
     pairs = {
-        "OBJECT_NAME": name.upper(),
-        "OBJECT_ID": name.upper(),
-        "CENTER_NAME": planet.upper(),
+        "OBJECT_NAME": _value(name).upper(),
+        "OBJECT_ID": _value(name).upper(),
+        "CENTER_NAME": _value(planet).upper(),
         **frames,
         "TIME_SYSTEM": "UTC",
         "START_TIME": stamps[0],

@@ -37,9 +37,9 @@ def write_mat(path: Path, columns: Columns, about: Description) -> None:
 
     content: dict[str, Any] = {"t_s": np.asarray(columns["t_s"]), "about": dict(about.words), "units": {}}
     for name in (name for name in columns if name != "t_s"):
-        group, _, field = name.partition(".")
-        content.setdefault(group, {})[plain(field)] = np.asarray(columns[name])
-        content["units"].setdefault(group, {})[plain(field)] = about.units[name]
+        group, _, field = map(plain, name.partition("."))
+        for struct, value in ((content, np.asarray(columns[name])), (content["units"], about.units[name])):
+            struct.setdefault(group, {})[field] = value
     savemat(path, content, long_field_names=True, do_compression=True, oned_as="column")
 
 
@@ -60,5 +60,5 @@ def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
 
 
 def plain(name: str) -> str:
-    """A name of letters, digits and underscores."""
-    return re.sub(r"\W", "_", name)
+    """A name of at most 63 letters, digits and underscores that begins with a letter, as MATLAB and netCDF want it."""
+    return re.sub(r"^(?=[^a-zA-Z])", "n", re.sub(r"\W", "_", name, flags=re.ASCII))[:63]

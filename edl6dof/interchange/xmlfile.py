@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.locate import shown
+from edl6dof.config.regular import read_regular
 
 if TYPE_CHECKING:
     from lxml import etree
@@ -27,11 +28,9 @@ def read_xml(path: Path) -> etree._Element:
         ConfigError: the file cannot be read, is no XML, or declares entities.
     """
     try:
-        content = path.read_bytes() if path.stat().st_size <= MAX_BYTES else None
+        content = read_regular(path, MAX_BYTES)
     except OSError as error:
         raise refused(path, 0, f"cannot be read: {error.strerror or error}") from None
-    if content is None:
-        raise refused(path, 0, f"is larger than {MAX_BYTES} bytes")
     declared = content.replace(b"\0", b"").find(b"<!ENTITY")  # without the zeros of UTF-16
     if declared >= 0:
         raise refused(path, content.count(b"\n", 0, declared) + 1, _ENTITIES)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from edl6dof.config.base import REQUIRED, Capacity, Params, param, section
+from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.jit import kernel
@@ -73,7 +73,7 @@ class Event(Params):
 class Phase(Params):
     """One mission phase."""
 
-    name: str = param(REQUIRED, "name shown in events and telemetry", record=False, min_length=1)
+    name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
     guidance: Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"] = param("none", "guidance of the phase")
     control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
     thrusters: Annotated[list[Literal["horizontal", "axial", "attitude", "fine"]], Capacity(4)] = param(

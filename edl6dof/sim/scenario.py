@@ -36,6 +36,8 @@ from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
+#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark of what is unfinished.
+_LONGEST_NAME = 150
 
 
 class SimulationParams(Params):
@@ -117,6 +119,8 @@ class Scenario(Params):
     def _names_a_folder(cls, value: str) -> str:
         if not _FOLDER_NAME.fullmatch(value):
             raise ValueError(f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})")
+        if (length := len(value.encode())) > _LONGEST_NAME:
+            raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
 
     @model_validator(mode="after")
@@ -231,6 +235,25 @@ class LoadedScenario:
     document: Document
 
 
+#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and what befalls it.
+TRUE_SECTIONS = (
+    *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
+    *("point_mass", "sensors", "faults", "seed", "profile"),
+)
+#: Parameters in them that no flight depends on.
+_LABELS = re.compile(r"(planet|vehicle)\.name|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+")
+
+
+def truth_problem(path: str) -> str:
+    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such path."""
+    section = path.strip().partition(".")[0]
+    if section not in Scenario.model_fields:
+        return ""
+    if section not in TRUE_SECTIONS:
+        return f"{section} is no part of the true world or vehicle: set it itself; truth may change {', '.join(TRUE_SECTIONS)}"
+    return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
+
+
 def check_document(document: Document) -> LoadedScenario:
     """Validate a document, and its truth where that differs.
 
@@ -240,6 +263,9 @@ def check_document(document: Document) -> LoadedScenario:
     require(document)
     try_out()
     scenario = validate(Scenario, document)
+    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
+    if wrong:
+        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
     changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]

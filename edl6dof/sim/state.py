@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.regular import read_regular
 from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import FINDINGS
 from edl6dof.fsw.onboard import FSW
@@ -73,9 +74,7 @@ class State:
                 with the field, the value and what is allowed.
         """
         try:
-            if path.stat().st_size > _LARGEST_FILE:
-                raise _problem(path, f"is too large for a saved state: {path.stat().st_size} bytes, at most {_LARGEST_FILE}")
-            with zipfile.ZipFile(path) as archive:
+            with zipfile.ZipFile(io.BytesIO(read_regular(path, _LARGEST_FILE))) as archive:
                 state = _read(archive, path)
         except OSError as error:
             raise _problem(path, f"cannot be read: {error.strerror or error}") from None

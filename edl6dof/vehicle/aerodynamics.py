@@ -16,7 +16,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.base import Hardware, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell, cell_among
@@ -32,7 +32,7 @@ DEG_PER_RAD = 180.0 / pi
 MIN_SPEED = 1e-9
 
 
-class CapsuleParams(Params):
+class CapsuleParams(Hardware):
     """Sphere-cone capsule: static table, shape for angles beyond the table, damping, rarefaction, uncertainty multipliers."""
 
     static_table: str = param(
@@ -109,7 +109,7 @@ class CapsuleParams(Params):
         return self
 
 
-class ConstantAeroParams(Params):
+class ConstantAeroParams(Hardware):
     """Constant drag and rate damping (NASA NESC check cases: sphere, brick, cannonball)."""
 
     drag_coefficient: float = param(0.0, "CD, force against the velocity", ge=0.0)
@@ -122,7 +122,7 @@ class ConstantAeroParams(Params):
     moment_reference_x_m: float = param(0.0, "station where the drag acts; the CG for a body without static moment")
 
 
-class LiftDragParams(Params):
+class LiftDragParams(Hardware):
     """Constant drag and lift coefficient whatever the attitude: the vehicle of point-mass studies."""
 
     reference_area_m2: float = param(1.0, "reference area", gt=0.0)
@@ -130,7 +130,7 @@ class LiftDragParams(Params):
     lift_to_drag: float = param(0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0)
 
 
-class BluffParams(Params):
+class BluffParams(Hardware):
     """Bluff body after a jettison: CA = CD cos aT and CN = slope sin aT, acting at a centre of pressure on the axis."""
 
     reference_area_m2: float = param(9.079, "reference area", status="derived", source="pi/4 (3.4 m)^2", gt=0.0)
@@ -160,7 +160,7 @@ def _lander() -> BluffParams:
     )
 
 
-class AeroParams(Params):
+class AeroParams(Hardware):
     """Aerodynamics of the vehicle in all its configurations."""
 
     model: Literal["capsule", "constant", "none", "lift_drag"] = param("capsule", "which aerodynamic model flies")

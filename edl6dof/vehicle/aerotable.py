@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.regular import read_regular_text
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.vehicle.aerodynamics import CapsuleParams
 from edl6dof.vehicle.pchip import curve
@@ -85,16 +86,16 @@ def build_aero_table(capsule: CapsuleParams) -> np.ndarray:
 def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD, CL, Cm."""
     path = Path(name)
-    if not path.is_file():
+    if not path.exists():
         path = PACKAGED / name
-    if not path.is_file():
+    if not path.exists():
         raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
     if path.suffix == ".dml":
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
         return _checked(path, mach, alpha, cd, cl, cm)
-    with path.open(encoding="utf-8") as stream:
-        rows = [list(map(float, row[:5])) for row in csv.reader(line for line in stream if line[0] in "0123456789.")]
+    lines = (line for line in read_regular_text(path).splitlines() if line[:1] in set("0123456789."))
+    rows = [list(map(float, row[:5])) for row in csv.reader(lines)]
     data = np.array(sorted(rows))
     mach, alpha = np.unique(data[:, 0]), np.unique(data[:, 1])
     if len(mach) < 2 or data.shape != (len(mach) * len(alpha), 5) or np.any(data[:, 1].reshape(len(mach), -1) != alpha):

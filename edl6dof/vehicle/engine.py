@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from edl6dof.config.base import Params, Vec3, param
+from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, cross
@@ -12,7 +12,7 @@ from edl6dof.spatial.vector import clamp, cross
 G0 = 9.80665
 
 
-class EngineParams(Params):
+class EngineParams(Hardware):
     """A throttled engine whose thrust points along -x of B (up when landed)."""
 
     full_thrust_n: float = param(0.0, "thrust at the full level used at the start; 0 for no engine", ge=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Annotated
 
-from edl6dof.config.base import Capacity, Params, Vec3, param
+from edl6dof.config.base import Capacity, Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
@@ -13,7 +13,7 @@ from edl6dof.spatial.vector import cross
 MAX_FOOTPADS = 8
 
 
-class LandingGearParams(Params):
+class LandingGearParams(Hardware):
     """Legs that end in footpads; each presses along the ground's normal."""
 
     footpads_m: Annotated[list[Vec3], Capacity(MAX_FOOTPADS)] = param(

@@ -11,13 +11,13 @@ from functools import lru_cache
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Params, Vec3, group, param
+from edl6dof.config.base import REQUIRED, Hardware, Vec3, group, param
 from edl6dof.jit import kernel
 
 HEAT_SHIELD, BACKSHELL, PARACHUTE = 0, 1, 2
 
 
-class Part(Params):
+class Part(Hardware):
     """A rigid part that can leave the vehicle, or the propellant load."""
 
     mass_kg: float = param(0.0, "mass", ge=0.0)
@@ -25,7 +25,7 @@ class Part(Params):
     inertia_kg_m2: Vec3 = param((0.0, 0.0, 0.0), "Ixx, Iyy, Izz about its own centre of mass")
 
 
-class MassParams(Params):
+class MassParams(Hardware):
     """Mass properties of the entry vehicle and of its parts."""
 
     entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from math import pi, sin, sqrt
 
-from edl6dof.config.base import Params, Vec3, param
+from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
@@ -19,7 +19,7 @@ from edl6dof.spatial.vector import clamp
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 
-class ParachuteParams(Params):
+class ParachuteParams(Hardware):
     """Geometry, inflation, aerodynamics and suspension of the parachute; a zero diameter means none."""
 
     diameter_m: float = param(0.0, "nominal diameter; the reference area is pi/4 of its square", ge=0.0)

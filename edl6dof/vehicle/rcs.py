@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import field_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Params, Vec3, param
+from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
@@ -24,10 +24,10 @@ GROUPS = ("horizontal", "axial", "attitude", "fine")
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(4)
 
 
-class Thruster(Params):
+class Thruster(Hardware):
     """One reaction-control thruster."""
 
-    name: str = param(REQUIRED, "name, unique in the vehicle", record=False, min_length=1)
+    name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
     group: Literal["horizontal", "axial", "attitude", "fine"] = param(
         REQUIRED, "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; fine pointing"
     )
@@ -48,7 +48,7 @@ class Thruster(Params):
         return tuple(float(component) / length for component in value)
 
 
-class RcsParams(Params):
+class RcsParams(Hardware):
     """The thruster set and its interaction with the flow."""
 
     thrusters: Annotated[list[Thruster], Capacity(MAX_THRUSTERS)] = param(

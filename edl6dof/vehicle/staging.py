@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
@@ -30,7 +30,7 @@ from edl6dof.vehicle.plant import (
 from edl6dof.vehicle.point_mass import POINT_MASS
 
 
-class StagingParams(Params):
+class StagingParams(Hardware):
     """Separation springs and pyrotechnic delays."""
 
     pyro_delay_s: float = param(0.013, "time from command to separation", status="estimate", ge=0.0, le=1.0)

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from math import cos, sin, sqrt
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 
 
-class TrimWingParams(Params):
+class TrimWingParams(Hardware):
     """Size, place and effectiveness of the trim wing."""
 
     area_m2: float = param(0.16, "area of the plate", status="estimate", source="tianwen1.md 1.4", ge=0.0)

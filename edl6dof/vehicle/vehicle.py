@@ -6,7 +6,7 @@ from typing import Any
 
 from pydantic import ConfigDict
 
-from edl6dof.config.base import REQUIRED, Params, group, param, section
+from edl6dof.config.base import REQUIRED, Hardware, Title, group, param, section
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
@@ -24,12 +24,12 @@ def _or_daveml(schema: dict[str, Any]) -> None:
     schema["required"] = own
 
 
-class VehicleParams(Params):
+class VehicleParams(Hardware):
     """An entry vehicle and everything that leaves it."""
 
     model_config = ConfigDict(json_schema_extra=_or_daveml)
 
-    name: str = param(REQUIRED, "name of the vehicle", record=False, min_length=1)
+    name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(
         None, "DAVE-ML files that give mass and aero; what the YAML states itself goes before them", record=False, factory=list
     )

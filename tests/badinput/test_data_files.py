@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
+from edl6dof.interchange.xmlfile import read_xml
+from edl6dof.sim.state import State
 
 ATMOSPHERE = "h_km,rho,T_K\n0.0,1.5e-2,210.0\n1.0,1.4e-2,209.0\n2.0,1.3e-2,208.0\n"
 AERO = "mach,alpha,CD,CL,Cm\n" + "".join(f"{m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in (1.0, 5.0) for a in (0, 2, 4))
@@ -114,3 +119,72 @@ def test_resolved_scenario_and_saved_state_go_through_the_same_check(tmp_path):
     (problem,) = caught.value.problems
     assert (problem.file, problem.path) == ("scenario.yaml", "atmosphere.table")
     assert text.splitlines()[problem.line - 1].strip().startswith("table:")
+
+
+@pytest.fixture(params=["pipe", "device", "socket", "too large"])
+def odd(request, tmp_path) -> tuple[Path, str]:
+    """What is no file of reasonable size, and what is said of it."""
+    path = tmp_path / "table.csv"
+    if request.param == "pipe":
+        os.mkfifo(path)
+    elif request.param == "device":
+        path.symlink_to("/dev/zero")
+    elif request.param == "socket":
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(str(path))
+    else:
+        with path.open("wb") as file:
+            file.truncate(50_000_001)
+        return path, "it has 50000001 bytes; at most"
+    return path, "it is not a regular file"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such files")
+class TestOddFiles:
+    """Reading a pipe would wait for ever, and reading a device would fill the memory."""
+
+    @pytest.mark.parametrize("kind", KEYS)
+    def test_table(self, odd, kind):
+        with pytest.raises(ConfigError) as caught:
+            load(kind, odd[0])
+        (problem,) = caught.value.problems
+        assert problem.path == KEYS[kind]
+        assert f"cannot be read: {odd[1]}" in problem.message
+
+    def test_daveml(self, odd, tmp_path):
+        path = odd[0].rename(tmp_path / "model.dml")
+        with pytest.raises(ConfigError) as caught:
+            load("aero", path)
+        assert odd[1] in str(caught.value)
+        with pytest.raises(ConfigError) as caught:
+            read_xml(path)
+        assert odd[1] in str(caught.value)
+
+    def test_scenario(self, odd, tmp_path):
+        path = odd[0].rename(tmp_path / "odd.yaml")
+        (tmp_path / "extending.yaml").write_text(f"extends: {path}\n", encoding="utf-8")
+        said = odd[1].removeprefix("it ")
+        for name in (path, tmp_path / "extending.yaml"):
+            with pytest.raises(ConfigError) as caught:
+                edl6dof.load(str(name))
+            assert said in str(caught.value)
+
+    def test_saved_state(self, odd):
+        with pytest.raises(ConfigError, match=odd[1]):
+            State.load(odd[0])
+
+
+@pytest.mark.parametrize("kind", ["array", "packed zeros", "damaged"])
+def test_file_of_numpy_that_is_no_state(kind, tmp_path):
+    path = tmp_path / "state.npz"
+    with path.open("wb") as file:
+        if kind == "array":
+            np.save(file, np.zeros(3))
+        else:
+            np.savez_compressed(file, layout=np.zeros(60_000_000 if kind == "packed zeros" else 1000, dtype=np.uint8))
+    if kind == "damaged":
+        content = bytearray(path.read_bytes())
+        content[100] ^= 0xFF
+        path.write_bytes(content)
+    with pytest.raises(ConfigError, match="is not a state saved by"):
+        State.load(path)

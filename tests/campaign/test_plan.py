@@ -97,9 +97,10 @@ REFUSED = {
     "bounds the wrong way": ("  truth:\n    wind.scale: {kind: uniform, low: 2.0, high: 1.0}\n", 7, "low must be below high"),
     "nothing left": ("  truth:\n    wind.scale: {kind: truncated_normal, sigma: 0.1, low: 9.0}\n", 7, "leave nothing"),
     "beyond the bounds": ("  truth:\n    vehicle.aero.capsule.axial_factor: {kind: normal, sigma: 0.8}\n", 7, "truncated_normal or a smaller width"),
-    "whole number": ("  truth:\n    simulation.log_every: {kind: normal, sigma: 1.0}\n", 7, "use kind discrete"),
+    "whole number": ("  truth:\n    sensors.imu.delay_cycles: {kind: normal, sigma: 1.0}\n", 7, "use kind discrete"),
     "no nominal": ("  truth:\n    initial.yaw_pitch_roll_deg.0: {kind: normal, sigma: 1.0}\n", 7, "yaw_pitch_roll_deg"),
     "log of nothing": ("  truth:\n    vehicle.mass.entry_centre_m.1: {kind: log_normal, sigma_ln: 0.1}\n", 7, "positive median"),
+    "no truth of its own": ("  truth:\n    limits.slope_deg: {kind: normal, sigma: 1.0}\n", 7, "is no part of the true world or vehicle"),
     "twice": ("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\n  both: {wind.scale: {kind: normal, sigma: 0.1}}\n", 7, "dispersed twice"),
     "impossible correlation": (
         "  correlated:\n    - {paths: [wind.scale, vehicle.mass.entry_kg], three_sigma: [1.0, 1.0], correlation: [[1.0, 1.2], [1.2, 1.0]]}\n",

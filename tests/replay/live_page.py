@@ -94,8 +94,8 @@ class Page:
 
 
 @contextmanager
-def opened(file: Path, profile: Path, size: tuple[int, int] = (1400, 850)) -> Iterator[Page]:
-    """The file in a browser; skips the test where there is none."""
+def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> Iterator[Page]:
+    """The page at an address in a browser; skips the test where there is none."""
     program = next(filter(None, map(shutil.which, NAMES)), None)
     if program is None:
         pytest.skip("no Chromium on this machine (Debian: apt-get install chromium): the page is not rendered")
@@ -112,7 +112,7 @@ def opened(file: Path, profile: Path, size: tuple[int, int] = (1400, 850)) -> It
         line = next(line for line in running.stderr if "DevTools listening on" in line)
         port = line.split("ws://")[1].split("/")[0]
         page = Page(_page_of(port))
-        page.ask("Page.navigate", url=file.resolve().as_uri())
+        page.ask("Page.navigate", url=address)
         yield page
     finally:
         running.terminate()

@@ -11,6 +11,7 @@ from edl6dof.app import replay as command
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.post.replay import viewer
+from edl6dof.post.replay.program import NoViewer
 from edl6dof.post.replay.recording import history, write_replay
 from edl6dof.post.results import write_run
 
@@ -30,22 +31,17 @@ def options(*runs: Path, **more: object) -> command.ReplayOptions:
 
 
 @pytest.fixture
-def shown(monkeypatch) -> list[tuple[Path, bytes, bool]]:
-    """What would have been opened: path, beginning of the file, in the browser or not."""
-    seen: list[tuple[Path, bytes, bool]] = []
-
-    def instead(recording: Path, web: bool) -> int:
-        seen.append((recording, recording.read_bytes()[:4], web))
-        return 0
-
-    monkeypatch.setattr(viewer, "open_viewer", instead)
+def shown(monkeypatch) -> list[tuple[Path, bytes]]:
+    """What would have been opened on the desktop: path and beginning of the file."""
+    seen: list[tuple[Path, bytes]] = []
+    monkeypatch.setattr(viewer, "show", lambda recording: seen.append((recording, recording.read_bytes()[:4])))
     return seen
 
 
 def test_a_run_without_a_recording_is_drawn_anew_and_leaves_nothing(run, shown):
-    assert command.run_replay(options(run, web=True)) == 0
-    (path, beginning, web), before = shown[0], sorted(run.iterdir())
-    assert beginning == b"RRF2" and web
+    assert command.run_replay(options(run)) == 0
+    (path, beginning), before = shown[0], sorted(run.iterdir())
+    assert beginning == b"RRF2"
     assert not path.exists()
     assert sorted(run.iterdir()) == before
 
@@ -78,27 +74,12 @@ def test_refusals_name_the_file(run, tmp_path):
 
 def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys):
     def cannot(*_: object) -> None:
-        raise viewer.NoViewer("no viewer here")
+        raise NoViewer("no viewer here")
 
     monkeypatch.setattr(viewer, "screenshot", cannot)
     assert command.run_replay(options(run, screenshot=tmp_path / "x.png")) == 1
     assert capsys.readouterr().err == "no viewer here\n"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_servers_listen_on_this_machine_only():
-    """The web viewer answers on the loopback address and on no other address of this machine."""
-    import socket
-
-    port, data = viewer.free_port(), viewer.free_port()
-    with viewer.serving("--serve-web", "--web-viewer-port", str(port), "--port", str(data)):
-        viewer.wait_for(port)
-        with open("/proc/net/tcp", encoding="ascii") as table:
-            rows = [line.split() for line in table.readlines()[1:]]
-        listening = {row[1].split(":")[0] for row in rows if row[3] == "0A" and int(row[1].split(":")[1], 16) in (port, data)}
-        assert listening == {"0100007F"}
-    with socket.socket() as probe:
-        assert probe.connect_ex((viewer.HOST, port)) != 0, "and it is gone afterwards"
 
 
 def test_trajectories_of_a_campaign_are_its_cases_flown_again(tmp_path):

@@ -12,7 +12,7 @@ import urllib.request
 from html import escape
 from pathlib import Path
 
-from edl6dof.post.replay.viewer import HOST, free_port, serving, wait_for
+from edl6dof.post.replay.program import HOST, free_port, running
 
 _PAGE = """<!doctype html>
 <html lang="en">
@@ -22,6 +22,7 @@ _PAGE = """<!doctype html>
  style-src 'unsafe-inline'; connect-src blob: data:; img-src blob: data:; font-src data:; worker-src blob:">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>@TITLE@</title>
+<link rel="icon" href="data:,">
 <style>
 html, body { margin: 0; height: 100%; overflow: hidden; background: #0d1011; color: #cad8de; font: 16px sans-serif }
 canvas { position: absolute; inset: 0; width: 100%; height: 100% }
@@ -63,11 +64,11 @@ play().catch(problem => {
 """
 
 
-def write_page(recording: Path, page: Path, title: str) -> None:
-    """Write the HTML file of a recording.
+def page(recording: Path, title: str) -> bytes:
+    """The HTML file of a recording.
 
     Raises:
-        NoViewer: the viewer's program cannot be had from the installed rerun.
+        ViewerFailed: the viewer's program cannot be had from the installed rerun.
     """
     script, wasm = _program()
     parts = {
@@ -76,16 +77,14 @@ def write_page(recording: Path, page: Path, title: str) -> None:
         "WASM": _packed(wasm),
         "RECORDING": _packed(recording.read_bytes()),
     }
-    with page.open("w", encoding="utf-8") as file:
-        for k, piece in enumerate(_PAGE.split("@")):
-            file.write(parts[piece] if k % 2 else piece)
+    return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(_PAGE.split("@"))).encode("utf-8")
 
 
 def _program() -> tuple[str, bytes]:
-    """The viewer for browsers: its script and its wasm, asked from rerun's own server on this machine."""
+    """The viewer for browsers: its script and its wasm, asked from rerun's own server on this machine, which serves nothing else."""
     port, data = free_port(), free_port()
-    with serving("--serve-web", "--web-viewer-port", str(port), "--port", str(data)):
-        wait_for(port)
+    with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
+        program.wait_for(port)
         script, wasm = (_fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm"))
     return script.decode("utf-8"), wasm
 

@@ -18,7 +18,7 @@ def test_section_shows_everything_about_its_parameters(capsys, monkeypatch):
     lines = out.splitlines()
     assert lines[0] == "vehicle.parachute"
     first = next(i for i, line in enumerate(lines) if line.startswith("  mortar_speed_m_s "))
-    assert lines[first].split() == ["mortar_speed_m_s", "30.0", "m/s", ">", "0"]
+    assert lines[first].split() == ["mortar_speed_m_s", "30.0", "m/s", ">", "0,", "<=", "100000"]
     assert lines[first + 1].strip() == "speed of the pack relative to the vehicle at mortar fire (estimate)"
     assert "initial" not in out
 
@@ -70,7 +70,7 @@ def test_json_has_the_same_rows(capsys, monkeypatch):
         "path": "vehicle.parachute.mortar_speed_m_s",
         "type": "number",
         "unit": "m/s",
-        "bounds": "> 0",
+        "bounds": "> 0 and <= 100000",
         "default": "30.0",
         "meaning": "speed of the pack relative to the vehicle at mortar fire",
         "status": "estimate",

@@ -7,7 +7,7 @@ from config_toy import Toy, write
 
 from edl6dof.config import locate
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.source import find_shipped, read_document, resolve_scenario
+from edl6dof.config.source import LONGEST_CHAIN, find_shipped, read_document, resolve_scenario
 from edl6dof.config.validate import validate
 
 VEHICLE = "# a vehicle\nmass:\n  entry_mass_kg: 1000.0  # [P] S1\n"
@@ -129,3 +129,16 @@ def test_an_unknown_scenario_suggests_the_shipped_ones(tmp_path, package, monkey
     assert "(no name)" in message("")
     assert "no such scenario" in message("a\0b")
     assert "no such scenario" in message("x" * 5000)
+
+
+def test_a_long_chain_of_scenarios_is_refused_at_the_line_that_goes_too_far(tmp_path):
+    write(tmp_path, "s0.yaml", "x: 0\n")
+    for k in range(1, 1501):
+        write(tmp_path, f"s{k}.yaml", f"x: {k}\nextends: s{k - 1}.yaml\n")
+    assert read_document(tmp_path / f"s{LONGEST_CHAIN}.yaml").data == {"x": LONGEST_CHAIN}
+    with pytest.raises(ConfigError) as caught:
+        read_document(tmp_path / "s1500.yaml")
+    (problem,) = caught.value.problems
+    assert (problem.path, problem.line) == ("extends", 2)
+    assert problem.file.endswith(f"s{1500 - LONGEST_CHAIN}.yaml")
+    assert f"at most {LONGEST_CHAIN} are allowed" in problem.message

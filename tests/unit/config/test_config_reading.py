@@ -44,7 +44,7 @@ def loader(request, monkeypatch):
         ("inf", "inf"),
         ("1e", "1e"),
         ("0.1.2", "0.1.2"),
-        ("100000000000000000000", 1e20),
+        ("100000000000000000000", 10**20),
     ],
 )
 def test_plain_scalars_follow_yaml_1_2(text, value):

@@ -37,7 +37,7 @@ TOP = {
     "stop_s: [1]": ("stop_s", "must be a number in s or null (got [1])"),
     "stop_s: 0": ("stop_s", "must be > 0 s (got 0)"),
     "seed: 1.5": ("seed", "must be a whole number (got 1.5)"),
-    "seed: 100000000000000000000": ("seed", "must be a whole number (got 1e+20)"),
+    "seed: 100000000000000000000": ("seed", "must be >= 0 and <= 9223372036854775807 (got 100000000000000000000)"),
     "seed: -1": ("seed", "must be >= 0 (got -1)"),
     "seed:": ("seed", "must be a whole number (got nothing)"),
     "logging: on": ("logging", "must be true or false (got 'on')"),

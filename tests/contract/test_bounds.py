@@ -1,0 +1,123 @@
+"""Every number with a unit has bounds on both sides, and they hold: a leg of 10 km or a mass of a planet is a mistake, not a vehicle."""
+
+from __future__ import annotations
+
+import math
+import types
+from collections.abc import Iterator
+from typing import Annotated, Any, Union, get_args, get_origin
+
+import pytest
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+
+import edl6dof
+from edl6dof.campaign.params import CampaignParams, SweepParams
+from edl6dof.config.errors import ConfigError
+from edl6dof.config.introspect import Slot, bounds, field_slot, is_model
+from edl6dof.config.units import DIMENSIONLESS, UNITS
+from edl6dof.sim.scenario import Scenario
+from edl6dof.vehicle.vehicle import VehicleParams
+
+
+def models(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
+    """A model and all models inside it."""
+    yield model
+    for name, info in model.model_fields.items():
+        for inner in models_in(field_slot(name, info)):
+            yield from models(inner)
+
+
+def models_in(slot: Slot) -> Iterator[type[BaseModel]]:
+    yield from slot.models
+    if (item := element(slot)) is not None:
+        yield from models_in(item)
+
+
+def element(slot: Slot) -> Slot | None:
+    """The place of an item of a list or of a value of a mapping."""
+    kinds = {get_origin(option) for option in slot.options}
+    return slot.child(0) if kinds & {list, tuple} else slot.child("any") if dict in kinds else None
+
+
+def numbers(slot: Slot) -> Iterator[Slot]:
+    """Places of single numbers at or below a field, without those of models inside it."""
+    if {float, int} & set(slot.options):
+        yield slot
+    if (item := element(slot)) is not None and not any(map(is_model, slot.options)):
+        yield from numbers(item)
+
+
+ALL = list(dict.fromkeys(one for root in (Scenario, CampaignParams, SweepParams) for one in models(root)))
+FIELDS = [(model, name) for model in ALL for name in model.model_fields]
+PLACES = [
+    pytest.param(model, name, place, id=f"{model.__name__}.{name}")
+    for model, name in FIELDS
+    for place in numbers(field_slot(name, model.model_fields[name]))
+]
+
+
+def limits(place: Slot) -> tuple[float, float]:
+    found = bounds(place)
+    return found.get("ge", found.get("gt", -math.inf)), found.get("le", found.get("lt", math.inf))
+
+
+def filled(annotation: Any, number: float) -> Any:
+    """A value of a type with ``number`` for each of its numbers."""
+    origin, args = get_origin(annotation), get_args(annotation)
+    if origin in (Union, types.UnionType):
+        return filled(next(option for option in args if option is not type(None)), number)
+    if origin is Annotated:
+        return filled(args[0], number)
+    if origin is tuple and args[-1] is not Ellipsis:
+        return tuple(filled(item, number) for item in args)
+    if origin in (list, tuple):
+        return origin(filled(args[0], number) for _ in range(2))
+    return int(number) if annotation is int else float(number)
+
+
+def test_the_walk_finds_numbers_in_lists_of_lists():
+    found = {case.id for case in PLACES}
+    assert len(found) > 250
+    assert {"LandingGearParams.footpads_m", "MassParams.entry_kg", "Thruster.position_m", "Part.inertia_kg_m2", "Scenario.seed"} <= found
+
+
+@pytest.mark.parametrize("model, name, place", PLACES)
+def test_number_with_a_unit_and_whole_number_are_bounded(model, name, place):
+    if place.unit == DIMENSIONLESS and float in place.options:
+        return
+    low, high = limits(place)
+    assert math.isfinite(low) and math.isfinite(high)
+    assert int not in place.options or high < 2**63
+    info = model.model_fields[name]
+    check = TypeAdapter(Annotated[info.annotation, info], config=ConfigDict(strict=True))
+    for number in (high + abs(high) + 1, low - abs(low) - 1):
+        with pytest.raises(ValidationError, match="less than|greater than"):
+            check.validate_python(filled(info.annotation, number))
+
+
+@pytest.mark.parametrize("model", list(dict.fromkeys(models(VehicleParams))), ids=lambda model: model.__name__)
+def test_nothing_of_a_vehicle_is_larger_than_a_ship(model):
+    for name, info in model.model_fields.items():
+        for place in numbers(field_slot(name, info)):
+            if place.unit in (UNITS["m"], UNITS["m2"]):
+                assert max(map(abs, limits(place))) <= (200.0 if place.unit == UNITS["m"] else 50e3), name
+
+
+@pytest.mark.parametrize(
+    ("override", "allowed"),
+    [
+        ("vehicle.landing_gear.footpads_m.0.0=10000", ">= -200 and <= 200 m"),
+        ("vehicle.landing_gear.footpads_m=[[0, 1e4, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]]", ">= -200 and <= 200 m"),
+        ("vehicle.mass.entry_inertia_kg_m2.1=1e300", ">= -1e+10 and <= 1e+10 kg m2"),
+        ("vehicle.mass.entry_kg=1e300", "> 0 and <= 1e+07 kg"),
+        ("vehicle.aero.capsule.diameter_m=1e4", "> 0 and <= 200 m"),
+        ("vehicle.rcs.thrusters.D7.position_m.2=-1e4", ">= -200 and <= 200 m"),
+        ("seed=1000000000000000000000000000000", ">= 0 and <= 9223372036854775807"),
+        ("seed=9223372036854775808", ">= 0 and <= 9223372036854775807"),
+    ],
+)
+def test_what_is_beyond_is_refused_with_what_is_allowed(override, allowed):
+    with pytest.raises(ConfigError) as caught:
+        edl6dof.load("tianwen1", [override])
+    (problem,) = caught.value.problems
+    assert problem.message.startswith(f"must be {allowed} (got ")

@@ -1,0 +1,136 @@
+"""``edl6dof replay --web``: who is served, and how it ends."""
+
+from __future__ import annotations
+
+import http.client
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from live_page import opened, settled
+from made_up import synthetic_flight
+from test_rendered import curves_are_drawn, ground_is_drawn
+
+from edl6dof.post.replay.recording import history, write_replay
+from edl6dof.post.replay.server import PageServer
+
+ROOT = Path(__file__).parents[2]
+PAGE = b"<!doctype html><title>the page</title>"
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    with PageServer(PAGE) as running:
+        thread = threading.Thread(target=running.serve_forever, daemon=True)
+        thread.start()
+        yield running
+        running.shutdown()
+
+
+def ask(port: int, method: str = "GET", path: str = "/", hosts: list[str] | None = None) -> tuple[int, bytes, dict[str, str]]:
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10.0)
+    connection.putrequest(method, path, skip_host=True)
+    for host in [f"127.0.0.1:{port}"] if hosts is None else hosts:
+        connection.putheader("Host", host)
+    connection.endheaders()
+    answer = connection.getresponse()
+    return answer.status, answer.read(), dict(answer.getheaders())
+
+
+def port_of(server: PageServer) -> int:
+    return int(server.server_address[1])
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "LocalHost", "[::1]"])
+def test_this_machine_is_served_by_its_names(server, name):
+    status, content, headers = ask(port_of(server), hosts=[f"{name}:{port_of(server)}"])
+    assert (status, content) == (200, PAGE)
+    assert headers["Cross-Origin-Resource-Policy"] == "same-origin"
+    assert "Access-Control-Allow-Origin" not in headers
+
+
+@pytest.mark.parametrize(
+    "hosts",
+    [
+        ["evil.example:{port}"],
+        ["evil.example"],
+        ["127.0.0.1"],
+        ["127.0.0.1:1"],
+        ["localhost.evil.example:{port}"],
+        ["127.0.0.1:{port}", "evil.example:{port}"],
+        [""],
+        [],
+    ],
+)
+def test_a_request_for_another_host_is_refused(server, hosts):
+    status, content, _ = ask(port_of(server), hosts=[host.format(port=port_of(server)) for host in hosts])
+    assert status == 403
+    assert PAGE not in content
+
+
+@pytest.mark.parametrize("path", ["/x", "/../etc/passwd", "/replay.rrd", "http://evil.example/"])
+def test_there_is_one_page_only(server, path):
+    assert ask(port_of(server), path=path)[0] == 404
+
+
+def test_other_methods_do_nothing(server):
+    assert ask(port_of(server), "HEAD")[:2] == (200, b"")
+    for method in ("POST", "PUT", "DELETE", "OPTIONS"):
+        assert ask(port_of(server), method)[0] == 501
+
+
+def test_a_client_that_hangs_up_is_no_error(server, capfd):
+    with socket.create_connection(("127.0.0.1", port_of(server))) as client:
+        client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+        client.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port_of(server)}\r\n".encode())
+    assert ask(port_of(server))[0] == 200
+    assert capfd.readouterr().err == ""
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("served") / "replay.rrd"
+    write_replay([history(synthetic_flight())], path)
+    return path
+
+
+@contextmanager
+def command(recording: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
+    """``edl6dof replay --web`` without a display, and the port that it says."""
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    words = [sys.executable, "-c", "from edl6dof.cli import main; main()", "replay", str(recording), "--web"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env={**environment, "PYTHONPATH": str(ROOT)}) as process:
+        try:
+            line = process.stdout.readline()
+            assert line.startswith("http://127.0.0.1:") and line.endswith("Ctrl-C ends it\n")
+            yield process, int(line.split("/")[2].split(":")[1])
+        finally:
+            process.kill()
+
+
+def test_two_at_once_serve_the_replay_and_end_when_told_to(recording):
+    with command(recording) as (first, port), command(recording) as (second, other):
+        assert port != other
+        for place in (port, other):
+            status, content, _ = ask(place)
+            assert status == 200 and b"wasm_bindgen" in content and b"edl6dof replay: replay.rrd" in content
+            assert ask(place, hosts=["evil.example"])[0] == 403
+        for process, place, number in ((first, port, signal.SIGTERM), (second, other, signal.SIGINT)):
+            process.send_signal(number)
+            assert process.wait(timeout=10.0) == 0
+            with socket.socket() as probe:
+                assert probe.connect_ex(("127.0.0.1", place)) != 0
+
+
+def test_the_served_page_plays(recording, tmp_path):
+    with command(recording) as (_, port), opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (1280, 800)) as browser:
+        shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(int)
+        assert browser.problems == []
+    assert ground_is_drawn(shown) and curves_are_drawn(shown)

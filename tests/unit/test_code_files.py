@@ -1,0 +1,140 @@
+"""Machine code on disk: damage, several writers at once, and users who may write nowhere."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from edl6dof.code_files import CodeFiles, say_once
+
+ROOT = Path(__file__).parents[2]
+KERNEL = "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
+CALL = "import sys, mine; print(mine.twice(eval(sys.argv[1])), sum(mine.twice.stats.cache_hits.values()))"
+
+
+@pytest.fixture
+def place(tmp_path) -> Path:
+    """A folder with a module that has one kernel."""
+    (tmp_path / "mine.py").write_text(KERNEL, encoding="utf-8")
+    return tmp_path
+
+
+def start(place: Path, value: str = "1.5", **environment: str) -> subprocess.Popen[str]:
+    env = {key: text for key, text in os.environ.items() if not key.startswith(("NUMBA_", "XDG_"))}
+    env |= {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "HOME": "/dev/null"} | environment
+    words = [sys.executable, "-c", CALL, value]
+    return subprocess.Popen(words, cwd=place, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def ended(process: subprocess.Popen[str]) -> tuple[str, int, list[str]]:
+    """What a process printed, its cache hits, and the lines on its standard error."""
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    said, hits = out.rsplit(None, 1)
+    return said, int(hits), err.splitlines()
+
+
+def code(place: Path) -> list[Path]:
+    return sorted((place / "__pycache__").iterdir())
+
+
+@pytest.mark.parametrize("harm", ["emptied", "cut short", "one bit", "something else"])
+def test_damaged_code_is_compiled_again_and_said_in_one_line(place, harm):
+    assert ended(start(place)) == ("3.0", 0, [])
+    (file,) = code(place)
+    content = file.read_bytes()
+    half = len(content) // 2
+    flipped = content[:half] + bytes([content[half] ^ 1]) + content[half + 1 :]
+    file.write_bytes({"emptied": b"", "cut short": content[:half], "one bit": flipped, "something else": b"\x80\x05garbage."}[harm])
+    said, hits, lines = ended(start(place))
+    assert (said, hits) == ("3.0", 0)
+    (line,) = lines
+    assert line.endswith("is damaged; it is compiled again")
+    assert ended(start(place)) == ("3.0", 1, [])
+
+
+def test_processes_that_compile_at_once_leave_code_for_all(place):
+    """Each compiles for arguments of its own; nobody's code is lost or taken for another's."""
+    values = {"1.5": "3.0", "2": "4", "1.5j": "3j", "True": "2", "(1.0, 2)": "(1.0, 2, 1.0, 2)"}
+    running = [start(place, value) for value in values for _ in range(2)]
+    assert [ended(one)[0] for one in running] == [said for said in values.values() for _ in range(2)]
+    assert [ended(start(place, value)) for value in values] == [(said, 1, []) for said in values.values()]
+    assert {file.suffix for file in code(place)} == {".nbc"}
+
+
+def test_two_writers_who_know_nothing_of_each_other(tmp_path):
+    first, second = (CodeFiles(tmp_path, "f-1.py311", "a" * 64) for _ in range(2))
+    assert not first and first.load("int") is None
+    first.save("int", "code for int")
+    second.save("float", "code for float")
+    for one in (first, second):
+        assert one and (one.load("int"), one.load("float")) == ("code for int", "code for float")
+
+
+def test_code_of_other_sources_is_neither_taken_nor_kept(tmp_path):
+    old, new, other = (
+        CodeFiles(tmp_path, name, stamp * 64) for name, stamp in (("f-1.py311", "a"), ("f-1.py311", "b"), ("f-10.py311", "a"))
+    )
+    (tmp_path / "f-1.py311.nbi").write_bytes(b"an index of numba's own")
+    other.save("int", "another function's")
+    old.save("int", "old")
+    assert not new and new.load("int") is None
+    new.save("int", "new")
+    assert (new.load("int"), old.load("int"), other.load("int")) == ("new", None, "another function's")
+    assert len(list(tmp_path.iterdir())) == 2
+    new.flush()
+    assert not new and other
+
+
+def test_a_folder_that_takes_no_file_costs_a_line_and_nothing_else(tmp_path, capsys):
+    say_once.cache_clear()
+    files = CodeFiles(tmp_path / "gone", "f", "a" * 64)
+    files.save("int", "code")
+    files.save("float", "code")
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "machine code cannot be kept in" in line and "No such file" in line
+
+
+@pytest.fixture
+def read_only(place) -> Path:
+    """The folder of the module keeps no code: a file stands in the place of ``__pycache__``, which stops even root."""
+    (place / "__pycache__").write_text("")
+    (place / "tmp").mkdir()
+    return place
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows gives every user a folder for temporary files")
+class TestNowhereToWrite:
+    def test_a_user_without_a_home_gets_a_folder_of_his_own(self, read_only):
+        temporary = {"TMPDIR": str(read_only / "tmp")}
+        said, hits, lines = ended(start(read_only, **temporary))
+        assert (said, hits) == ("3.0", 0)
+        folder = read_only / "tmp" / f"edl6dof-{os.getuid()}"
+        assert lines == [f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)"]
+        assert folder.stat().st_mode & 0o777 == 0o700
+        assert ended(start(read_only, **temporary))[:2] == ("3.0", 1)
+
+    @pytest.mark.parametrize("kind", ["open to others", "a file", "a link"])
+    def test_a_folder_that_others_prepared_is_not_used(self, read_only, kind):
+        folder = read_only / "tmp" / f"edl6dof-{os.getuid()}"
+        if kind == "a file":
+            folder.write_text("")
+        elif kind == "a link":
+            (read_only / "elsewhere").mkdir(mode=0o700)
+            folder.symlink_to(read_only / "elsewhere")
+        else:
+            folder.mkdir()
+            folder.chmod(0o777)
+        said, hits, lines = ended(start(read_only, TMPDIR=str(read_only / "tmp")))
+        assert (said, hits) == ("3.0", 0)
+        (line,) = lines
+        assert line.startswith("edl6dof: no folder for machine code can be written to: it is compiled for this process alone")
+
+    def test_a_home_that_is_no_path_makes_no_folder_here(self, read_only):
+        before = sorted(read_only.iterdir())
+        assert ended(start(read_only, HOME="home", TMPDIR=str(read_only / "tmp")))[0] == "3.0"
+        assert sorted(read_only.iterdir()) == before
