@@ -42,7 +42,7 @@ def fly_new(options: CampaignOptions) -> int:
         print(f"interrupted; {_standing(store, plan)}", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        return refuse(f"{store.folder}: {error.strerror or error}; {_standing(store, plan)}")
+        return refuse(f"{_reason(store, error)}; {_standing(store, plan)}")
 
 
 def go_on(options: CampaignOptions) -> int:
@@ -63,7 +63,11 @@ def go_on(options: CampaignOptions) -> int:
             with _engine(options) as engine:
                 return _fly(plan, store, engine, options)
     except OSError as error:
-        return refuse(f"{store.folder}: {error.strerror or error}; {_going_on(store)}")
+        return refuse(f"{_reason(store, error)}; {_going_on(store)}")
+
+
+def _reason(store: Store, error: OSError) -> str:
+    return f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
 
 
 def _going_on(store: Store) -> str:

@@ -100,7 +100,10 @@ class Store:
         """The plan that the folder was begun with."""
         info = self.info
         if self.is_half_begun:
-            raise refused(self.folder, "was being begun or replaced when the program was stopped; begin it anew with --force")
+            raise refused(
+                self.folder,
+                "has no campaign.yaml: the program was stopped while it began or replaced the campaign; begin it anew with --force",
+            )
         plan = content(self._plan)
         if sha256(plan) != info.identity.plan:
             raise refused(self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force")
