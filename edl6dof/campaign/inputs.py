@@ -12,7 +12,7 @@ from typing import Any
 from edl6dof.campaign.distributions import Discrete
 from edl6dof.campaign.plan import Plan
 from edl6dof.campaign.readback import value_at
-from edl6dof.config.locate import find_include
+from edl6dof.config.locate import PACKAGE, find_include
 from edl6dof.config.source import INCLUDES, read_document
 from edl6dof.environment.terrain import MAP
 from edl6dof.sim.data_files import TABLES
@@ -25,8 +25,11 @@ def input_files(plan: Plan) -> list[Path]:
     folder = files[0].resolve().parent if files else Path.cwd()
     for key, path_of in TABLES.items():
         found |= {path_of(value_at(model, key)) for model in (plan.loaded.scenario, plan.loaded.truth) if value_at(model, key)}
-    for path, value in _exchanged(plan):
+    exchanged = list(_exchanged(plan))
+    for path, value in exchanged:
         found |= set(_named(path, value, folder))
+    if exchanged:  # what the new sections leave out takes its default, a table of the package
+        found |= set((PACKAGE / "data").rglob("*"))
     return sorted(path.resolve() for path in found if path.is_file())
 
 

@@ -14,8 +14,8 @@ import pytest
 from campaign_run import finished, program, write_drop
 
 from edl6dof.campaign import origin, run
-from edl6dof.campaign.plan import load_plan
 from edl6dof.campaign.files import StoreError
+from edl6dof.campaign.plan import load_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.plugin_scan import scenarios_naming_plugins
 

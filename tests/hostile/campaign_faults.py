@@ -2,9 +2,10 @@
 
     python campaign_faults.py FOLDER STORY FAULT
 
-STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete there) or ``force_unfinished``.
-FAULT is ``before`` or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every operation is tried once;
-for each, a line of JSON tells how the program ended, what readers then say, and which table the next attempt gives.
+STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete there) or
+``force_unfinished``.  FAULT is ``before`` or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every
+operation is tried once; for each, a line of JSON tells how the program ended, what readers then say, and which table the next attempt
+gives.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -153,11 +155,11 @@ class Harness:
 
     def _unfinished(self, seed: int) -> None:
         """A campaign that died when its first part was in place."""
-        number = 1
-        while not (RUN / "parts" / "000000.parquet").exists():
-            shutil.rmtree("runs")
-            number += 1
-            in_child(lambda: Faults(number, "before") and command(self.file, seed=seed))
+        for number in count(1):
+            shutil.rmtree("runs", ignore_errors=True)
+            in_child(lambda number=number: Faults(number, "before") and command(self.file, seed=seed))
+            if (RUN / "parts" / "000000.parquet").exists():
+                return
 
     def table(self) -> str:
         """Which table lies in the folder now."""

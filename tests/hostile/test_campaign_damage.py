@@ -79,9 +79,9 @@ def lay_out(flown, tmp_path, monkeypatch):
 def edl6dof(*words: str) -> tuple[int, str, str]:
     """Status, standard output and standard error of a command; anything that it does not catch comes out."""
     sys.argv = ["edl6dof", *words]
-    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
-        with pytest.raises(SystemExit) as end:
-            cli.main()
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as end:
+        cli.main()
     return int(end.value.code or 0), out.getvalue(), err.getvalue()
 
 
