@@ -18,7 +18,6 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +27,12 @@ from campaign_run import write_drop
 
 from edl6dof.app import campaign_flight
 from edl6dof.app.campaign import CampaignOptions
+from edl6dof.app.ending import INTERRUPTED
 from edl6dof.app.report import report_of
 from edl6dof.campaign.executor import Pilot
+from edl6dof.campaign.origin import source_hash
 from edl6dof.campaign.plan import Plan, load_plan
+from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.post.dispersed import build  # noqa: F401  loaded once, not in every child
@@ -45,10 +47,10 @@ RUN = Path("runs/drops")
 
 
 class Recorded:
-    """An engine with the rows of flights flown before."""
+    """An engine with the rows of flights flown before; it may stop after the first range."""
 
-    def __init__(self, rows: dict[int, list[dict[str, Any]]]):
-        self.flown = rows
+    def __init__(self, rows: dict[int, list[dict[str, Any]]], stops: bool = False):
+        self.flown, self.stops = rows, stops
 
     def __str__(self) -> str:
         return "recorded rows"
@@ -57,6 +59,8 @@ class Recorded:
         """Rows of each range."""
         for first, last in ranges:
             yield self.flown[plan.campaign.seed][first:last]
+            if self.stops:
+                raise KeyboardInterrupt
 
 
 class Faults:
@@ -141,25 +145,21 @@ class Harness:
         self.file = write_drop(folder)
         self.plans = {seed: load_plan(self.file, cases=CASES, seed=seed) for seed in SEEDS}
         flown = {seed: Pilot(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
-        engine = contextlib.nullcontext(Recorded(flown))
+        table_of(flown[SEEDS[0]]), source_hash()  # what these load or find is there for all children
         campaign_flight.load_plan = lambda file, sets, cases, seed: self.plans[seed or SEEDS[0]]
-        campaign_flight._engine = lambda options: engine
+        self._use(Recorded(flown, stops=True))
+        for seed in SEEDS:
+            assert in_child(lambda seed=seed: command(self.file, seed=seed, force=True))[1]["status"] == INTERRUPTED
+            shutil.copytree("runs", f"unfinished-{seed}")
+        self._use(Recorded(flown))
         self.tables = {}
-        for seed in reversed(SEEDS):
+        for seed in SEEDS:
             assert in_child(lambda seed=seed: command(self.file, seed=seed, force=True))[1]["status"] == 0
             self.tables[seed] = (RUN / "cases.parquet").read_bytes()
             shutil.copytree("runs", f"complete-{seed}")
-        for seed in SEEDS:
-            self._unfinished(seed)
-            shutil.copytree("runs", f"unfinished-{seed}")
 
-    def _unfinished(self, seed: int) -> None:
-        """A campaign that died when its first part was in place."""
-        for number in count(1):
-            shutil.rmtree("runs", ignore_errors=True)
-            in_child(lambda number=number: Faults(number, "before") and command(self.file, seed=seed))
-            if (RUN / "parts" / "000000.parquet").exists():
-                return
+    def _use(self, engine: Recorded) -> None:
+        campaign_flight._engine = lambda options: contextlib.nullcontext(engine)
 
     def table(self) -> str:
         """Which table lies in the folder now."""
