@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -29,7 +30,7 @@ _AHEAD = 3
 PATIENCE_S = 60.0
 
 #: Seconds between looks at who is there while a task takes its time.
-_LOOK_S = 2.0
+LOOK_S = 2.0
 
 
 class Engine(Protocol):
@@ -69,9 +70,8 @@ class Threads:
 class Dask:
     """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins takes part."""
 
-    def __init__(self, client: Client, patience_s: float = PATIENCE_S):
-        """``patience_s``: for how long the cluster may be without any worker."""
-        self.client, self.patience_s = client, patience_s
+    def __init__(self, client: Client):
+        self.client = client
 
     def __str__(self) -> str:
         return f"Dask, {len(self.client.nthreads())} workers at {self.client.scheduler.address}"
@@ -103,22 +103,24 @@ class Dask:
             found.clear()
 
     def _result(self, future: Future) -> list[Row]:
-        from distributed import CancelledError, KilledWorker, TimeoutError, wait
+        """Rows of a task; one whose rows were lost with a worker is flown again by the next."""
+        from distributed import CancelledError, KilledWorker
 
         seen = time.monotonic()
-        try:
-            while not future.done():
-                with suppress(TimeoutError):
-                    wait(future, timeout=_LOOK_S)
-                if self.client.nthreads():
-                    seen = time.monotonic()
-                elif time.monotonic() - seen > self.patience_s:
-                    raise OSError(f"no worker of the cluster has been there for {self.patience_s:.0f} s")
-            return future.result()
-        except KilledWorker as error:
-            raise OSError(f"the workers that flew some cases died one after the other: {' '.join(str(error).split())}") from None
-        except CancelledError as error:
-            raise OSError(f"the scheduler of the cluster is gone ({' '.join(str(error).split())})") from None
+        while True:
+            try:
+                return future.result(timeout=LOOK_S)
+            except TimeoutError:
+                if future.status == "error":
+                    raise
+            except KilledWorker as error:
+                raise OSError(f"the workers that flew some cases died one after the other: {' '.join(str(error).split())}") from None
+            except CancelledError as error:
+                raise OSError(f"the scheduler of the cluster is gone ({' '.join(str(error).split())})") from None
+            if self.client.nthreads():
+                seen = time.monotonic()
+            elif time.monotonic() - seen > PATIENCE_S:
+                raise OSError(f"no worker of the cluster has been there for {PATIENCE_S:.0f} s")
 
 
 @contextmanager
@@ -131,6 +133,8 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     """
     from distributed import Client, LocalCluster
 
+    for name in ("distributed.client", "distributed.nanny", "asyncio"):  # what they have to say is said here, in a line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
         with Client(address, timeout="20s", set_as_default=False) as client:
             yield Dask(client)
