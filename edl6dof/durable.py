@@ -32,6 +32,14 @@ def put_in_place(partial: Path, target: Path) -> None:
     sync(target.parent)
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder and those above it that are missing, durably; one that is there stays as it is."""
+    for folder in reversed([path, *path.parents]):
+        if not folder.is_dir():
+            folder.mkdir()
+            sync(folder.parent)
+
+
 def sync(path: Path) -> None:
     """Force a file, or the list of names in a folder, to the disk."""
     if path.is_dir() and os.name == "nt":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from os.path import lexists
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,7 @@ import numpy as np
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.plan import Plan
 from edl6dof.campaign.run import resumed_plan
-from edl6dof.campaign.store import Store, StoreError
-from edl6dof.config.errors import refusal
+from edl6dof.campaign.store import Store
 from edl6dof.post.replay.history import thin, vector
 from edl6dof.post.replay.swarm import Trajectory
 from edl6dof.sim.flight import Flight
@@ -25,19 +25,16 @@ RATE_HZ = 0.5
 
 def is_campaign(folder: Path) -> bool:
     """Whether a folder holds a campaign."""
-    return (folder / "campaign.yaml").is_file()
+    return lexists(folder / "campaign.json")
 
 
 def campaign_plan(folder: Path) -> Plan:
     """The plan of a campaign's folder.
 
     Raises:
-        ConfigError: it was flown with other sources of this program, so its flights would not repeat.
+        ConfigError: it was flown with another program or other files, so its flights would not repeat; or its plan cannot be read.
     """
-    try:
-        return resumed_plan(Store(folder))
-    except StoreError as error:
-        raise refusal(folder, str(error)) from None
+    return resumed_plan(Store(folder))
 
 
 def trajectories(plan: Plan) -> list[Trajectory]:

@@ -15,8 +15,9 @@ import pyarrow.compute as pc
 from scipy.special import ndtri
 from scipy.stats import binomtest
 
+from edl6dof.campaign.files import refused
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.store import Store, StoreError
+from edl6dof.campaign.store import Store
 
 #: Columns that say how a case ended and not what came out of it.
 _ENDS = {"case", "success", "cause", "outcome", "profile"}
@@ -78,7 +79,7 @@ def compare(first: Store, second: Store) -> Comparison:
     cases = np.intersect1d(a["case"].to_numpy(), b["case"].to_numpy())
     a, b = (table.filter(pc.is_in(table["case"], pa.array(cases))) for table in (a, b))
     names = (first.folder.name, second.folder.name)
-    _require_common(a, b, names)
+    _require_common(a, b, first, second)
     success = [table["success"].to_numpy(zero_copy_only=False) for table in (a, b)]
     counts = tuple(int(np.sum(pair)) for pair in _pairs(*success))
     proportions = tuple(Proportion(int(ok.sum()), len(ok)) for ok in success)
@@ -87,15 +88,15 @@ def compare(first: Store, second: Store) -> Comparison:
     return Comparison(names, proportions, counts, float(p_value), tuple(_differences(a, b)))
 
 
-def _require_common(a: pa.Table, b: pa.Table, names: tuple[str, str]) -> None:
+def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:
     """Every quantity that both disperse must have the same values: only then are these pairs."""
     if not len(a):
-        raise StoreError(f"{names[0]} and {names[1]} have no case in common")
+        raise refused(first.folder, f"has no case in common with {second.folder}")
     shared = [name for name in a.column_names if name in b.column_names and name.startswith(("truth.", "belief.", "profile"))]
     different = [name for name in shared if not a[name].equals(b[name])]
     if not shared or different:
-        what = f"differ in {', '.join(different[:3])}" if different else "share no dispersed quantity"
-        raise StoreError(f"{names[0]} and {names[1]} {what}: fly both with the same campaign section and seed")
+        what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
+        raise refused(first.folder, f"{what} with {second.folder}: fly both with the same campaign section and seed")
 
 
 def _pairs(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:

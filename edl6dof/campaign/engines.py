@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import time
 from collections import deque
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -9,12 +11,12 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 from edl6dof.campaign.executor import Pilot, available_cores
-from edl6dof.campaign.origin import source_hash
+from edl6dof.campaign.origin import Identity, changed_files, compared, differences, identity
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import Row
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 Range = tuple[int, int]
 
@@ -23,6 +25,12 @@ _TASK = 10
 
 #: Tasks sent ahead for each thread of the cluster.
 _AHEAD = 3
+
+#: Seconds for which a cluster may be without any worker.
+PATIENCE_S = 60.0
+
+#: Seconds between looks at who is there while a task takes its time.
+LOOK_S = 2.0
 
 
 class Engine(Protocol):
@@ -60,7 +68,7 @@ class Threads:
 
 
 class Dask:
-    """Workers of a Dask cluster; one that dies loses nothing, its cases go to another."""
+    """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins takes part."""
 
     def __init__(self, client: Client):
         self.client = client
@@ -69,26 +77,50 @@ class Dask:
         return f"Dask, {len(self.client.nthreads())} workers at {self.client.scheduler.address}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
-        """Rows of each range."""
-        text = self.client.scatter(plan.text, broadcast=True, hash=True)
-        ahead = _AHEAD * max(sum(self.client.nthreads().values()), 1)
-        waiting: deque[tuple[Any, bool]] = deque()
+        """Rows of each range.
+
+        Raises:
+            OSError: no worker is left and none has joined for a while, or one is no copy of this program.
+        """
+        order = plan.text, identity(plan)
+        waiting: deque[tuple[Future, bool]] = deque()
         found: list[Row] = []
         for first, last in ranges:
             for start in range(first, last, _TASK):
                 stop = min(start + _TASK, last)
-                waiting.append((self.client.submit(fly_range, text, source_hash(), start, stop, pure=False, retries=3), stop == last))
+                waiting.append((self.client.submit(fly_range, *order, start, stop, pure=False), stop == last))
+            ahead = _AHEAD * max(sum(self.client.nthreads().values()), 1)
             while len(waiting) >= ahead:
                 yield from self._next(waiting, found)
         while waiting:
             yield from self._next(waiting, found)
 
-    def _next(self, waiting: deque[tuple[Any, bool]], found: list[Row]) -> Iterator[list[Row]]:
+    def _next(self, waiting: deque[tuple[Future, bool]], found: list[Row]) -> Iterator[list[Row]]:
         future, ends_range = waiting.popleft()
-        found += future.result()
+        found += self._result(future)
         if ends_range:
             yield list(found)
             found.clear()
+
+    def _result(self, future: Future) -> list[Row]:
+        """Rows of a task; one whose rows were lost with a worker is flown again by the next."""
+        from distributed import CancelledError, KilledWorker
+
+        seen = time.monotonic()
+        while True:
+            try:
+                return future.result(timeout=LOOK_S)
+            except TimeoutError:
+                if future.status == "error":
+                    raise
+            except KilledWorker as error:
+                raise OSError(f"the workers that flew some cases died one after the other: {' '.join(str(error).split())}") from None
+            except CancelledError as error:
+                raise OSError(f"the scheduler of the cluster is gone ({' '.join(str(error).split())})") from None
+            if self.client.nthreads():
+                seen = time.monotonic()
+            elif time.monotonic() - seen > PATIENCE_S:
+                raise OSError(f"no worker of the cluster has been there for {PATIENCE_S:.0f} s")
 
 
 @contextmanager
@@ -101,6 +133,8 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     """
     from distributed import Client, LocalCluster
 
+    for name in ("distributed.client", "distributed.nanny", "asyncio"):  # what they have to say is said here, in a line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
         with Client(address, timeout="20s", set_as_default=False) as client:
             yield Dask(client)
@@ -110,19 +144,32 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
         yield Dask(client)
 
 
-def fly_range(plan_text: str, source: str, first: int, last: int) -> list[Row]:
+def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[Row]:
     """Fly cases on a worker, which keeps the plan and its pilot for the tasks to come.
 
     Raises:
-        OSError: the worker runs other sources than the program that sent the cases.
+        OSError: the worker is no copy of the program that sent the cases, or has other tables.
     """
-    if source != source_hash():
-        raise OSError("a worker of the cluster runs other sources of edl6dof than this program; install the same on all machines")
-    plan, pilot = _prepared(plan_text)
-    return pilot.fly(list(plan.cases(first, last)))
+    _require_same(differences(ordered, plan_text))
+    plan, pilot, present = _prepared(plan_text)
+    _require_same(compared(ordered, present))
+    rows = pilot.fly(list(plan.cases(first, last)))
+    _require_same([f"file {name}: changed meanwhile" for name in changed_files(ordered)])
+    return rows
+
+
+def _require_same(found: list[str]) -> None:
+    if found:
+        raise OSError(f"worker {_worker()} is no copy of this program: {'; '.join(found)}")
+
+
+def _worker() -> str:
+    from distributed import get_worker
+
+    return get_worker().address
 
 
 @lru_cache(maxsize=2)
-def _prepared(plan_text: str) -> tuple[Plan, Pilot]:
+def _prepared(plan_text: str) -> tuple[Plan, Pilot, Identity]:
     plan = parse_plan(plan_text, "(campaign)")
-    return plan, Pilot(plan.loaded)
+    return plan, Pilot(plan.loaded), identity(plan)

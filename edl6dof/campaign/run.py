@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
-import numpy as np
-import pyarrow.parquet as pq
+import pyarrow as pa
 
 import edl6dof
 from edl6dof.campaign.engines import Engine
-from edl6dof.campaign.origin import plugin_complaint, plugin_hashes, source_hash
+from edl6dof.campaign.files import refused
+from edl6dof.campaign.origin import Identity, changed_files, compared, differences, identity
+from edl6dof.campaign.parts import PART
 from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.store import PART, Store, StoreError
+from edl6dof.campaign.store import Cause, Info, Store, Summary
 
 
 @dataclass
@@ -44,82 +44,88 @@ class Tally:
 Report = Callable[[Tally], None]
 
 
-def begin(plan: Plan, store: Store, until: str | None) -> None:
+def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> None:
     """Make the folder of a new campaign.
 
     Raises:
-        StoreError: there is something already.
+        StoreError: there is something already; with ``force``, something that is no campaign's.
     """
-    sources = {"edl6dof_version": edl6dof.__version__, "source": source_hash(), "plugins": plugin_hashes()}
-    store.begin(plan.text, {**sources, "cases": plan.count, "part": PART, "until": until})
+    store.begin(plan.text, Info(until=until, identity=identity(plan)), force)
 
 
 def resumed_plan(store: Store) -> Plan:
     """The plan of a campaign that was begun earlier.
 
     Raises:
-        StoreError: it was begun with other sources or plugins: rows of two programs would stand in one table.
+        StoreError: it was begun with other sources, plugins, versions or tables: rows of two programs would stand in one table.
     """
-    info = store.info
-    if complaint := plugin_complaint(info.get("plugins", {})):
-        raise StoreError(f"{store.folder} was begun {complaint}")
-    if info["source"] != source_hash():
-        raise StoreError(f"{store.folder} was begun with other sources of edl6dof ({info['edl6dof_version']}); begin anew with --force")
-    return parse_plan(store.plan_text, str(store.folder / "campaign.yaml"))
+    recorded, text = store.info.identity, store.plan_text
+    _require_same(store, differences(recorded, text))
+    plan = parse_plan(text, str(store.folder / "campaign.yaml"))
+    _require_same(store, compared(recorded, identity(plan)))
+    return plan
+
+
+def _require_same(store: Store, found: list[str]) -> None:
+    if found:
+        what = "; ".join(found)
+        raise refused(store.folder, f"was begun with another program or other files ({what}); restore them or begin anew with --force")
 
 
 def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) -> Tally:
-    """Fly every case that is missing, put the table together and return how it ended."""
-    until = Until.parse(text) if (text := store.info["until"]) else None
+    """Fly every case that is missing, put the table together and return how it ended.
+
+    Raises:
+        StoreError: a table that the cases read has changed meanwhile.
+        OSError: something cannot be written, or the engine has failed.
+    """
+    info, parts = store.info, store.parts
+    until = Until.parse(info.until) if info.until else None
     ranges = [(first, min(first + PART, plan.count)) for first in range(0, plan.count, PART)]
+    kept = {k: good for k, (first, last) in enumerate(ranges) if (good := parts.successes(k, first, last)) is not None}
     tally, done = Tally(plan.count), 0
-    missing = {k for k, (first, last) in enumerate(ranges) if not store.has_part(k, first, last)}
-    flown = engine.rows(plan, (ranges[k] for k in sorted(missing)))
+    flown = engine.rows(plan, (cases for k, cases in enumerate(ranges) if k not in kept))
     for index, (_, last) in enumerate(ranges):
-        if index in missing:
+        if index not in kept:
             rows = next(flown)
-            store.write_part(index, table_of(rows))
-            successes, here = sum(row["success"] for row in rows), len(rows)
-        else:
-            successes, here = int(np.sum(pq.read_table(store.part(index), columns=["success"])["success"].to_numpy())), 0
-        tally.flown, tally.successes, tally.here, done = last, tally.successes + successes, tally.here + here, index + 1
+            _require_unchanged(store, info.identity)
+            parts.write(index, table_of(rows))
+            tally.here += len(rows)
+        tally.flown, done = last, index + 1
+        tally.successes += kept[index] if index in kept else sum(bool(row["success"]) for row in rows)
         if report is not None:
             report(tally)
         if until is not None and until.reached(tally.success):
             break
     if hasattr(flown, "close"):
         flown.close()
-    store.finish(done, summary(plan, tally, store, str(engine)))
+    store.finish(done, summary(plan, tally, causes(parts.table(range(done), ["cause"])), str(engine)))
     return tally
 
 
-def summary(plan: Plan, tally: Tally, store: Store, engine: str) -> dict[str, Any]:
-    """Outcome of a campaign, ready for JSON."""
-    low, high = tally.success.interval
-    return {
-        "name": plan.name,
-        "kind": "campaign",
-        "cases": tally.flown,
-        "cases_planned": plan.count,
-        "successes": tally.successes,
-        "p_success": tally.success.value,
-        "p_success_95": [low, high],
-        "causes": causes(store),
-        "edl6dof_version": edl6dof.__version__,
-        "engine": engine,
-        "flown_in_this_run": tally.here,
-        "flights_per_second": tally.rate,
-    }
+def _require_unchanged(store: Store, recorded: Identity) -> None:
+    if changed := changed_files(recorded):
+        raise refused(store.folder, f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume")
 
 
-def causes(store: Store) -> list[dict[str, Any]]:
+def summary(plan: Plan, tally: Tally, causes: list[Cause], engine: str) -> Summary:
+    """Outcome of a campaign."""
+    return Summary(
+        name=plan.name,
+        cases=tally.flown,
+        cases_planned=plan.count,
+        successes=tally.successes,
+        p_success=tally.success.value,
+        p_success_95=list(tally.success.interval),
+        causes=causes,
+        edl6dof_version=edl6dof.__version__,
+        engine=engine,
+        flown_in_this_run=tally.here,
+        flights_per_second=tally.rate,
+    )
+
+
+def causes(table: pa.Table) -> list[Cause]:
     """Causes of failures with the number of cases, the most frequent first."""
-    counted: Counter[str] = Counter()
-    for cause in _columns(store, "cause"):
-        counted[cause] += 1
-    counted.pop("", None)
-    return [{"cause": cause, "cases": number} for cause, number in counted.most_common()]
-
-
-def _columns(store: Store, name: str) -> Iterator[str]:
-    yield from store.table([name])[name].to_pylist()
+    counted = Counter(cause for cause in table["cause"].to_pylist() if cause)
+    return [Cause(cause=cause, cases=number) for cause, number in counted.most_common()]

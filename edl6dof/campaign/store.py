@@ -3,202 +3,289 @@
 ::
 
     runs/tianwen1_mc/
+      campaign.json     what the rows follow from: hashes of plan, sources, plugins and tables, versions
       campaign.yaml     the plan, every default written out
-      campaign.json     version, source hash, plugins with theirs, number of cases, size of a part
-      parts/000000.parquet ...   while it flies; each holds a fixed range of cases
+      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 beside it
       cases.parquet     all rows, when it is complete
-      summary.json      success probability, causes, speed
+      summary.json      success probability, causes, speed, and the SHA-256 of the rows
 
-A part is written beside its place, forced to the disk and renamed; killing the program at any moment, or filling the disk, loses
-at most the cases of the parts not yet in place, and going on gives the same table, byte for byte.
+Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place, and going on gives the same
+table, byte for byte.  That rests on the order in which files appear: a campaign is begun when ``campaign.yaml`` is there, complete when
+``summary.json`` is; the parts go after it.  Replacing a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
 """
 
 from __future__ import annotations
 
 import fcntl
-import json
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
-#: Cases in one part: a few seconds of flying.
-PART = 50
+from edl6dof.campaign.files import Sealed, content, file_sha256, read_sealed, refused, sha256, write_sealed
+from edl6dof.campaign.origin import Identity
+from edl6dof.campaign.parts import NAMES, Parts, open_parquet
+from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
 
-#: Rows in memory while the parts are put together.
-_ROW_GROUP = 4096
+#: Name of a file that a killed program was writing, with the name that it was to get.
+_LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 
-_OPTIONS = {"compression": "zstd", "use_dictionary": ["cause", "outcome"], "write_statistics": False}
+_FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|report\.(?:html|pdf)")
+_FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 
-class StoreError(Exception):
-    """The folder cannot be used; the text says why."""
+class Info(Sealed):
+    """Content of ``campaign.json``.
+
+    Attributes:
+        until: when to stop early, as ``--until`` says it.
+        identity: what the rows follow from.
+    """
+
+    until: str | None
+    identity: Identity
+
+
+class Cause(Sealed):
+    """A cause of failures and how many cases failed by it."""
+
+    cause: str
+    cases: int
+
+
+class Summary(Sealed):
+    """Content of ``summary.json``: how a campaign ended.
+
+    Attributes:
+        campaign: hash of the identity in ``campaign.json``.
+        cases_sha256: hash of ``cases.parquet``.
+    """
+
+    name: str
+    kind: Literal["campaign"] = "campaign"
+    cases: int
+    cases_planned: int
+    successes: int
+    p_success: float
+    p_success_95: list[float]
+    causes: list[Cause]
+    edl6dof_version: str
+    engine: str
+    flown_in_this_run: int
+    flights_per_second: float
+    campaign: str = ""
+    cases_sha256: str = ""
 
 
 @dataclass(frozen=True)
 class Store:
-    """A campaign's folder."""
+    """A campaign's folder.  What reads it raises :class:`~edl6dof.campaign.files.StoreError` for anything that is not as it was written."""
 
     folder: Path
 
     @property
-    def plan_text(self) -> str:
-        """The plan that the folder was begun with."""
-        return self._read("campaign.yaml").decode()
+    def info(self) -> Info:
+        """What ``campaign.json`` says."""
+        if not self.folder.is_dir() or not os.path.lexists(self._info):
+            raise refused(self.folder, "is not the folder of a campaign (no campaign.json)")
+        return read_sealed(self._info, Info)
 
     @property
-    def info(self) -> dict[str, Any]:
-        """What ``campaign.json`` says."""
-        return json.loads(self._read("campaign.json"))
+    def plan_text(self) -> str:
+        """The plan that the folder was begun with."""
+        info = self.info
+        if self.is_half_begun:
+            raise refused(
+                self.folder,
+                "has no campaign.yaml: the program was stopped while it began or replaced the campaign; begin it anew with --force",
+            )
+        plan = content(self._plan)
+        if sha256(plan) != info.identity.plan:
+            raise refused(self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force")
+        return plan.decode()
+
+    @property
+    def is_half_begun(self) -> bool:
+        """Whether a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
+        return os.path.lexists(self._info) and not os.path.lexists(self._plan)
 
     @property
     def complete(self) -> bool:
         """Whether all rows are together in one table."""
-        return (self.folder / "cases.parquet").is_file()
+        return os.path.lexists(self._summary)
 
-    def _read(self, name: str) -> bytes:
-        try:
-            return (self.folder / name).read_bytes()
-        except OSError:
-            raise StoreError(f"{self.folder} is not the folder of a campaign (no {name})") from None
+    @property
+    def summary(self) -> Summary:
+        """How the campaign ended, after its table was found to be as it was written."""
+        found, campaign = read_sealed(self._summary, Summary), self.info.identity.digest
+        if found.campaign != campaign:
+            raise refused(self._summary, "belongs to another campaign; fly this one anew with --force")
+        if file_sha256(self._cases) != found.cases_sha256:
+            raise refused(self._cases, "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force")
+        return found
 
-    def begin(self, plan_text: str, info: dict[str, Any]) -> None:
-        """Make a new folder.
+    @property
+    def parts(self) -> Parts:
+        """The parts of this campaign."""
+        return Parts(self.folder / "parts", self.info.identity.digest)
 
-        Raises:
-            StoreError: there is something already.
-        """
-        if self.folder.exists() and (not self.folder.is_dir() or any(self.folder.iterdir())):
-            raise StoreError(f"{self.folder} exists; go on with --resume, replace it with --force, or choose another with --out")
-        (self.folder / "parts").mkdir(parents=True, exist_ok=True)
-        write_atomic(self.folder / "campaign.yaml", plan_text.encode())
-        write_atomic(self.folder / "campaign.json", (json.dumps(info, indent=1) + "\n").encode())
+    @property
+    def _plan(self) -> Path:
+        return self.folder / "campaign.yaml"
 
-    def clear(self) -> None:
-        """Remove the files of a campaign, and nothing else.
+    @property
+    def _info(self) -> Path:
+        return self.folder / "campaign.json"
 
-        Raises:
-            StoreError: the folder holds something that is no campaign.
-        """
-        if not self.folder.exists():
-            return
-        if any(self.folder.iterdir()) and not (self.folder / "campaign.json").is_file():
-            raise StoreError(f"{self.folder} is not the folder of a campaign; it is not replaced even with --force")
-        for file in self.parts():
-            file.unlink()
-        with suppress(OSError):
-            (self.folder / "parts").rmdir()
-        for name in ("cases.parquet", "summary.json", "report.html", "campaign.yaml", "campaign.json"):
-            (self.folder / name).unlink(missing_ok=True)
+    @property
+    def _cases(self) -> Path:
+        return self.folder / "cases.parquet"
+
+    @property
+    def _summary(self) -> Path:
+        return self.folder / "summary.json"
 
     @contextmanager
-    def lock(self) -> Iterator[None]:
+    def lock(self, make: bool = False) -> Iterator[None]:
         """Keep other processes out; the system lifts the lock when the process ends, however it ends.
 
+        Args:
+            make: make the folder when there is none; it goes again when nothing was put into it.
+
         Raises:
-            StoreError: another process works here.
+            StoreError: another process works here, or there is no folder.
         """
-        self.folder.mkdir(parents=True, exist_ok=True)
+        made = [path for path in (self.folder, *self.folder.parents) if not path.exists()] if make else []
+        if make and not self.folder.exists():
+            make_folder(self.folder)
+        if not self.folder.is_dir():
+            raise refused(self.folder, "is not a folder" if self.folder.exists() else "no such folder")
         handle = os.open(self.folder, os.O_RDONLY)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._seize(handle)
             yield
-        except BlockingIOError:
-            raise StoreError(f"{self.folder}: another process flies this campaign") from None
         finally:
+            with suppress(OSError):
+                for folder in made:
+                    folder.rmdir()
             os.close(handle)
 
-    def part(self, index: int) -> Path:
-        """File of a part."""
-        return self.folder / "parts" / f"{index:06d}.parquet"
-
-    def has_part(self, index: int, first: int, last: int) -> bool:
-        """Whether a part is in place with exactly its cases."""
+    def _seize(self, handle: int) -> None:
         try:
-            with pq.ParquetFile(self.part(index)) as file:
-                return file.read(["case"])["case"].to_pylist() == list(range(first, last))
-        except (OSError, pa.ArrowException, KeyError):
-            return False
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            taken = not os.path.samestat(os.fstat(handle), self.folder.stat())
+        except (BlockingIOError, FileNotFoundError):  # or its owner has just removed it
+            taken = True
+        if taken:
+            raise refused(self.folder, "another process flies this campaign")
 
-    def write_part(self, index: int, table: pa.Table) -> None:
-        """Put a part in place."""
-        sink = pa.BufferOutputStream()
-        pq.write_table(table, sink, **_OPTIONS)
-        write_atomic(self.part(index), sink.getvalue())
+    def check_new(self, force: bool) -> None:
+        """See that a campaign may begin here.
 
-    def parts(self) -> list[Path]:
-        """Files of all parts in place, in order."""
-        return sorted((self.folder / "parts").glob("[0-9]*.parquet"))
+        Raises:
+            StoreError: there is something already; with ``force``, something that is no campaign's.
+        """
+        if not any(self.folder.iterdir()):
+            return
+        if not force:
+            raise refused(self.folder, "exists; go on with --resume, replace it with --force, or choose another with --out")
+        if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in self.folder.iterdir()):
+            raise refused(self.folder, "is not the folder of a campaign; it is not replaced even with --force")
+        list(self._own())
 
-    def finish(self, parts: int, summary: dict[str, Any]) -> None:
-        """Put the first ``parts`` parts together, and remove them."""
-        files = [self.part(index) for index in range(parts)]
-        partial = self.folder / f".cases.{os.getpid()}.part"
+    def begin(self, plan_text: str, info: Info, force: bool = False) -> None:
+        """Put a plan into the folder; with ``force``, in place of the campaign that it holds.
+
+        Raises:
+            StoreError: as :meth:`check_new`.
+        """
+        make_folder(self.folder)
+        self.check_new(force)
+        self._clear()
+        write_sealed(self._info, info)
+        write_atomic(self._plan, plan_text.encode())
+
+    def _clear(self) -> None:
+        """Remove everything but ``campaign.json``, the plan first: without it nothing that is left counts."""
+        own = list(self._own())
+        self._plan.unlink(missing_ok=True)
+        sync(self.folder)
+        for file in own:
+            if file not in (self._plan, self._info):
+                file.unlink()
+        for name in _FOLDERS:
+            with suppress(FileNotFoundError):
+                (self.folder / name).rmdir()
+        sync(self.folder)
+
+    def _own(self) -> Iterator[Path]:
+        """Every file in the folder.
+
+        Raises:
+            StoreError: one of them is none that this program writes into the folder of a campaign.
+        """
+        for entry in sorted(self.folder.iterdir()):
+            names = _FOLDERS.get(entry.name)
+            if names is not None and entry.is_dir() and not entry.is_symlink():
+                yield from (_required(file, names) for file in sorted(entry.iterdir()))
+            else:
+                yield _required(entry, _FILES)
+
+    def tidy(self) -> None:
+        """Remove what killed programs left: files half written, and the parts of a complete campaign."""
+        for entry in (*self.folder.glob(".*.part"), *self.folder.glob("parts/.*.part")):
+            if _LEFT.fullmatch(entry.name):
+                entry.unlink()
+        if self.complete:
+            self._remove_parts()
+
+    def finish(self, count: int, summary: Summary) -> None:
+        """Put the first ``count`` parts together, and remove all.
+
+        Raises:
+            StoreError: a part does not count.
+            OSError: the table cannot be written.
+        """
+        partial = self.folder / f".cases.parquet.{os.getpid()}.part"
         try:
-            _concatenate(files, partial)
-            os.replace(partial, self.folder / "cases.parquet")
+            self.parts.concatenate(count, partial)
+            cases = file_sha256(partial)
+            put_in_place(partial, self._cases)
         finally:
             partial.unlink(missing_ok=True)
-        write_atomic(self.folder / "summary.json", (json.dumps(summary, indent=1) + "\n").encode())
-        for file in self.parts():
-            file.unlink()
+        write_sealed(self._summary, summary.model_copy(update={"campaign": self.info.identity.digest, "cases_sha256": cases}))
+        self._remove_parts()
+
+    def _remove_parts(self) -> None:
+        folder = self.folder / "parts"
+        for file in folder.glob("*"):
+            if NAMES.fullmatch(file.name):
+                file.unlink()
         with suppress(OSError):
-            (self.folder / "parts").rmdir()
+            folder.rmdir()
 
     def table(self, columns: list[str] | None = None) -> pa.Table:
         """All rows so far; columns that no case has are left out."""
-        files = [self.folder / "cases.parquet"] if self.complete else self.parts()
-        if not files:
-            raise StoreError(f"{self.folder}: no case has flown yet")
-        schema = _common_schema(files)
-        wanted = [name for name in schema.names if columns is None or name in columns]
-        return pa.concat_tables(_read(file, schema, wanted) for file in files)
+        _ = self.plan_text  # without it nothing counts
+        if self.complete:
+            _ = self.summary  # which checks the table
+            file = open_parquet(self._cases, self._cases)
+            names = [name for name in file.schema_arrow.names if columns is None or name in columns]
+            return file.read(names).replace_schema_metadata()
+        if indices := self.parts.indices():
+            return self.parts.table(indices, columns)
+        raise refused(self.folder, "no case has flown yet")
 
 
-def _common_schema(files: list[Path]) -> pa.Schema:
-    """Columns of all parts, in the order in which they first appear; an all-empty column takes the type of a later part."""
-    return pa.unify_schemas([pq.read_schema(file).remove_metadata() for file in files], promote_options="permissive")
-
-
-def _read(path: Path, schema: pa.Schema, names: list[str]) -> pa.Table:
-    """Columns of a part; those it lacks are empty."""
-    with pq.ParquetFile(path) as file:
-        known = set(file.schema_arrow.names)
-        table = file.read([name for name in names if name in known], use_threads=False)
-    kinds = {name: schema.field(name).type for name in names}
-    columns = [table[name].cast(kind) if name in known else pa.nulls(len(table), kind) for name, kind in kinds.items()]
-    return pa.table(columns, schema=pa.schema([schema.field(name) for name in names]))
-
-
-def _concatenate(files: list[Path], target: Path) -> None:
-    """One file of many, some row groups at a time."""
-    schema = _common_schema(files)
-    with pq.ParquetWriter(target, schema, **_OPTIONS) as writer:
-        waiting: list[pa.Table] = []
-        for file in files:
-            waiting.append(_read(file, schema, schema.names))
-            if sum(map(len, waiting)) >= _ROW_GROUP:
-                writer.write_table(pa.concat_tables(waiting))
-                waiting = []
-        if waiting:
-            writer.write_table(pa.concat_tables(waiting))
-    with open(target, "rb") as file:
-        os.fsync(file.fileno())
-
-
-def write_atomic(path: Path, content: bytes | pa.Buffer) -> None:
-    """Write a file that is either the old or the new one after any kill or full disk."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with open(partial, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+def _required(path: Path, names: re.Pattern[str]) -> Path:
+    """The path, when it is a file of one of the names, or one half written."""
+    left = _LEFT.fullmatch(path.name)
+    name = (left["name"] or left["other"]) if left else path.name
+    if path.is_file() and names.fullmatch(name):
+        return path
+    raise refused(path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere")

@@ -53,9 +53,14 @@ def straight_beyond(curve, row, t):
     return 0.0
 
 
+def table_path(name: str) -> Path:
+    """The csv that a name means: one of edl6dof/data/atmosphere, or an absolute path."""
+    return _DATA / name
+
+
 def read_table(name: str) -> dict[str, np.ndarray]:
     """Columns of a csv of edl6dof/data/atmosphere (or an absolute path) in SI units; a missing wind or sigma is zero."""
-    rows = list(csv.reader(read_regular_text(_DATA / name).splitlines()))
+    rows = list(csv.reader(read_regular_text(table_path(name)).splitlines()))
     columns = {heading.strip(): [float(row[k]) for row in rows[1:]] for k, heading in enumerate(rows[0])}
     found = {}
     for key, prefix, to_si in (

@@ -133,9 +133,14 @@ def _harmonics_F(g, x, y, z):
     return scale(g.mu / (radius * radius), (ax, ay, az))
 
 
+def coefficients_path(name: str) -> Path:
+    """The harmonics file that a name means: one of edl6dof/data/gravity, or an absolute path."""
+    return _DATA / name
+
+
 def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
     """Reference radius (m), GM (m3/s2) and normalised C, S of shape (13, 13) of a PDS ``*_sha.tab`` file."""
-    lines = read_regular_text(_DATA / name, encoding="ascii").splitlines()
+    lines = read_regular_text(coefficients_path(name), encoding="ascii").splitlines()
     head = lines[0].split(",")
     C = np.zeros((MAX_DEGREE + 1, MAX_DEGREE + 1))
     S = np.zeros_like(C)

@@ -22,7 +22,8 @@ from edl6dof.spatial.lookups import cell, held_cell, wrapped
 
 MOLA, PLANE, NONE = range(3)
 
-_DATA = Path(__file__).resolve().parents[1] / "data" / "topography"
+#: The global map that comes with the package.
+MAP = Path(__file__).resolve().parents[1] / "data" / "topography" / "mola_1deg_colat_lon.npy"
 _RADIUS = 3389500.0  # m, mean radius of Mars: turns angles into metres for slopes only
 _FLATTENING = 1.0 / 169.89
 _CENTRIC = _FLATTENING + 0.5 * _FLATTENING**2  # geocentric = geodetic - this * sin(2 geodetic), to 2e-5 rad
@@ -105,7 +106,7 @@ def mola(grid, lat, lon):
 
 def fill_terrain_grid(record: np.void) -> None:
     """Load the MOLA map that all cases share (dtype ``TERRAIN_GRID``)."""
-    record["height"] = np.load(_DATA / "mola_1deg_colat_lon.npy")
+    record["height"] = np.load(MAP)
 
 
 def fill_terrain(record: np.void, params: TerrainParams, grid: np.void) -> None:

@@ -7,7 +7,7 @@ says is put at the key that names the file.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,13 +16,20 @@ import numpy as np
 
 from edl6dof.config.locate import shown
 from edl6dof.environment.atmosphere import fill_atmosphere_table
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
-from edl6dof.environment.gravity import GRAVITY, fill_gravity
+from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, table_path
+from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
 from edl6dof.environment.wind import WIND, fill_wind
-from edl6dof.vehicle.aerotable import build_aero_table, read_static_table
+from edl6dof.vehicle.aerotable import build_aero_table, read_static_table, static_table_path
 
 if TYPE_CHECKING:
     from edl6dof.sim.scenario import Scenario
+
+#: Keys of a scenario that name a table, and the file that such a name means.
+TABLES: dict[str, Callable[[str], Path]] = {
+    "atmosphere.table": table_path,
+    "planet.gravity.coefficients": coefficients_path,
+    "vehicle.aero.capsule.static_table": static_table_path,
+}
 
 #: Beginnings of what Python and numpy say of text that is no number, and of rows of unequal length.
 _NUMPY_WORDS = ("could not convert", "invalid literal", "setting an array", "zero-size array", "need at least")

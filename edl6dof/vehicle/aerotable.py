@@ -83,11 +83,14 @@ def build_aero_table(capsule: CapsuleParams) -> np.ndarray:
     return table
 
 
+def static_table_path(name: str) -> Path:
+    """The file that the name of an aerodynamic table means: a path, or one of edl6dof/data/aerodynamics."""
+    return Path(name) if Path(name).exists() else PACKAGED / name
+
+
 def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD, CL, Cm."""
-    path = Path(name)
-    if not path.exists():
-        path = PACKAGED / name
+    path = static_table_path(name)
     if not path.exists():
         raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
     if path.suffix == ".dml":

@@ -6,11 +6,14 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from campaign_run import write_drop
 
 from edl6dof import cli
+from edl6dof.campaign.files import file_sha256, read_sealed, write_sealed
+from edl6dof.campaign.store import Info, Summary
 
 GRID = """\
 sweep:
@@ -58,6 +61,11 @@ def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):
     edl6dof("campaign", write_drop(tmp_path), "-n", "20", "-q")
     wrong = table().set_column(table().column_names.index("end_s"), "end_s", [[1.5] * 20])
     pq.write_table(wrong, "runs/drops/cases.parquet")
+    status, _, err = edl6dof("refly", "runs/drops", "3", "--no-replay")
+    assert status == 2 and "cases.parquet: is damaged" in err
+    summary = Path("runs/drops/summary.json")
+    changes = {"cases_sha256": file_sha256(Path("runs/drops/cases.parquet"))}
+    write_sealed(summary, read_sealed(summary, Summary).model_copy(update=changes))
     status, out, _ = edl6dof("refly", "runs/drops", "3", "--no-replay")
     assert (status, out.splitlines()[-1]) == (1, "differs from its row: end_s")
 
@@ -88,10 +96,12 @@ def test_refuses_to_overwrite_and_to_mix(edl6dof, tmp_path):
     assert edl6dof("campaign", file, "-n", "20", "--force", "-q")[0] == 0 and table().num_rows == 20
     status, _, err = edl6dof("campaign", file, "--resume")
     assert status == 2 and "begun with another plan" in err
-    info = json.loads(Path("runs/drops/campaign.json").read_text())
-    Path("runs/drops/campaign.json").write_text(json.dumps({**info, "source": "other"}))
-    status, _, err = edl6dof("campaign", "runs/drops", "--resume")
-    assert status == 2 and "begun with other sources" in err
+    info = read_sealed(Path("runs/drops/campaign.json"), Info)
+    others = {"sources": "f" * 64, "versions": {**info.identity.versions, "numpy": "1.0"}}
+    write_sealed(Path("runs/drops/campaign.json"), info.model_copy(update={"identity": info.identity.model_copy(update=others)}))
+    for words in (["campaign", "runs/drops", "--resume"], ["refly", "runs/drops", "3"], ["replay", "runs/drops", "--html", "x.html"]):
+        status, _, err = edl6dof(*words)
+        assert status == 2 and f"numpy: was 1.0, is {np.__version__}" in err and "sources of edl6dof: was ffffffffffff, is " in err
 
 
 def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
@@ -111,7 +121,7 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
         (["campaign", "tianwen1_mc", "--engine", "cloud"], "must be threads or dask"),
         (["campaign", "tianwen1_mc", "--cluster", "tcp://127.0.0.1:1"], "needs --engine dask"),
         (["refly", "nowhere", "3"], "is not the folder of a campaign"),
-        (["campaign", "--compare", "nowhere", "there"], "no case has flown yet"),
+        (["campaign", "--compare", "nowhere", "there"], "nowhere: is not the folder of a campaign"),
     ],
 )
 def test_bad_words_are_refused_in_one_line(edl6dof, words, said):

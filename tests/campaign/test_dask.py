@@ -16,11 +16,15 @@ from campaign_run import ROOT, finished, program, write_drop
 pytest.importorskip("distributed")
 
 
-@contextmanager
 def process(*words, cwd):
+    return run([sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], cwd)
+
+
+@contextmanager
+def run(words, cwd):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    started = subprocess.Popen([sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], cwd=cwd, env=environment, **options)
+    started = subprocess.Popen(words, cwd=cwd, env=environment, **options)
     try:
         yield started
     finally:
@@ -30,11 +34,11 @@ def process(*words, cwd):
 
 @contextmanager
 def scheduler(cwd):
-    """A scheduler started by hand, as the README says, on a free port."""
+    """Address of a scheduler started by hand, as the README says, on a free port; and its process."""
     with process("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", cwd=cwd) as started:
         for line in started.stdout:
             if found := re.search(r"tcp://127\.0\.0\.1:\d+", line):
-                yield found[0]
+                yield found[0], started
                 return
 
 
@@ -42,15 +46,20 @@ def worker(address, cwd):
     return process("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1", cwd=cwd)
 
 
+def begun(folder, campaign, parts=1):
+    """Wait until some parts are in place."""
+    end = time.monotonic() + 120.0
+    while len(list((folder / "runs/drops/parts").glob("0*.parquet"))) < parts and campaign.poll() is None:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
 def test_scheduler_and_workers_started_by_hand(tmp_path, undisturbed):
     """One worker is killed on the way; its cases go to the other."""
     file = write_drop(tmp_path)
-    with scheduler(tmp_path) as address, worker(address, tmp_path) as first, worker(address, tmp_path):
+    with scheduler(tmp_path) as (address, _), worker(address, tmp_path) as first, worker(address, tmp_path):
         campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
-        end = time.monotonic() + 120.0
-        while not list((tmp_path / "runs/drops/parts").glob("0*.parquet")) and campaign.poll() is None:
-            assert time.monotonic() < end
-            time.sleep(0.01)
+        begun(tmp_path, campaign)
         first.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=200)
         assert campaign.returncode == 0, err
@@ -69,8 +78,73 @@ def test_no_scheduler_there(tmp_path):
     assert status == 2 and "Traceback" not in err and "127.0.0.1:9" in err
 
 
-def test_worker_with_other_sources_is_refused():
-    from edl6dof.campaign.engines import fly_range
+def test_all_workers_are_killed_and_another_joins(tmp_path, undisturbed):
+    file = write_drop(tmp_path)
+    with scheduler(tmp_path) as (address, _):
+        with worker(address, tmp_path) as first, worker(address, tmp_path) as second:
+            campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+            begun(tmp_path, campaign)
+            first.send_signal(signal.SIGKILL)
+            second.send_signal(signal.SIGKILL)
+        with worker(address, tmp_path):
+            _, err = campaign.communicate(timeout=200)
+    assert campaign.returncode == 0, err
+    assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
-    with pytest.raises(OSError, match="other sources"):
-        fly_range("", "another hash", 0, 1)
+
+LONELY = """
+from edl6dof.campaign import engines
+engines.PATIENCE_S, engines.LOOK_S = 3.0, 0.5
+from edl6dof.cli import main
+main()
+"""
+
+
+def test_no_worker_is_left(tmp_path, undisturbed):
+    """A message within the time that the program waits for one, and another engine goes on."""
+    file = write_drop(tmp_path)
+    with scheduler(tmp_path) as (address, _), worker(address, tmp_path) as only:
+        words = ["campaign", file, "--engine", "dask", "--cluster", address, "-q"]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        campaign = subprocess.Popen([sys.executable, "-c", LONELY, *words], cwd=tmp_path, env=environment, **pipes)
+        begun(tmp_path, campaign)
+        only.send_signal(signal.SIGKILL)
+        _, err = campaign.communicate(timeout=60)
+    assert campaign.returncode == 2 and "no worker of the cluster has been there for 3 s" in err, err
+    assert "go on with: edl6dof campaign runs/drops --resume" in err and "Traceback" not in err
+    assert finished("campaign", "runs/drops", "--resume", "-q", cwd=tmp_path)[0] == 0
+    assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
+
+
+def test_scheduler_is_killed(tmp_path, undisturbed):
+    file = write_drop(tmp_path)
+    with scheduler(tmp_path) as (address, killed), worker(address, tmp_path):
+        campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+        begun(tmp_path, campaign)
+        killed.send_signal(signal.SIGKILL)
+        _, err = campaign.communicate(timeout=120)
+    assert campaign.returncode == 2 and "go on with: edl6dof campaign runs/drops --resume" in err and "Traceback" not in err, err
+    assert finished("campaign", "runs/drops", "--resume", "-q", cwd=tmp_path)[0] == 0
+    assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
+
+
+OTHER = """
+import sys
+import numpy
+from edl6dof.campaign import origin
+origin.numpy = type("numpy", (), {"__name__": "numpy", "__version__": "0.7"})
+from distributed.cli.dask_worker import main
+main()
+"""
+
+
+def test_worker_that_is_no_copy_is_refused(tmp_path):
+    """The message names the worker, and each item in which it differs."""
+    file = write_drop(tmp_path)
+    with scheduler(tmp_path) as (address, _):
+        words = [sys.executable, "-c", OTHER, address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"]
+        with run(words, tmp_path):
+            status, _, err = finished("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+    assert status == 2 and "Traceback" not in err, err
+    assert re.search(r"worker tcp://127.0.0.1:\d+ is no copy of this program: numpy: was \S+, is 0.7; ", err), err

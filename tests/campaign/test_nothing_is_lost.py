@@ -14,8 +14,9 @@ import pytest
 from campaign_run import finished, program, write_drop
 
 from edl6dof.campaign import origin, run
+from edl6dof.campaign.files import StoreError
 from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store, StoreError
+from edl6dof.campaign.store import Store
 from edl6dof.config.plugin_scan import scenarios_naming_plugins
 
 FOLDER = Path("runs/drops")
@@ -103,19 +104,17 @@ def test_full_disk(small_disk, undisturbed):
     assert resume(small_disk) == undisturbed
 
 
-def test_another_process_is_kept_out(tmp_path, capsys):
-    from edl6dof.app.campaign import CampaignOptions, run_campaign
-    from edl6dof.campaign import run
-    from edl6dof.campaign.plan import load_plan
-    from edl6dof.campaign.store import Store
-
-    store = Store(tmp_path / "out")
-    run.begin(load_plan(write_drop(tmp_path)), store, None)
-    options = CampaignOptions(str(store.folder), (), None, None, "threads", None, None, None, False, True, None, True, False)
+def test_another_process_is_kept_out(tmp_path):
+    """Whatever it wants: nothing of a campaign that is being flown is looked at, cleared or begun."""
+    store, file = Store(tmp_path / "runs" / "drops"), write_drop(tmp_path)
+    run.begin(load_plan(file), store, None)
+    before = {path.name: path.read_bytes() for path in store.folder.iterdir()}
     with store.lock():
-        assert run_campaign(options) == 2
-    assert "another process flies this campaign" in capsys.readouterr().err
-    assert run_campaign(options) == 0
+        for words in ((str(FOLDER), "--resume"), (file,), (file, "--force"), (file, "--force", "--seed", "9")):
+            status, out, err = finished("campaign", *words, cwd=tmp_path)
+            assert (status, out) == (2, "") and "runs/drops: another process flies this campaign" in err
+    assert {path.name: path.read_bytes() for path in store.folder.iterdir()} == before
+    assert finished("campaign", str(FOLDER), "--resume", "-q", cwd=tmp_path)[0] == 0
 
 
 def test_memory_does_not_grow_with_the_number_of_cases():
@@ -157,26 +156,27 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 
 
 def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
-    """It is found to name them, and says which is gone, changed, not loaded or new."""
+    """It says which is gone, changed, not loaded or new."""
     plan, store, plugin = load_plan(write_drop(tmp_path)), Store(tmp_path / "out"), tmp_path / "law.py"
     plugin.write_text("x = 1\n")
-    origin.source_hash()  # kept for this process, which has no plugins
     monkeypatch.setattr(origin, "outside_sources", [str(plugin)])
     run.begin(plan, store, None)
-    assert store.info["plugins"] == {str(plugin): hashlib.sha256(b"x = 1\n").hexdigest()}
-    assert origin.plugin_complaint(store.info["plugins"]) == ""
+    was = hashlib.sha256(b"x = 1\n").hexdigest()
+    assert store.info.identity.plugins == {str(plugin): was}
+    run.resumed_plan(store)
 
     for change, words in (
-        (lambda: origin.outside_sources.clear(), "this process has not loaded"),
-        (lambda: plugin.write_text("x = 2\n"), "has changed since"),
-        (plugin.unlink, "which is gone"),
+        (origin.outside_sources.clear, "is not loaded in this process: set EDL6DOF_PLUGINS to it"),
+        (lambda: origin.outside_sources.append(str(plugin)) or plugin.write_text("x = 2\n"), "is [0-9a-f]{12}"),
+        (lambda: origin.outside_sources.clear() or plugin.unlink(), "is gone"),
     ):
         change()
-        with pytest.raises(StoreError, match=words):
+        with pytest.raises(StoreError, match=f"plugin {plugin}: was {was[:12]}, {words}"):
             run.resumed_plan(store)
-    assert origin.plugin_complaint({}) == ""
-    origin.outside_sources.append("other.py")
-    assert origin.plugin_complaint({}) == "without the plugin other.py"
+    monkeypatch.setattr(origin, "outside_sources", [str(plugin), "/other.py"])
+    plugin.write_text("x = 1\n")
+    with pytest.raises(StoreError, match="plugin /other.py: was not there, is gone"):
+        run.resumed_plan(store)
 
 
 @pytest.mark.parametrize("written, named", [('["/a/law.py"]', True), ("[]  # [S]", False)])

@@ -25,7 +25,7 @@ def campaign_report(folder: Path) -> Report:
         Section("drivers", "What drives what", list(drivers.blocks(results))),
         Section("configuration", "Configuration", [Listing("campaign.yaml", results.store.plan_text, "every default written out")]),
     ]
-    info = results.store.info
+    identity = results.store.info.identity
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
@@ -33,7 +33,7 @@ def campaign_report(folder: Path) -> Report:
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],
-        footer=f"edl6dof {info['edl6dof_version']}; source SHA-256 {info['source']}; interval: Wilson, 95 %",
+        footer=f"edl6dof {identity.versions['edl6dof']}; source SHA-256 {identity.sources}; interval: Wilson, 95 %",
     )
 
 

@@ -1,0 +1,168 @@
+"""A campaign flown into its folder, with its progress on standard error."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from os.path import lexists
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from edl6dof.app.campaign import CampaignOptions, problem
+from edl6dof.app.campaign_show import show
+from edl6dof.app.compiling import announce_compiling
+from edl6dof.app.ending import INTERRUPTED, refuse
+from edl6dof.campaign import run
+from edl6dof.campaign.engines import Engine, Threads, dask_engine
+from edl6dof.campaign.files import StoreError, refused
+from edl6dof.campaign.plan import Plan, load_plan
+from edl6dof.campaign.statistics import Until
+from edl6dof.campaign.store import Store
+
+
+def fly_new(options: CampaignOptions) -> int:
+    """Fly a campaign from its first case; returns the exit status.
+
+    Raises:
+        ConfigError: the campaign is wrong, or there is something in its folder that it must not replace.
+    """
+    _check(options)
+    plan = load_plan(options.scenario, options.sets, options.cases, options.seed)
+    store = Store(options.out or Path("runs") / plan.name)
+    try:
+        with store.lock(make=True):
+            store.check_new(options.force)
+            with _engine(options) as engine:  # before anything is replaced: it may not be there
+                run.begin(plan, store, options.until, options.force)
+                return _fly(plan, store, engine, options)
+    except KeyboardInterrupt:
+        print(f"interrupted; {_standing(store, plan)}", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        return refuse(f"{_reason(store, error)}; {_standing(store, plan)}")
+
+
+def go_on(options: CampaignOptions) -> int:
+    """Fly what is missing of a campaign; returns the exit status.
+
+    Raises:
+        ConfigError: the folder holds none, or one of another program, or is damaged.
+    """
+    _check(options)
+    store = Store(_folder(options))
+    try:
+        with store.lock():
+            plan = run.resumed_plan(store)
+            store.tidy()
+            if store.complete:
+                show(store, options)
+                return 0
+            with _engine(options) as engine:
+                return _fly(plan, store, engine, options)
+    except OSError as error:
+        return refuse(f"{_reason(store, error)}; {_going_on(store)}")
+
+
+def _reason(store: Store, error: OSError) -> str:
+    return f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
+
+
+def _going_on(store: Store) -> str:
+    return f"what has flown is kept; go on with: edl6dof campaign {store.folder} --resume"
+
+
+def _standing(store: Store, plan: Plan) -> str:
+    """What has become of a new campaign that was stopped."""
+    if store.is_half_begun:
+        return f"{store.folder} was being begun or replaced; begin it anew with --force"
+    with suppress(StoreError):
+        if store.plan_text == plan.text:
+            return _going_on(store)
+    return "nothing was written"
+
+
+def _check(options: CampaignOptions) -> None:
+    if options.until is not None:
+        try:
+            Until.parse(options.until)
+        except ValueError as error:
+            raise problem("--until", str(error)) from None
+
+
+def _folder(options: CampaignOptions) -> Path:
+    """The folder of a campaign, which its file may stand for."""
+    folder = Path(options.scenario)
+    if not lexists(folder / "campaign.json") and not folder.is_dir():
+        given = load_plan(options.scenario, options.sets, options.cases, options.seed)
+        folder = options.out or Path("runs") / given.name
+        if given.text != Store(folder).plan_text:
+            raise refused(folder, f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume")
+    elif options.sets or options.cases is not None or options.seed is not None:
+        raise refused(folder, "has its plan; it takes no other values when it goes on")
+    return folder
+
+
+def _fly(plan: Plan, store: Store, engine: Engine, options: CampaignOptions) -> int:
+    talk = not (options.quiet or options.as_json)
+    _warm_up(plan, talk)
+    with _progress(talk, plan.count) as report:
+        run.fly(plan, store, engine, report)
+    show(store, options)
+    return 0
+
+
+@contextmanager
+def _engine(options: CampaignOptions) -> Iterator[Engine]:
+    if options.engine == "threads":
+        yield Threads(options.workers)
+        return
+    try:
+        with dask_engine(options.cluster, options.workers) as engine:
+            yield engine
+    except ImportError:
+        raise problem("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
+
+
+def _warm_up(plan: Plan, talk: bool) -> None:
+    """Compile before anything flies in parallel: two processes that compile would do the work twice."""
+    if announce_compiling(talk):
+        from edl6dof.campaign.executor import Pilot
+
+        Pilot(plan.loaded).fly(list(plan.cases(0, 1)))
+
+
+@contextmanager
+def _progress(talk: bool, total: int) -> Iterator[run.Report | None]:
+    """Progress with rate, time left, and success so far, on stderr; a line at every tenth where that is no terminal."""
+    console = Console(stderr=True)
+    if not talk:
+        yield None
+        return
+    if not console.is_terminal:
+        yield _lines()
+        return
+    columns = (
+        BarColumn(bar_width=24),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]:6.1f}/s"),
+        TimeRemainingColumn(),
+        TextColumn("success {task.fields[success]}"),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("fly", total=total, rate=0.0, success="")
+        yield lambda tally: bar.update(task, completed=tally.flown, rate=tally.rate, success=str(tally.success))
+
+
+def _lines() -> run.Report:
+    shown = [0]
+
+    def report(tally: run.Tally) -> None:
+        tenth = 10 * tally.flown // tally.total
+        if tenth > shown[0]:
+            shown[0] = tenth
+            print(f"{tally.flown} of {tally.total}, {tally.rate:.1f}/s, success {tally.success}", file=sys.stderr, flush=True)
+
+    return report
