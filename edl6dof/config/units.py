@@ -29,7 +29,7 @@ DEG = pi / 180.0
 
 #: Suffix (without the leading underscore) to unit.
 UNITS: dict[str, Unit] = {
-    "kg": Unit("kg", 1.0, 1e7),
+    "kg": Unit("kg", 1.0, 1e9),
     "kg_s": Unit("kg/s", 1.0, 1e6),
     "kg_m2": Unit("kg m2", 1.0, 1e10),
     "kg_m3": Unit("kg/m3", 1.0, 1e4),
@@ -47,7 +47,7 @@ UNITS: dict[str, Unit] = {
     "s2_m": Unit("s2/m", 1.0, 1e9),
     "hz": Unit("Hz", 1.0, 1e6),
     "deg": Unit("deg", DEG, 1e4),
-    "deg_s": Unit("deg/s", DEG, 1e5),
+    "deg_s": Unit("deg/s", DEG, 1e7),
     "deg_s2": Unit("deg/s2", DEG, 1e6),
     "rad_s": Unit("rad/s", 1.0, 1e4),
     "n": Unit("N", 1.0, 1e9),

@@ -27,10 +27,10 @@ _LEAST = 0.05
 
 
 class ExponentialParams(Params):
-    """Isothermal atmosphere: density falls by e every scale height above the areoid."""
+    """Isothermal atmosphere: density falls by e every scale height above the areoid; a uniform one is a very large scale height."""
 
-    density_kg_m3: float = param(0.0158, "density at altitude 0", status="published", source="common fit", gt=0.0)
-    scale_height_m: float = param(9354.0, "scale height", status="published", source="common fit", gt=0.0)
+    density_kg_m3: float = param(0.0158, "density at altitude 0", status="published", source="common fit", gt=0.0, le=1e20)
+    scale_height_m: float = param(9354.0, "scale height", status="published", source="common fit", gt=0.0, le=1e16)
     temperature_k: float = param(
         214.0, "temperature; also that of model none, for a finite Mach number", status="published", source="COSPAR, 0 km", gt=0.0
     )

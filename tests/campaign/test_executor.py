@@ -151,9 +151,10 @@ def test_overrides_are_exact():
 def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):
     """Sections are JSON text, also where they could not fly; lists of numbers stay lists."""
     changes = [{"wind": {"model": "none"}}, {"wind": {"scale": 1.0, "weight": 2.0}}, {"wind": {"scale": "x"}}, {"wind": 3.0}]
-    cases = [Case(index, truth={**truth, "simulation.time_limit_s": 2.0}) for index, truth in enumerate(changes)]
+    brief = {"simulation.time_limit_s": 2.0}
+    cases = [Case(index, truth=truth, belief=brief) for index, truth in enumerate(changes)]
     found = fly_cases(loaded, cases, workers=1)
     assert found["truth.wind"].to_pylist() == ['{"model": "none"}', '{"scale": 1.0, "weight": 2.0}', '{"scale": "x"}', "3.0"]
     assert [cause.startswith("could not fly") for cause in found["cause"].to_pylist()] == [False, True, True, True]
-    listed = fly_cases(loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0], "simulation.time_limit_s": 2.0})], workers=1)
+    listed = fly_cases(loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0]}, belief=brief)], workers=1)
     assert listed["truth.initial.rate_deg_s"].to_pylist() == [[0.1, 0.0, 0.0]]
