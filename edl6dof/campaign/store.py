@@ -23,12 +23,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import pyarrow as pa
 
-from edl6dof.campaign.files import Sealed, content, file_sha256, read_sealed, refused, sha256, write_sealed
-from edl6dof.campaign.origin import Identity
+from edl6dof.campaign.documents import Info, Summary
+from edl6dof.campaign.files import content, file_sha256, read_sealed, refused, sha256, write_sealed
 from edl6dof.campaign.parts import NAMES, Parts, open_parquet
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
 
@@ -37,49 +36,6 @@ _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 
 _FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|report\.(?:html|pdf)")
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
-
-
-class Info(Sealed):
-    """Content of ``campaign.json``.
-
-    Attributes:
-        until: when to stop early, as ``--until`` says it.
-        identity: what the rows follow from.
-    """
-
-    until: str | None
-    identity: Identity
-
-
-class Cause(Sealed):
-    """A cause of failures and how many cases failed by it."""
-
-    cause: str
-    cases: int
-
-
-class Summary(Sealed):
-    """Content of ``summary.json``: how a campaign ended.
-
-    Attributes:
-        campaign: hash of the identity in ``campaign.json``.
-        cases_sha256: hash of ``cases.parquet``.
-    """
-
-    name: str
-    kind: Literal["campaign"] = "campaign"
-    cases: int
-    cases_planned: int
-    successes: int
-    p_success: float
-    p_success_95: list[float]
-    causes: list[Cause]
-    edl6dof_version: str
-    engine: str
-    flown_in_this_run: int
-    flights_per_second: float
-    campaign: str = ""
-    cases_sha256: str = ""
 
 
 @dataclass(frozen=True)
