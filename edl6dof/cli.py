@@ -147,7 +147,7 @@ def replay(
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
 
-    Exit status: 0 shown or written, 1 the viewer does not run here, 2 bad input.
+    Exit status: 0 shown or written, 2 bad input, 69 the viewer does not run here.
     """
     from edl6dof.app.ending import refusing_damage
 
@@ -334,7 +334,7 @@ def refly(
 ) -> None:
     """Fly one case of a campaign again, with all its telemetry.
 
-    Exit status: 0 identical, 1 not, 2 bad input.
+    Exit status: 0 identical to its row, 1 not, 2 bad input.
     """
     if folder.is_dir():
         _load_plugins(folder, trust=trust)

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.config.errors import refusal
 from edl6dof.post.files import atomic_file, refuse_existing_file
 from edl6dof.post.run import Run
@@ -21,7 +22,6 @@ from edl6dof.sim.flight import fly
 from edl6dof.sim.scenario import Scenario
 from edl6dof.sim.viewed import viewed_scenario
 
-FAILED = 1
 RECORDING = "replay.rrd"
 
 
@@ -81,7 +81,7 @@ def run_replay(options: ReplayOptions) -> int:
             _show(recording, options)
     except ViewerFailed as error:
         print(error, file=sys.stderr)
-        return FAILED
+        return UNAVAILABLE
     for path in targets:
         print(path)
     return 0

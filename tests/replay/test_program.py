@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.app.replay import ReplayOptions, run_replay
 from edl6dof.post.replay import program, viewer
 from edl6dof.post.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
@@ -102,7 +103,7 @@ def test_no_display_is_said_in_one_line_with_status_1(tmp_path, monkeypatch, cap
         pytest.skip("a window needs no such variable here")
     recording = tmp_path / "replay.rrd"
     recording.write_bytes(b"RRF2")
-    assert run_replay(ReplayOptions((recording,), False, None, None, None, "", False)) == 1
+    assert run_replay(ReplayOptions((recording,), False, None, None, None, "", False)) == UNAVAILABLE
     said = capsys.readouterr()
     assert said.out == "" and len(said.err.splitlines()) == 1
     assert "there is no display to open a window on; --web" in said.err

@@ -8,6 +8,7 @@ import pytest
 
 import edl6dof
 from edl6dof.app import replay as command
+from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.post.replay import viewer
@@ -77,7 +78,7 @@ def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys
         raise NoViewer("no viewer here")
 
     monkeypatch.setattr(viewer, "screenshot", cannot)
-    assert command.run_replay(options(run, screenshot=tmp_path / "x.png")) == 1
+    assert command.run_replay(options(run, screenshot=tmp_path / "x.png")) == UNAVAILABLE
     assert capsys.readouterr().err == "no viewer here\n"
     assert list(tmp_path.iterdir()) == []
 
