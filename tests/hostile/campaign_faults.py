@@ -82,10 +82,11 @@ class Faults:
                 os._exit(DEAD)
             if here and self.fault not in ("before", "after"):
                 raise OSError(getattr(errno, self.fault), os.strerror(getattr(errno, self.fault)))
-            done = operation(target, *more, **named)
-            if here:
-                os._exit(DEAD)
-            return done
+            try:
+                return operation(target, *more, **named)
+            finally:
+                if here and self.fault == "after":
+                    os._exit(DEAD)
 
         return watched
 
