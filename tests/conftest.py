@@ -1,4 +1,4 @@
-"""Shared flights: the nominal is flown once for the whole session."""
+"""Shared flights: the nominal is flown once for the whole session, in each process of it."""
 
 from __future__ import annotations
 
@@ -11,3 +11,9 @@ import edl6dof
 def nominal():
     """The nominal Tianwen-1 flight."""
     return edl6dof.fly("tianwen1")
+
+
+def pytest_sessionstart(session):
+    """Compile the simulator before several processes start, so that only one of them does."""
+    if not hasattr(session.config, "workerinput") and session.config.getoption("numprocesses", None):
+        edl6dof.fly("tianwen1", ["simulation.time_limit_s=1"])
