@@ -212,7 +212,7 @@ COMMAND = np.dtype(
     align=True,
 )
 
-#: All memory of the flight software, in the order in which a cycle works it out.
+#: All memory of the flight software, roughly in the order in which one thing follows from the other.
 FSW = np.dtype(
     [
         *PHASE_MEMORY,
@@ -224,19 +224,20 @@ FSW = np.dtype(
         ("healthy", FLAG, (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
         ("ignited", FLAG),
         ("ignition_time", "f8"),
-        ("mass", "f8"),
-        ("nav", NAV),
+        ("activity", ACTIVITY),
         ("entry", ENTRY_MEMORY),
         ("powered", POWERED_LAWS.memory),
         ("terminal", TERMINAL),
-        ("guide", GUIDE),
-        ("activity", ACTIVITY),
-        ("disturbance", DISTURBANCE),
-        ("diagnosis", DIAGNOSIS),
-        ("check_out", CHECK_OUT_MEMORY),
         ("control", CONTROLLERS.memory),
+        # what every cycle looks at for numbers that are none (edl6dof.sim.finiteness) stands together
+        ("mass", "f8"),
+        ("nav", NAV),
+        ("guide", GUIDE),
+        ("disturbance", DISTURBANCE),
         ("attitude_error", "f8", (3,)),
         ("demand", "f8", (6,)),
+        ("diagnosis", DIAGNOSIS),
+        ("check_out", CHECK_OUT_MEMORY),
         ("allocator", ALLOCATOR),
         ("modulator", MODULATOR),
         ("command", COMMAND),

@@ -51,7 +51,9 @@ def ending(flight: Flight) -> Ending:
         return Ending(False, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}")
     head, figure = _what(flight)
     where = f" in phase {_phase(flight)}"
-    return Ending(False, f"{head}{figure}{where}{told}", f"{head}{where}{plain}")
+    # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what counts together
+    here = where if flight.phase_names or figure else ""
+    return Ending(False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
 
 
 def _what(flight: Flight) -> tuple[str, str]:

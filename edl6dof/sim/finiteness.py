@@ -13,8 +13,8 @@ from edl6dof.records import first_not_finite
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.vehicle.plant import STATE_NAMES
 
-#: Exponent of a number that is infinite or none.
-_EXPONENT = np.int64(0x7FF0_0000_0000_0000)
+#: Exponent of a number that is infinite or none, its lowest bit, and the sign.
+_EXPONENT, _LOWEST, _SIGN = np.uint64(0x7FF0_0000_0000_0000), np.uint64(0x0010_0000_0000_0000), np.uint64(0x8000_0000_0000_0000)
 
 
 def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int, int]:
@@ -25,34 +25,27 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its state, and whatever is wrong with
 #: the memory of the flight computer in what guidance, control and modulation make of it.
-_READINGS = _words(SENSED, "t", "imu_gain_B")
-_PHASE_START = _words(FSW, "phase_start", "phase_start")
-_NAVIGATED, _GUIDED = _words(FSW, "mass", "nav"), _words(FSW, "guide", "guide")
-_ESTIMATED = _words(FSW, "disturbance", "disturbance")
-_DEMANDED = _words(FSW, "attitude_error", "demand")
-_COMMANDED = _words(COMMAND, "opens", "alpha", FSW.fields["command"][1])
+_READINGS, _PHASE_START = _words(SENSED, "t", "imu_gain_B"), _words(FSW, "phase_start", "phase_start")
+_WORKED_OUT = _words(FSW, "mass", "demand")
+_COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
 
 
 @kernel
-def _all_finite(words, first, last):
-    wrong = False
-    for i in range(first, last):
-        wrong |= (words[i] & _EXPONENT) == _EXPONENT
-    return not wrong
+def _gather(words, fields, wrong):
+    """Set the top bit of ``wrong`` if a word has every bit of the exponent set: adding the lowest one carries into the sign."""
+    for i in range(fields[0], fields[1]):
+        wrong |= (words[i] & _EXPONENT) + _LOWEST
+    return wrong
 
 
 @kernel
 def works_with_finite(readings, memory):
-    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as words of eight bytes."""
-    return (
-        _all_finite(readings, _READINGS[0], _READINGS[1])
-        and _all_finite(memory, _PHASE_START[0], _PHASE_START[1])
-        and _all_finite(memory, _NAVIGATED[0], _NAVIGATED[1])
-        and _all_finite(memory, _GUIDED[0], _GUIDED[1])
-        and _all_finite(memory, _ESTIMATED[0], _ESTIMATED[1])
-        and _all_finite(memory, _DEMANDED[0], _DEMANDED[1])
-        and _all_finite(memory, _COMMANDED[0], _COMMANDED[1])
-    )
+    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as ``uint64`` words."""
+    wrong = _gather(readings, _READINGS, _LOWEST)
+    wrong = _gather(memory, _PHASE_START, wrong)
+    wrong = _gather(memory, _WORKED_OUT, wrong)
+    wrong = _gather(memory, _COMMANDED, wrong)
+    return wrong < _SIGN
 
 
 def first_cause(plant: np.ndarray, sensed: np.ndarray, fsw: np.ndarray) -> str | None:

@@ -52,7 +52,7 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     sensed, fsw = sensors[0], memories[0]
-    readings, memory = sensors.view(np.int64), memories.view(np.int64)
+    readings, memory = sensors.view(np.uint64), memories.view(np.uint64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
     for k in range(first, last):

@@ -72,7 +72,7 @@ def test_sensed_quantity_is_named(loaded, state, path, value):
     onboard = records.build_records(loaded).onboard
     changed = planted(state, "sensed", path, ..., value)
     run(onboard[0], changed.sensed[0], changed.cycle, changed.fsw[0])
-    assert not works_with_finite(changed.sensed.view(np.int64), changed.fsw.view(np.int64))
+    assert not works_with_finite(changed.sensed.view(np.uint64), changed.fsw.view(np.uint64))
     assert first_cause(changed.plant, changed.sensed, changed.fsw).startswith(f"sensed.{path}")
 
 

@@ -39,6 +39,7 @@ def history(flight: Flown) -> History:
     return History(flight, (*charts.COLUMNS, *lanes.READOUT))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
 def write_replay(
     flights: Sequence[History],
     path: Path,

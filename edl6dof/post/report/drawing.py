@@ -59,7 +59,8 @@ def packed(values: Any) -> dict[str, str] | list[Any]:
     array = np.asarray(values, float)
     if len(array) < 8:
         return [None if not np.isfinite(value) else float(value) for value in array]
-    return {"dtype": "f4", "bdata": base64.b64encode(array.astype("<f4").tobytes()).decode()}
+    with np.errstate(over="ignore"):  # numbers of a flight that diverged become infinite, and are not drawn
+        return {"dtype": "f4", "bdata": base64.b64encode(array.astype("<f4").tobytes()).decode()}
 
 
 def _layout(figure: Figure) -> dict[str, Any]:

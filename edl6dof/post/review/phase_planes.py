@@ -108,6 +108,7 @@ def control_rates(run: Run, control: str) -> list[np.ndarray]:
     return [bank, swing[1], swing[2]]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
 def path_rate(run: Run) -> np.ndarray:
     """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the telemetry."""
     from scipy.spatial.transform import Rotation
@@ -117,7 +118,8 @@ def path_rate(run: Run) -> np.ndarray:
         np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1) for name, unit in (("r", "m"), ("v", "m_s"))
     )
     velocity = velocity - np.cross([0.0, 0.0, spin], position)
-    acceleration = np.gradient(velocity, run.t, axis=0)
+    # a flight that ended in its first cycle has one row, and no differences
+    acceleration = np.gradient(velocity, run.t, axis=0) if len(run.t) > 1 else np.zeros_like(velocity)
     turning = np.cross(velocity, acceleration) / np.maximum(np.sum(velocity**2, axis=1), 1.0)[:, None]
     to_body = Rotation.from_quat(np.stack([run[f"truth.q_I2B_{c}"] for c in "xyzw"], 1)).inv()
     return np.degrees(to_body.apply(turning)).T

@@ -1,0 +1,89 @@
+"""A flight that fails leaves whole files, whatever reads them afterwards says something, and its case flies again to the same row."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = [sys.executable, "-c", "from edl6dof.cli import main; main()"]
+FILES = {"scenario.yaml", "telemetry.parquet", "events.json", "summary.json", "replay.rrd"}
+#: Over in its first cycle, numbers that grow beyond all bounds, legs ten kilometres long.
+FAILURES = {
+    "at_once": ["initial.rate_deg_s=[0, 0, 400]"],
+    "diverged": ["vehicle.landing_gear.damping_n_s_m=1e12"],
+    "thrown": ["vehicle.landing_gear.footpads_m.1.2=10000"],
+}
+
+
+def program(folder, *words):
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error::RuntimeWarning"}
+    return subprocess.run([*PROGRAM, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=200)
+
+
+def not_json(word):
+    raise AssertionError(f"{word} is no JSON")
+
+
+@pytest.fixture(scope="module", params=FAILURES)
+def flown(request, tmp_path_factory):
+    """The folder of a failed flight, in a folder with a sound one."""
+    folder = tmp_path_factory.mktemp(request.param)
+    sets = [word for change in FAILURES[request.param] for word in ("--set", change)]
+    done = program(folder, "fly", "tianwen1", "--out", "failed", *sets)
+    assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr[-2000:]
+    assert program(folder, "fly", "tianwen1", "--out", "sound", "--no-replay", "--set", "simulation.time_limit_s=50").returncode == 1
+    return folder
+
+
+def test_all_files_are_there_and_whole(flown):
+    run = flown / "failed"
+    assert {path.name for path in run.iterdir()} == FILES
+    summary, events = (json.loads((run / name).read_text(), parse_constant=not_json) for name in ("summary.json", "events.json"))
+    assert not summary["success"] and " in phase " in summary["outcome"]
+    assert events[-1]["name"] == summary["outcome"]
+    assert pq.read_table(run / "telemetry.parquet").num_rows >= 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["report", "failed"],
+        ["report", "failed", "--pdf"],
+        ["plot", "failed", "truth.rate_*", "--out", "rates.png"],
+        *(["export", "failed", "--format", form] for form in ("csv", "mat", "nc", "oem", "aem")),
+        ["export", "failed", "--nesc"],
+        ["compare", "failed", "sound"],
+        ["compare", "sound", "failed"],
+        ["replay", "failed", "--html", "replay.html"],
+    ],
+    ids=" ".join,
+)
+def test_what_reads_them_does_so_or_says_why_not(flown, words):
+    done = program(flown, *words)
+    assert "Traceback" not in done.stderr, done.stderr[-2000:]
+    assert done.returncode == 0 or (done.returncode == 2 and done.stderr.strip())
+
+
+def test_drawings_of_the_page_are_strict_json(flown):
+    assert program(flown, "report", "failed", "--out", "page.html", "--force").returncode == 0
+    _, _, rest = (flown / "page.html").read_text().partition("<script type='application/json' id='figure-data'>")
+    assert json.loads(rest.partition("</script>")[0], parse_constant=not_json)
+
+
+def test_case_that_diverges_flies_again_to_the_same_row(tmp_path):
+    (tmp_path / "stiff.yaml").write_text(
+        "extends: tianwen1\nname: stiff\nvehicle: {landing_gear: {damping_n_s_m: 1.0e+12}}\n"
+        "campaign: {cases: 2, truth: {atmosphere.density_factor: {kind: uniform, half_width: 0.02}}}\n"
+    )
+    first = program(tmp_path, "campaign", "stiff.yaml", "--out", "dispersed")
+    assert "Traceback" not in first.stderr and "not finite: " in (tmp_path / "dispersed/summary.json").read_text(), first.stderr[-2000:]
+    again = program(tmp_path, "refly", "dispersed", "1")
+    assert "Traceback" not in again.stderr, again.stderr[-2000:]
+    assert "identical" in again.stdout + again.stderr
