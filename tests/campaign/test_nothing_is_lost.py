@@ -17,7 +17,7 @@ from edl6dof.campaign import origin, run
 from edl6dof.campaign.files import StoreError
 from edl6dof.campaign.plan import load_plan
 from edl6dof.campaign.store import Store
-from edl6dof.config.plugin_scan import scenarios_naming_plugins
+from edl6dof.config.plugin_scan import files_naming_plugins
 
 FOLDER = Path("runs/drops")
 
@@ -182,4 +182,4 @@ def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
 @pytest.mark.parametrize("written, named", [('["/a/law.py"]', True), ("[]  # [S]", False)])
 def test_plugins_of_a_campaign_folder_are_loaded_with_it(tmp_path, written, named):
     (tmp_path / "campaign.yaml").write_text(f"name: x\nplugins: {written}\n")
-    assert list(scenarios_naming_plugins([tmp_path])) == ([tmp_path / "campaign.yaml"] if named else [])
+    assert list(files_naming_plugins(tmp_path)) == ([tmp_path / "campaign.yaml"] if named else [])

@@ -160,7 +160,7 @@ def test_scenario_that_is_no_text_is_refused(state, path):
 def test_enormous_file_is_not_read(path):
     with path.open("wb") as file:
         file.truncate(5_000_000)
-    assert "too large for a saved state" in refused(path)
+    assert "at most 4000000 are allowed" in refused(path)
 
 
 def test_state_never_loads_code(state, path, tmp_path):

@@ -52,5 +52,5 @@ def test_standard_output_existing_file_and_wrong_folder(folder, capsys, monkeypa
     code, _, err = run(capsys, monkeypatch, "export", str(folder), "--nesc")
     assert code == 2 and "exists" in err
     code, _, err = run(capsys, monkeypatch, "export", "nowhere", "--nesc")
-    assert code == 2 and "no such file" in err and err.count("\n") == 1
+    assert code == 2 and "no such folder" in err and err.count("\n") == 1
     assert run(capsys, monkeypatch, "export", str(folder))[0] == 2

@@ -76,7 +76,7 @@ def test_a_fixed_set_of_flights_has_no_number(monkeypatch, capsys):
 def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     out = tmp_path / "deep" / "s"
     assert run_study(options("small", out=out)) == 0
-    assert sorted(path.name for path in out.iterdir()) == ["figure.png", "runs.parquet", "summary.json"]
+    assert sorted(path.name for path in out.iterdir()) == ["figure.png", "manifest.json", "runs.parquet", "summary.json"]
     table = pq.read_table(out / "runs.parquet")
     assert table.num_rows == 9
     assert table.schema.field("truth.mass_kg").metadata[b"unit"] == b"kg"
