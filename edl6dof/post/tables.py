@@ -82,7 +82,7 @@ def limits_table(flight: Flight) -> Table:
 def verdict(flight: Flight) -> Text:
     """One line: how it ended."""
     style = "bold green" if flight.success else "bold yellow" if flight.landed else "bold red"
-    return Text(f"{flight.name}: {flight.outcome} at t = {flight.time_s:.1f} s", style=style)
+    return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
 def open_table(title: str, *columns: str) -> Table:

@@ -24,7 +24,7 @@ def run(capsys, monkeypatch, *words):
 def folder(capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     code, out, _ = run(capsys, monkeypatch, "fly", "nesc/case06", "--no-replay", "-q")
-    assert code == 0 and "flown to the time limit at t = 30.0 s" in out
+    assert code == 0 and "flown to the time limit (at t = 30.0 s)" in out
     return tmp_path / "runs" / "nesc_case06"
 
 

@@ -25,7 +25,7 @@ def test_nominal_lands_within_limits_with_status_0(nominal, here, capsys, monkey
     code, out, err = run(capsys, monkeypatch, "fly", "tianwen1", *QUICK)
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[-3].startswith("tianwen1: landed within limits at t = ")
+    assert lines[-3].startswith("tianwen1: landed within limits (at t = ")
     assert lines[-2] == "runs/tianwen1: events.json, scenario.yaml, summary.json, telemetry.parquet"
     assert lines[-1] == "next: edl6dof report runs/tianwen1, edl6dof replay runs/tianwen1"
     assert max(map(len, (line.rstrip() for line in lines))) <= 80
