@@ -24,7 +24,7 @@ from numba.core import caching
 from numba.core.dispatcher import Dispatcher
 
 from edl6dof.code_files import CodeFiles, say_once
-from edl6dof.lean_numba import compiled_by_type  # imported before any kernel is built
+from edl6dof.compile_time import compiled_by_type
 
 PACKAGE = Path(__file__).resolve().parent
 #: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X, Y``: the rest of it.

@@ -185,33 +185,6 @@ def test_division_by_zero_follows_numpy_and_rounding_is_not_relaxed():
     assert compensated(1.0, 1e-17) == -1e-17  # fast-math would make it 0
 
 
-def test_kernels_may_use_what_numba_loads_only_then(tmp_path):
-    """``jit`` hides scipy's BLAS while numba starts, and puts off numba's own runtime: a kernel that solves and allocates brings both in.
-
-    Loaded from the cache, it allocates without that runtime being compiled again; a new kernel that calls it brings it in.
-    """
-    (tmp_path / "solver.py").write_text(
-        "import sys\nimport numpy as np\nimport edl6dof.jit as jit\nassert 'scipy.linalg' not in sys.modules\n"
-        "from numba.core.runtime import rtsys\n"
-        "@jit.kernel\ndef solve(a, b):\n    return np.linalg.solve(np.dot(a, a), b)\n"
-        "def runtime():\n    return 'compiled' if '_made' in vars(rtsys.library) else 'not'\n"
-        "print(solve(np.diag(np.array([2.0, 4.0])), np.array([8.0, 48.0])), runtime())\n"
-        "if sys.argv[1:]:\n"
-        "    @jit.kernel\n    def twice(a, b):\n        return 2.0 * solve(a, b)\n"
-        "    print(twice(np.diag(np.array([2.0, 4.0])), np.array([8.0, 48.0])), runtime())\n"
-    )
-    env = os.environ | {"PYTHONPATH": str(Path(jit.__file__).parents[1]), "NUMBA_CACHE_DIR": str(tmp_path)}
-
-    def said(*arguments):
-        command = [sys.executable, "solver.py", *arguments]
-        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=env, timeout=120)
-        return run.stdout.split("\n")[:-1] or run.stderr
-
-    assert said() == ["[2. 3.] compiled"]
-    assert said() == ["[2. 3.] not"]
-    assert said("new") == ["[2. 3.] not", "[4. 6.] compiled"]
-
-
 def test_a_kernel_is_compiled_once_for_all_literals_and_the_collector_is_as_before():
     @jit.kernel
     def power(x, n):

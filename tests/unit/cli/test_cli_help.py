@@ -12,9 +12,9 @@ from cli_run import environment, run
 from edl6dof import cli
 
 HEAVY = ("numpy", "scipy", "numba", "yaml", "pyarrow", "rerun", "rich.progress", "edl6dof.config.base", "edl6dof.sim")
-#: What a flight has no use for.
+#: What a flight has no use for; numba itself loads scipy.linalg.
 UNUSED_BY_A_FLIGHT = (
-    *("scipy.linalg", "scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
+    *("scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
     *("pandas", "pyarrow.compute", "pyarrow._s3fs"),
 )
 
