@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.onboard import COMMAND, FSW
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.command import COMMAND
 from edl6dof.jit import kernel
 from edl6dof.records import first_not_finite
 from edl6dof.sensors.sensed import SENSED

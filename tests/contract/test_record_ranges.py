@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.onboard import COMMAND, FSW, RateParams
+from edl6dof.fsw.onboard import FSW, RateParams
+from edl6dof.interface.command import COMMAND
 from edl6dof.records import FLAG, TIME_IF_EVER, first_not_finite, numbers, out_of_range, whole
 from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim import records, state
