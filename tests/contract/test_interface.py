@@ -51,7 +51,7 @@ def test_every_capacity_has_one_place():
     assert sorted(placed) == sorted(set(placed))
 
 
-@pytest.mark.parametrize("record", ["command"])
+@pytest.mark.parametrize("record", ["sensed", "command"])
 def test_every_field_that_crosses_says_what_it_is(record):
     source = dict(INTERFACE)[f"edl6dof.interface.{record}"]
     assert fields_without_meaning(source) == []

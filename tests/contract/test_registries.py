@@ -19,7 +19,7 @@ from edl6dof.fsw.guidance.powered.terminal import command_thrust
 from edl6dof.fsw.navigation import NAV, navigate
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.parts import ENTRY, LANDER
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.interface.sensed import SENSED
 
 X, Y, Z = np.eye(3)
 
