@@ -40,7 +40,7 @@ def quiet(state: State) -> State:
     for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
         plant[name] = 0
     plant["due"] = 1e99
-    return State(state.cycle, plant, state.sensed, state.fsw, "")
+    return State(state.cycle, plant, state.sensors, state.fsw, "")
 
 
 def runge_kutta(given: Setting, seconds: float) -> np.ndarray:

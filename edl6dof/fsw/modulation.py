@@ -11,9 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
-
-MAX_THRUSTERS = 32
 
 
 class ModulationParams(Params):

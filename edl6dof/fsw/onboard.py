@@ -20,7 +20,7 @@ from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE
 from edl6dof.fsw.estimation.observe import EstimationParams
-from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_OFF, GUIDE
+from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
@@ -30,14 +30,17 @@ from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
+from edl6dof.fsw.mission.phases import MISSION
+from edl6dof.fsw.mission.sequencer import PHASE_MEMORY
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
 from edl6dof.fsw.navigation import NAV
-from edl6dof.mission.phases import MAX_PHASES, MISSION, PHASE_MEMORY
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.command import COMMAND
+from edl6dof.interface.parts import CONFIGURATIONS, ENTRY, LANDER
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
-MAX_THRUSTERS = 32
 
 _EntryLaws = ENTRY_LAWS.params_model("EntryLawParams", "law", "drag_tracking", "Entry guidance.")
 _PoweredLaws = POWERED_LAWS.params_model("PoweredLawParams", "law", "polynomial", "Powered guidance.")
@@ -121,8 +124,6 @@ class _Thrusters(Params):
 
 
 CONFIGURATION = np.dtype([("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (3,))], align=True)
-#: Indices of the believed configurations.
-ENTRY, UNDER_CHUTE, LANDER = range(3)
 
 ONBOARD = np.dtype(
     [
@@ -159,7 +160,7 @@ ONBOARD = np.dtype(
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
                     ("airframe", AIRFRAME),
-                    ("configuration", CONFIGURATION, (3,)),
+                    ("configuration", CONFIGURATION, (len(CONFIGURATIONS),)),
                     (
                         "engine",
                         np.dtype(
@@ -190,24 +191,6 @@ ONBOARD = np.dtype(
         ("mission", MISSION),
         ("reference", REFERENCE),
         ("plan", ENTRY_LAWS.tables),
-    ],
-    align=True,
-)
-
-#: Commands that leave the flight computer.
-COMMAND = np.dtype(
-    [
-        ("opens", "f8", (MAX_THRUSTERS,)),
-        ("closes", "f8", (MAX_THRUSTERS,)),
-        ("request", FLAG, (7,)),
-        ("thrust", "f8"),
-        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
-        # what a vehicle without attitude dynamics follows
-        ("steering", FLAG),
-        ("bank", "f8"),
-        ("alpha", "f8"),
-        ("phase", whole(0, MAX_PHASES - 1, of="phases")),
-        ("isolate", FLAG, (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
     ],
     align=True,
 )

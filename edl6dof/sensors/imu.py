@@ -25,13 +25,13 @@ class ImuParams(Params):
     )
 
 
+#: Memory of the unit: readings that are under way.
 READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("taken", COUNT)], align=True)
 
 
 @kernel
-def read_imu(params, plant, sensed):
+def read_imu(params, plant, readings, sensed):
     """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no older)."""
-    readings = sensed.readings
     slot = readings.taken % DEPTH
     old = max(readings.taken - params.delay_cycles, 0) % DEPTH
     readings.taken += 1

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.config.base import Params, group
+from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.sensors.imu import ImuParams, read_imu
+from edl6dof.sensors.imu import READINGS, ImuParams, read_imu
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 #: Opening of the trim wing at which its end switch closes.
@@ -17,10 +20,14 @@ class SensorParams(Params):
     imu: ImuParams = group(ImuParams, "inertial measurement unit")
 
 
+#: What the sensors remember, and what crosses to the flight software.
+SENSORS = np.dtype([("imu", READINGS), ("sensed", SENSED)], align=True)
+
+
 @kernel
-def sense(case, plant, sensed):
-    """Copy into ``sensed`` what ideal instruments at the centre of mass would measure; reads ``plant.out``."""
-    y = plant.y
+def sense(case, plant, sensors):
+    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure; reads ``plant.out``."""
+    y, sensed = plant.y, sensors.sensed
     sensed.t = plant.t
     for i in range(3):
         sensed.r_I[i] = y[POSITION + i]
@@ -31,5 +38,5 @@ def sense(case, plant, sensed):
         sensed.q_I2B[i] = y[ATTITUDE + i]
     sensed.height_above_ground = plant.agl
     sensed.footpad_contact = 1 if plant.out.pads > 0 else 0
-    read_imu(case.sensors.imu, plant, sensed)
+    read_imu(case.sensors.imu, plant, sensors.imu, sensed)
     sensed.wing_open = 1 if plant.out.wing_opening > END_SWITCH else 0

@@ -11,14 +11,15 @@ from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.onboard import ENTRY, LANDER, NODES, ONBOARD, UNDER_CHUTE
+from edl6dof.fsw.onboard import NODES, ONBOARD
+from edl6dof.interface.parts import CONFIGURATIONS, PARTS
+from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.sim.believed_aero import fill_airframe
 from edl6dof.sim.scenario import Scenario
 from edl6dof.sim.site import fill_site
 from edl6dof.spatial.frames import great_circle
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 from edl6dof.vehicle.mass import lander_dry
-from edl6dof.vehicle.rcs import GROUPS
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Mach number at which the one believed drag and lift coefficient are taken.
@@ -82,7 +83,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     elif vehicle.aero.model == "lift_drag":
         record["drag_area"] = vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
         record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
-    for index, gone in ((ENTRY, ()), (UNDER_CHUTE, ("parachute", "heat_shield")), (LANDER, ("parachute", "heat_shield", "backshell"))):
+    for index, gone in enumerate(CONFIGURATIONS):
         _believe_configuration(record["configuration"][index], scenario, gone)
     engine, believed = vehicle.engine, record["engine"]
     believed["full_thrust"], believed["throttle_min"] = engine.full_thrust_n, engine.throttle_min_n
@@ -93,7 +94,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         slot["position"], slot["direction"] = jet.position_m, jet.direction
         slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
         slot["specific_impulse"] = jet.specific_impulse_s
-        slot["group"] = GROUPS.index(jet.group)
+        slot["group"] = THRUSTER_GROUPS.index(jet.group)
 
 
 def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str, ...]) -> None:
@@ -101,7 +102,7 @@ def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str,
     mass = scenario.vehicle.mass
     total, _, centre = lander_dry(mass)
     bodies = [(total, np.asarray(centre), lander_dry(mass)[1])]
-    for name in ("heat_shield", "backshell", "parachute", "propellant"):
+    for name in (*PARTS, "propellant"):
         part = getattr(mass, name)
         if name not in gone:
             bodies.append((part.mass_kg, np.asarray(part.centre_m), np.diag(part.inertia_kg_m2)))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.vehicle.rcs import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_THRUSTERS
 
 
 class Channel(NamedTuple):

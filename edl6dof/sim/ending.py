@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
+from edl6dof.interface.events import CUT_OFF
 from edl6dof.sim.outcome import CRASHED, DEPLOYED, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
-from edl6dof.vehicle.plant import CUT_OFF
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.onboard import COMMAND, FSW
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.command import COMMAND
+from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.records import first_not_finite
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.sensors.perfect import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
 #: Exponent of a number that is infinite or none, its lowest bit, and the sign.
@@ -25,7 +27,8 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its state, and whatever is wrong with
 #: the memory of the flight computer in what guidance, control and modulation make of it.
-_READINGS, _PHASE_START = _words(SENSED, "t", "imu_gain_B"), _words(FSW, "phase_start", "phase_start")
+_SENSED = _words(SENSED, "t", "imu_gain_B", SENSORS.fields["sensed"][1])
+_PHASE_START = _words(FSW, "phase_start", "phase_start")
 _WORKED_OUT = _words(FSW, "mass", "demand")
 _COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
 
@@ -39,27 +42,27 @@ def _gather(words, fields, wrong):
 
 
 @kernel
-def works_with_finite(readings, memory):
+def works_with_finite(sensors, memory):
     """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as ``uint64`` words."""
-    wrong = _gather(readings, _READINGS, _LOWEST)
+    wrong = _gather(sensors, _SENSED, _LOWEST)
     wrong = _gather(memory, _PHASE_START, wrong)
     wrong = _gather(memory, _WORKED_OUT, wrong)
     wrong = _gather(memory, _COMMANDED, wrong)
     return wrong < _SIGN
 
 
-def first_cause(plant: np.ndarray, sensed: np.ndarray, fsw: np.ndarray) -> str | None:
+def first_cause(plant: np.ndarray, sensors: np.ndarray, fsw: np.ndarray) -> str | None:
     """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when all are."""
-    for name, record in (("plant", plant), ("sensed", sensed), ("fsw", fsw)):
+    for name, record in (("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
     return None
 
 
 def _plain_name(record: str, path: str) -> str:
-    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``fsw.guide.bank`` for anything else."""
+    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``sensed.t``, ``fsw.guide.bank`` for anything else."""
     field, _, index = path.partition("[")
     if record == "plant" and field in ("y", "trial", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
         return f"rate of {state}" if field == "k" else state
-    return f"{record}.{path}"
+    return f"{record}.{path}".removeprefix("sensors.")

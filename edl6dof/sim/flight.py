@@ -245,11 +245,11 @@ def fly(
     case, tables, onboard = parts or records.build_records(loaded)
     if start is None:
         plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
-        sensed, cycle = records.initial_sensed(), 0
+        sensors, cycle = records.initial_sensors(), 0
         prepare(case, tables, plant)
     else:
         start.check_fits(scenario)
-        plant, fsw, sensed, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensed), start.cycle
+        plant, fsw, sensors, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensors), start.cycle
         take_up(case, plant, fsw)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
@@ -262,16 +262,16 @@ def fly(
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
-            saved = State(cycle, duplicate(plant), duplicate(sensed), duplicate(fsw), resolved_text(loaded))
+            saved = State(cycle, duplicate(plant), duplicate(sensors), duplicate(fsw), resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
-        code, flown, new = fly_cycles(case, onboard, tables, plant, sensed, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows)
+        code, flown, new = fly_cycles(case, onboard, tables, plant, sensors, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows)
         rows += new
         cycle += flown
         if progress is not None:
             _report(progress, scenario, plant, fsw)
-    wrong = first_cause(plant, sensed, fsw) if code != goal_code(scenario.mission.goal) else None
+    wrong = first_cause(plant, sensors, fsw) if code != goal_code(scenario.mission.goal) else None
     return Flight(loaded, case, plant, fsw, log[:rows], NOT_FINITE if wrong else code, cycle - first, saved, wrong)
 
 

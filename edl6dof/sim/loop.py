@@ -43,7 +43,7 @@ def write_row(case, plant, fsw, log, brief, row):
 
 
 @kernel
-def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps, log, brief, log_first):
+def fly(cases, onboards, tables_, plants, sensors_, memories, first, last, steps, log, brief, log_first):
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
     All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one is empty and the other
@@ -51,17 +51,17 @@ def fly(cases, onboards, tables_, plants, sensors, memories, first, last, steps,
     the last state always.  A step that fails is undone: the last state is the one before it.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
-    sensed, fsw = sensors[0], memories[0]
-    readings, memory = sensors.view(np.uint64), memories.view(np.uint64)
+    sensors, fsw = sensors_[0], memories[0]
+    measured, memory = sensors_.view(np.uint64), memories.view(np.uint64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
     for k in range(first, last):
         t = k * cycle
         refresh(case, tables, plant)
-        sense(case, plant, sensed)
-        run(onboard, sensed, k, fsw)
+        sense(case, plant, sensors)
+        run(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
-        if works_with_finite(readings, memory):
+        if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
             note_peaks(plant)
             outcome = judge(case, plant)

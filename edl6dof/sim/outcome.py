@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from math import acos, cos, isfinite, sqrt
 
+from edl6dof.interface.events import MORTAR
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.body import tilt
 from edl6dof.vehicle.parachute import PACKED
-from edl6dof.vehicle.plant import ATTITUDE, MORTAR, POSITION, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 OUTCOMES = ("flying", "landed", "crashed", "tipped over", "lost attitude", "skipped out", "not finite", "time limit", "deployed")
 FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT, DEPLOYED = range(9)

@@ -21,8 +21,7 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fil
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.onboard import FSW
-from edl6dof.sensors.perfect import SensorParams
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.sensors.perfect import SENSORS, SensorParams
 from edl6dof.sim.belief import build_onboard
 from edl6dof.sim.initial import InitialState
 from edl6dof.sim.scenario import LimitParams, LoadedScenario, Scenario, SimulationParams
@@ -291,6 +290,6 @@ def _new_fsw() -> np.ndarray:
     return fsw
 
 
-def initial_sensed() -> np.ndarray:
-    """Sensor record, shape (1,)."""
-    return np.zeros(1, SENSED)
+def initial_sensors() -> np.ndarray:
+    """The sensors at t = 0, shape (1,)."""
+    return np.zeros(1, SENSORS)

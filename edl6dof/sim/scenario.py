@@ -22,16 +22,16 @@ from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.check_out import check_out_problems
+from edl6dof.fsw.mission.phases import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
-from edl6dof.mission.phases import MissionParams
+from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.plugins import require
 from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sim.data_files import file_problems
 from edl6dof.sim.initial import InitialState
 from edl6dof.sim.plugin_trial import try_out
 from edl6dof.vehicle.faults import FaultParams, fault_problems
-from edl6dof.vehicle.plant import MAX_FAULTS
 from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 

@@ -22,13 +22,13 @@ from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import FINDINGS
 from edl6dof.fsw.onboard import FSW
 from edl6dof.records import first_not_finite, out_of_range
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.sensors.perfect import SENSORS
 from edl6dof.vehicle.plant import PLANT
 
 if TYPE_CHECKING:
     from edl6dof.sim.scenario import Scenario
 
-_RECORDS = {"plant": PLANT, "sensed": SENSED, "fsw": FSW}
+_RECORDS = {"plant": PLANT, "sensors": SENSORS, "fsw": FSW}
 #: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand.
 _LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 4_000_000
 #: Room for what a ``.npy`` member says of itself before its data.
@@ -48,7 +48,7 @@ class State:
 
     cycle: int
     plant: np.ndarray
-    sensed: np.ndarray
+    sensors: np.ndarray
     fsw: np.ndarray
     scenario_text: str
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from edl6dof.interface.engine import ENGINE_FULL
+from edl6dof.interface.events import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
 from edl6dof.jit import kernel
 from edl6dof.vehicle.faults import inflict
-from edl6dof.vehicle.plant import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
 from edl6dof.vehicle.point_mass import POINT_MASS, command_bank
 
 N_EVENTS = len(EVENTS)
-ENGINE_FULL = 2
 
 
 @kernel

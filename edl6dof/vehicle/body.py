@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
+from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
@@ -16,7 +17,7 @@ from edl6dof.spatial.vector import add, clamp, cross, dot, inertia_solve, inerti
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
-from edl6dof.vehicle.mass import BACKSHELL, HEAT_SHIELD, with_propellant
+from edl6dof.vehicle.mass import with_propellant
 from edl6dof.vehicle.parachute import (
     EXTRACTING,
     INFLATING,

@@ -15,9 +15,11 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.interface.capacities import MAX_FAULTS
+from edl6dof.interface.events import MORTAR
 from edl6dof.jit import kernel
 from edl6dof.registry import Family, Member
-from edl6dof.vehicle.plant import MAX_FAULTS, MORTAR, NOT_BEGUN, THRUST, THRUSTER_KINDS
+from edl6dof.vehicle.plant import NOT_BEGUN, THRUST, THRUSTER_KINDS
 from edl6dof.vehicle.trim_wing import wing_opening
 
 #: Longer than any base cycle, s: a valve held open is open all through it.

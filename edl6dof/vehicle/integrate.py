@@ -10,6 +10,7 @@ from __future__ import annotations
 from math import atan2, cos, isnan, sin, sqrt
 
 from edl6dof.environment.terrain import ground
+from edl6dof.interface.events import EVENTS
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
@@ -20,7 +21,6 @@ from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
-    EVENTS,
     POSITION,
     PROPELLANT,
     STATES,

@@ -12,9 +12,8 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Vec3, group, param
+from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.jit import kernel
-
-HEAT_SHIELD, BACKSHELL, PARACHUTE = 0, 1, 2
 
 
 class Part(Hardware):

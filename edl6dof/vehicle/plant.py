@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.interface.capacities import MAX_FAULTS, MAX_THRUSTERS
+from edl6dof.interface.events import EVENTS
+from edl6dof.interface.parts import PARTS
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachute import PACKED, RELEASED
-from edl6dof.vehicle.rcs import MAX_THRUSTERS
 from edl6dof.vehicle.surroundings import KEPT
 
 #: Layout of the integrated state ``y``.
@@ -29,12 +31,7 @@ STATE_NAMES = (
 #: Components that exist without a free canopy.
 STATES_VEHICLE = 16
 
-#: Things that happen once, in the order of the flight; ``due`` holds when.
-EVENTS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
-TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF = range(7)
-
-#: How many faults one flight may have, and the time that stands for "not yet".
-MAX_FAULTS = 16
+#: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
 #: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that works.
 THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
@@ -112,7 +109,7 @@ PLANT = np.dtype(
         ("t", "f8"),
         ("y", "f8", (STATES,)),
         ("trial", "f8", (STATES,)),  # a stage of the integrator
-        ("attached", FLAG, (3,)),
+        ("attached", FLAG, (len(PARTS),)),
         ("canopy", whole(PACKED, RELEASED)),
         ("legs", FLAG),
         ("running", FLAG),
@@ -133,8 +130,8 @@ PLANT = np.dtype(
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
         ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
-        ("due", "f8", (len(EVENTS),)),
-        ("done", TIME_IF_EVER, (len(EVENTS),)),
+        ("due", "f8", (len(EVENTS),)),  # when each event is to happen
+        ("done", TIME_IF_EVER, (len(EVENTS),)),  # when it did
         ("dry", BODY),
         ("valves", VALVES),
         ("rcs_force", "f8", (3,)),

@@ -14,21 +14,19 @@ from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param
 from edl6dof.config.dtype import dtype_of
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
-MAX_THRUSTERS = 32
 G0 = 9.80665
-
-GROUPS = ("horizontal", "axial", "attitude", "fine")
-HORIZONTAL, AXIAL, ATTITUDE, FINE = range(4)
 
 
 class Thruster(Hardware):
     """One reaction-control thruster."""
 
     name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
-    group: Literal["horizontal", "axial", "attitude", "fine"] = param(
+    group: Literal[THRUSTER_GROUPS] = param(
         REQUIRED, "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; fine pointing"
     )
     position_m: Vec3 = param(REQUIRED, "nozzle position in B")

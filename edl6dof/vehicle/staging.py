@@ -4,29 +4,16 @@ from __future__ import annotations
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import dtype_of
+from edl6dof.interface.events import BACKSHELL_OFF, CUT_OFF, HEAT_SHIELD_OFF, IGNITION, LEGS_OUT, MORTAR, TRIM_WING
+from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.debris import LOOSE
-from edl6dof.vehicle.mass import BACKSHELL, HEAT_SHIELD, PARACHUTE, compose_dry, with_propellant
+from edl6dof.vehicle.mass import compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
-from edl6dof.vehicle.plant import (
-    ATTITUDE,
-    BACKSHELL_OFF,
-    CANOPY_POSITION,
-    CANOPY_VELOCITY,
-    CUT_OFF,
-    HEAT_SHIELD_OFF,
-    IGNITION,
-    LEGS_OUT,
-    MORTAR,
-    POSITION,
-    PROPELLANT,
-    RATE,
-    TRIM_WING,
-    VELOCITY,
-)
+from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, CANOPY_VELOCITY, POSITION, PROPELLANT, RATE, VELOCITY
 from edl6dof.vehicle.point_mass import POINT_MASS
 
 

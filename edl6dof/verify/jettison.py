@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from edl6dof.interface.events import BACKSHELL_OFF, HEAT_SHIELD_OFF, MORTAR
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.scenario import Scenario
 from edl6dof.sim.state import State
-from edl6dof.vehicle.plant import BACKSHELL_OFF, HEAT_SHIELD_OFF, MORTAR
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, scenes, state_of, to_the_end
 

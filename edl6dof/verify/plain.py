@@ -18,7 +18,7 @@ import numba
 import numpy as np
 
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.sensors.perfect import SENSORS
 from edl6dof.sim import records
 from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.scenario import LoadedScenario
@@ -28,7 +28,7 @@ from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensed": SENSED, "fsw": FSW
+    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensors": SENSORS, "fsw": FSW
 }  # fmt: skip
 
 
@@ -45,7 +45,7 @@ def setting(loaded: LoadedScenario, state: State) -> Setting:
     """Records of ``loaded`` with copies of the state."""
     tables = records.build_tables(loaded.truth)
     fixed = {"case": records.build_case(loaded.truth, tables), "onboard": records.build_onboard(loaded.scenario, tables)}
-    moving = {"plant": state.plant.copy(), "sensed": state.sensed.copy(), "fsw": state.fsw.copy()}
+    moving = {"plant": state.plant.copy(), "sensors": state.sensors.copy(), "fsw": state.fsw.copy()}
     return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
 
 
@@ -59,7 +59,7 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
     if numba.config.DISABLE_JIT:
         arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
     _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, s.steps, *logs, 0)
-    return {**{name: s.arrays[name] for name in ("plant", "sensed", "fsw")}, "log": log[:rows]}
+    return {**{name: s.arrays[name] for name in ("plant", "sensors", "fsw")}, "log": log[:rows]}
 
 
 def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndarray]:

@@ -70,13 +70,13 @@ def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
     change(plant[0], fsw[0])
     prepare(case, tables, plant)
-    return State(0, plant, records.initial_sensed(), fsw, "")
+    return State(0, plant, records.initial_sensors(), fsw, "")
 
 
 def after(flight: Flight) -> State:
     """The state at the end of a flight that its time limit ended, to fly on from under another limit."""
     cycle = round(flight.time_s * flight.scenario.flight_software.rates.base_hz)
-    return State(cycle, flight.plant, records.initial_sensed(), flight.fsw, "")
+    return State(cycle, flight.plant, records.initial_sensors(), flight.fsw, "")
 
 
 def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:

@@ -15,10 +15,11 @@ LAYERS = (
     ("jit", "compile_time", "code_files", "durable", "records", "__version__"),
     ("config", "manifest", "registry", "plugins"),
     ("spatial",),
+    ("interface",),
     ("environment", "interchange"),
     ("vehicle",),
     ("sensors",),
-    ("fsw", "mission"),
+    ("fsw",),
     ("sim",),
     ("campaign",),
     ("studies", "post", "verify"),
@@ -125,3 +126,53 @@ def whole_numbers_in_kernels(source: str) -> list[str]:
         for call in ast.walk(function)
         if isinstance(call, ast.Call) and _called(call) in WHOLE
     ]
+
+
+def whole_number_names(source: str) -> set[str]:
+    """Names to which a module assigns whole numbers when it is loaded: one, several, or a ``range``."""
+    found = set()
+    for node in _at_load(ast.parse(source).body):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        if targets and node.value is not None and _is_whole(node.value):
+            found |= {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+    return found
+
+
+def _at_load(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """Statements outside functions and classes, those under conditions too."""
+    for node in body:
+        if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield node
+            for part in ("body", "orelse", "handlers", "finalbody"):
+                yield from _at_load(getattr(node, part, []))
+
+
+def _is_whole(value: ast.expr) -> bool:
+    if isinstance(value, ast.Tuple | ast.List):
+        return bool(value.elts) and all(_is_whole(item) for item in value.elts)
+    if isinstance(value, ast.Call):
+        return _called(value) == "range"
+    return isinstance(value, ast.Constant) and type(value.value) is int
+
+
+def lists_of(source: str, names: tuple[str, ...]) -> list[int]:
+    """Lines on which exactly these names are written out, in whatever order, as a tuple, list, set or ``Literal``."""
+    return [
+        node.lineno
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Tuple | ast.List | ast.Set)
+        and len(node.elts) == len(names)
+        and {getattr(item, "value", None) for item in node.elts if isinstance(item, ast.Constant)} == set(names)
+    ]
+
+
+def fields_without_meaning(source: str) -> list[str]:
+    """Fields of the records of a module on whose line no comment stands."""
+    lines = source.splitlines()
+    fields = [
+        item
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Call) and _called(node) == "dtype" and node.args and isinstance(node.args[0], ast.List)
+        for item in node.args[0].elts
+    ]
+    return [ast.literal_eval(field.elts[0]) for field in fields if "#" not in lines[field.lineno - 1][field.end_col_offset :]]

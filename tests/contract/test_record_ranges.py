@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.onboard import COMMAND, FSW, RateParams
+from edl6dof.fsw.onboard import FSW, RateParams
+from edl6dof.interface.command import COMMAND
+from edl6dof.interface.sensed import SENSED
 from edl6dof.records import FLAG, TIME_IF_EVER, first_not_finite, numbers, out_of_range, whole
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.sensors.perfect import SENSORS
 from edl6dof.sim import records, state
 from edl6dof.sim.flight import fly
 from edl6dof.sim.scenario import SimulationParams
 from edl6dof.vehicle.plant import PLANT
 
-FIELDS = [(name, field) for name, dtype in (("plant", PLANT), ("sensed", SENSED), ("fsw", FSW)) for field in numbers(np.zeros(1, dtype))]
+FIELDS = [(name, field) for name, dtype in (("plant", PLANT), ("sensors", SENSORS), ("fsw", FSW)) for field in numbers(np.zeros(1, dtype))]
 
 
 @pytest.mark.parametrize("name, field", FIELDS, ids=[f"{name}.{field.path}" for name, field in FIELDS])
@@ -29,7 +31,7 @@ def test_undeclared_whole_number_would_be_found():
 def test_new_records_keep_what_is_declared():
     loaded = edl6dof.load("tianwen1")
     built = records.build_records(loaded)
-    for record in (records.initial_plant(loaded.truth, built.case), records.initial_sensed(), records.initial_fsw(built.onboard)):
+    for record in (records.initial_plant(loaded.truth, built.case), records.initial_sensors(), records.initial_fsw(built.onboard)):
         assert list(out_of_range(record, {"phases": 1, "thrusters": 1})) == []
         assert first_not_finite(record) is None
 
@@ -59,7 +61,7 @@ def test_ranges_are_read_wherever_a_field_stands():
 
 def test_words_that_every_cycle_looks_at_hold_no_negative_whole_number():
     """One would look infinite."""
-    watched = [SENSED[name] for name in SENSED.names if name != "readings"] + [FSW["nav"], FSW["guide"], FSW["disturbance"], COMMAND]
+    watched = [SENSED, FSW["nav"], FSW["guide"], FSW["disturbance"], COMMAND]
     for dtype in watched:
         for field in numbers(np.zeros(1, dtype)):
             assert field.declared.get("low", 0) >= 0

@@ -17,8 +17,9 @@ from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
 from edl6dof.fsw.navigation import NAV, navigate
-from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.parts import ENTRY, LANDER
+from edl6dof.interface.sensed import SENSED
 
 X, Y, Z = np.eye(3)
 

@@ -17,8 +17,8 @@ import pytest
 import edl6dof
 from edl6dof.config.dtype import duplicate
 from edl6dof.fsw.cycle import run
+from edl6dof.interface.sensed import SENSED
 from edl6dof.records import numbers
-from edl6dof.sensors.sensed import SENSED
 from edl6dof.sim import records
 from edl6dof.sim.finiteness import first_cause, works_with_finite
 from edl6dof.sim.flight import fly
@@ -43,7 +43,7 @@ def state(request, loaded):
 
 def planted(state, record, path, index, value):
     """The state with one value of one record changed."""
-    changed = {name: duplicate(getattr(state, name)) for name in ("plant", "sensed", "fsw")}
+    changed = {name: duplicate(getattr(state, name)) for name in ("plant", "sensors", "fsw")}
     field = next(field for field in numbers(changed[record]) if field.path == path)
     field.values[index] = value
     return State(state.cycle, **changed, scenario_text=state.scenario_text)
@@ -62,18 +62,18 @@ def test_state_is_named(loaded, state, index, value):
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("field", ["rate", "gain"])
 def test_reading_under_way_is_named(loaded, state, field, value):
-    flight = fly(loaded, start=planted(state, "sensed", f"readings.{field}", ..., value))
-    assert flight.outcome.startswith(f"not finite: sensed.readings.{field}[")
+    flight = fly(loaded, start=planted(state, "sensors", f"imu.{field}", ..., value))
+    assert flight.outcome.startswith(f"not finite: imu.{field}[")
 
 
 @pytest.mark.parametrize("value", WRONG)
-@pytest.mark.parametrize("path", [f.path for f in numbers(np.zeros(1, SENSED)) if not f.is_whole and "readings" not in f.path])
+@pytest.mark.parametrize("path", [f.path for f in numbers(np.zeros(1, SENSED)) if not f.is_whole])
 def test_sensed_quantity_is_named(loaded, state, path, value):
     onboard = records.build_records(loaded).onboard
-    changed = planted(state, "sensed", path, ..., value)
-    run(onboard[0], changed.sensed[0], changed.cycle, changed.fsw[0])
-    assert not works_with_finite(changed.sensed.view(np.uint64), changed.fsw.view(np.uint64))
-    assert first_cause(changed.plant, changed.sensed, changed.fsw).startswith(f"sensed.{path}")
+    changed = planted(state, "sensors", f"sensed.{path}", ..., value)
+    run(onboard[0], changed.sensors[0]["sensed"], changed.cycle, changed.fsw[0])
+    assert not works_with_finite(changed.sensors.view(np.uint64), changed.fsw.view(np.uint64))
+    assert first_cause(changed.plant, changed.sensors, changed.fsw).startswith(f"sensed.{path}")
 
 
 @pytest.mark.parametrize(

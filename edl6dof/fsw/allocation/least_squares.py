@@ -14,7 +14,8 @@ Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.allocation.wrench import AXIAL, FINE, ROWS, fine_enough, usable
+from edl6dof.fsw.allocation.wrench import ROWS, fine_enough, usable
+from edl6dof.interface.thrusters import AXIAL, FINE
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 

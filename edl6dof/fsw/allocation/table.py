@@ -12,7 +12,8 @@ The order of the axes is the priority between them.  Left out: any search for a 
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.allocation.wrench import AXIAL, FINE, HORIZONTAL, ROWS, usable
+from edl6dof.fsw.allocation.wrench import ROWS, usable
+from edl6dof.interface.thrusters import AXIAL, FINE, HORIZONTAL
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 

@@ -6,19 +6,20 @@ from math import copysign
 
 import numpy as np
 
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.parts import CONFIGURATIONS
+from edl6dof.interface.thrusters import FINE
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 from edl6dof.spatial.vector import take3
 
-MAX_THRUSTERS = 32
 ROWS = 6  # force x, y, z; torque x, y, z
-HORIZONTAL, AXIAL, ATTITUDE, FINE = range(4)
 NO_TORQUE = 1e-9  # N m, a demand that is none
 
 ALLOCATOR = np.dtype(
     [
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
-        ("effect_of", whole(0, 3)),  # configuration that these effects belong to, plus one; 0 before the first
+        ("effect_of", whole(0, len(CONFIGURATIONS))),  # configuration that these effects belong to, plus one; 0 before the first
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
         # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its use;

@@ -25,7 +25,8 @@ from edl6dof.fsw.diagnosis.probe import (
     open_probe,
     suspect,
 )
-from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, RESIDUAL, restart_residual, without_slow_part
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
 
-MAX_THRUSTERS = 32
 NOBODY = -1
-HORIZONTAL = 0  # thruster group that hazard avoidance depends on
 
 
 class ExerciseParams(Params):

@@ -23,7 +23,8 @@ from math import exp, log
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, product
+from edl6dof.fsw.diagnosis.residual import product
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 

@@ -15,7 +15,8 @@ from math import exp
 import numpy as np
 
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, forget, weights
-from edl6dof.fsw.diagnosis.residual import MAX_THRUSTERS, WINDOW, product
+from edl6dof.fsw.diagnosis.residual import WINDOW, product
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 

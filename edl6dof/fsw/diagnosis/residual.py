@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 
-MAX_THRUSTERS = 32
 WINDOW = 15  # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a disturbance
 LEAST_MEAN = 3  # cycles that the first mean after a restart is made of
 

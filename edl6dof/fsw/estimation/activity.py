@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 
-MAX_THRUSTERS = 32
 #: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags into the third.
 KEPT = 3
 

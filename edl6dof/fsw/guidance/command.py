@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.records import FLAG, whole
-
-#: Engine modes.
-ENGINE_OFF, ENGINE_THROTTLE, ENGINE_FULL = range(3)
 
 GUIDE = np.dtype(
     [

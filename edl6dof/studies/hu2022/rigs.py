@@ -103,7 +103,7 @@ def draw_entries(count: int, seed: int) -> list[Entry]:
 
 def hung_like(state: State, entry: Entry) -> State:
     """A state with another attitude and rate, as if it had always been so for sensors and estimators."""
-    plant, sensed, fsw = state.plant.copy(), state.sensed.copy(), state.fsw.copy()
+    plant, sensors, fsw = state.plant.copy(), state.sensors.copy(), state.fsw.copy()
     nav = fsw["nav"][0]
     axes = (tuple(nav[f"{name}_I"]) for name in ("north", "east", "up", "up"))
     towards = np.radians(entry.towards_deg)
@@ -112,9 +112,9 @@ def hung_like(state: State, entry: Entry) -> State:
     rate = np.radians(entry.rate_deg_s)
     plant["y"][0, RATE : RATE + 3] = rate
     plant["fresh"] = 0
-    sensed["readings"]["rate"][:] = rate
+    sensors["imu"]["rate"][:] = rate
     fsw["disturbance"]["rate"] = rate
-    return replace(state, plant=plant, sensed=sensed, fsw=fsw)
+    return replace(state, plant=plant, sensors=sensors, fsw=fsw)
 
 
 def from_entry(release: State, entry: Entry, formulation: str) -> Flight:

@@ -9,10 +9,10 @@ from scipy.optimize import linprog, lsq_linear
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, allocate
 from edl6dof.fsw.allocation.registry import AllocationParams
-from edl6dof.fsw.allocation.wrench import ALLOCATOR, FINE, effects
-from edl6dof.fsw.onboard import ENTRY, LANDER, UNDER_CHUTE
+from edl6dof.fsw.allocation.wrench import ALLOCATOR, effects
+from edl6dof.interface.parts import ENTRY, LANDER, UNDER_CHUTE
+from edl6dof.interface.thrusters import FINE, THRUSTER_GROUPS
 
-GROUPS = ("horizontal", "axial", "attitude", "fine")
 ALL = 0b1111
 HEALTHY = np.ones(32, "i8")
 CENTRES = {"entry": ENTRY, "under_chute": UNDER_CHUTE, "lander": LANDER}
@@ -105,7 +105,7 @@ def test_one_control_cycle_from_cold_delivers_the_torque_of_the_optimum_with_the
     vehicle = shared_onboard[0]["vehicle"]
     p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
     effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
-    keep = vehicle["thrusters"]["group"][:count] != GROUPS.index("axial")
+    keep = vehicle["thrusters"]["group"][:count] != THRUSTER_GROUPS.index("axial")
     for _ in range(40):
         demand = random_demand(rng, 100.0)
         memory = solve(p, vehicle["thrusters"], count, centre, demand, allowed=0b1101, translating=translating)
@@ -206,7 +206,7 @@ def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboar
     vehicle = shared_onboard[0]["vehicle"]
     p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
     effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
-    keep = vehicle["thrusters"]["group"][:count] != GROUPS.index("axial")
+    keep = vehicle["thrusters"]["group"][:count] != THRUSTER_GROUPS.index("axial")
     memory, used, least = np.zeros(1, ALLOCATOR)[0], 0.0, 0.0
     for _ in range(80):
         demand = random_demand(rng, 100.0)
@@ -232,11 +232,11 @@ def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard)
 # ---- the Tianwen-1 layout ------------------------------------------------------------------------------------------------------
 
 
-def torques(onboard, configuration, failed=None, groups=GROUPS):
+def torques(onboard, configuration, failed=None, groups=THRUSTER_GROUPS):
     vehicle = onboard[0]["vehicle"]
     count = vehicle["n_thrusters"]
     columns = wrenches(vehicle["thrusters"], count, vehicle["configuration"][configuration]["centre"])[3:]
-    chosen = [GROUPS[g] in groups for g in vehicle["thrusters"]["group"][:count]]
+    chosen = [THRUSTER_GROUPS[g] in groups for g in vehicle["thrusters"]["group"][:count]]
     return columns[:, [i for i in range(count) if chosen[i] and i != failed]]
 
 

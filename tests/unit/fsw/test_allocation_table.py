@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from edl6dof.fsw.allocation.registry import ALLOCATORS, allocate
-from edl6dof.fsw.allocation.wrench import ALLOCATOR, ATTITUDE, AXIAL, FINE, HORIZONTAL, effects
-from edl6dof.fsw.onboard import LANDER
+from edl6dof.fsw.allocation.wrench import ALLOCATOR, effects
+from edl6dof.interface.parts import LANDER
+from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
 
 ALL, USUAL = 0b1111, 0b1101
 TABLE = ALLOCATORS.names.index("table")

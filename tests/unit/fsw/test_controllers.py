@@ -10,7 +10,8 @@ from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import ENTRY, FSW, LANDER
+from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.parts import ENTRY, LANDER
 
 DT = 0.02
 X, Y, Z = np.eye(3)

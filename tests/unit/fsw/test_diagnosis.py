@@ -14,7 +14,7 @@ from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
-from edl6dof.fsw.onboard import LANDER
+from edl6dof.interface.parts import LANDER
 from edl6dof.sim.scenario import load_scenario
 
 NAMES = load_scenario("tianwen1").scenario.thruster_names

@@ -8,7 +8,7 @@ from edl6dof.fsw.allocation.wrench import effects
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, NOBODY, ExerciseParams, exercise, opposite
 from edl6dof.fsw.diagnosis.hypotheses import HYPOTHESES, STUCK_OFF
 from edl6dof.fsw.modulation import MODULATOR
-from edl6dof.fsw.onboard import LANDER
+from edl6dof.interface.parts import LANDER
 
 DT = 0.04
 

@@ -7,7 +7,7 @@ import pytest
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.navigation import NAV, model_atmosphere, navigate
-from edl6dof.sensors.sensed import SENSED
+from edl6dof.interface.sensed import SENSED
 
 X, Y, Z = np.eye(3)
 SPIN = 7.08821807e-05

@@ -5,10 +5,11 @@ from math import acos, atan, hypot, radians, tan
 import numpy as np
 import pytest
 
-from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_THROTTLE, GUIDE
+from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import TERMINAL, avoid, command_thrust, descend, hover, start_or_throttle, throttle
 from edl6dof.fsw.navigation import NAV
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 G = 3.72
 

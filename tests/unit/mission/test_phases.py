@@ -5,9 +5,11 @@ import pytest
 
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.mission.phases import GUIDANCE, MISSION, Event, MissionParams, Phase, Trigger
+from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import FSW
-from edl6dof.mission.phases import EVENT_NAMES, GUIDANCE, MISSION, Event, MissionParams, Phase, Trigger, sequence
+from edl6dof.interface.events import EVENTS
 from edl6dof.sim.scenario import load_scenario
 
 DT = 0.02
@@ -40,7 +42,7 @@ class Sequencer:
                 self.set(name, value(t) if callable(value) else value)
             request, before = np.zeros(7, np.int64), int(self.fsw["phase"])
             sequence(self.mission, self.nav, self.guide, self.fsw, request)
-            self.events += [(t, EVENT_NAMES[i]) for i in np.flatnonzero(request)]
+            self.events += [(t, EVENTS[i]) for i in np.flatnonzero(request)]
             if self.fsw["phase"] != before:
                 self.entered.append((t, int(self.fsw["phase"])))
             self.k += 1
@@ -197,7 +199,7 @@ def test_tianwen_sequence_flown_on_a_plausible_profile_passes_all_phases_and_dep
     s.run(5.0, footpad_contact=1)
     assert [phase for _, phase in s.entered] == list(range(len(mission.phases)))
     names = [name for _, name in s.events]
-    assert sorted(names) == sorted(EVENT_NAMES)
+    assert sorted(names) == sorted(EVENTS)
     order = ["trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off"]
     assert names == order
 
@@ -206,6 +208,6 @@ def test_names_in_the_table_are_those_the_record_counts():
     for index, name in enumerate(GUIDANCE):
         record = plan(Phase(name="x", guidance=name))
         assert record["phases"][0]["guidance"] == index
-    for index, name in enumerate(EVENT_NAMES):
+    for index, name in enumerate(EVENTS):
         record = plan(Phase(name="x", events=[Event(do=name, when=trigger("mach", "below", 1.0))]))
         assert record["phases"][0]["events"][0]["do"] == index

@@ -8,11 +8,12 @@ import pytest
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.fsw.onboard import COMMAND
+from edl6dof.interface.command import COMMAND
+from edl6dof.interface.events import IGNITION, MORTAR
 from edl6dof.sim.records import build_case, build_tables, initial_plant
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.faults import FAULT_KINDS, THRUSTER_KINDS
-from edl6dof.vehicle.plant import IGNITION, MORTAR, THRUST
+from edl6dof.vehicle.plant import THRUST
 from edl6dof.vehicle.rcs import fire
 
 CYCLE = 0.02

@@ -9,11 +9,9 @@ import pytest
 from pydantic import ValidationError
 
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.vehicle.mass import (
-    BACKSHELL,
     BODY,
-    HEAT_SHIELD,
-    PARACHUTE,
     MassParams,
     Part,
     compose_dry,

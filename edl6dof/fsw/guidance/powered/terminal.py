@@ -11,7 +11,7 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.command import ENGINE_FULL, ENGINE_THROTTLE
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import clamp, put3

@@ -1,0 +1,27 @@
+"""The record that crosses from the flight software to the plant: what the effectors are told in a base cycle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_PHASES, MAX_THRUSTERS
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
+from edl6dof.interface.events import EVENTS
+from edl6dof.records import FLAG, whole
+
+COMMAND = np.dtype(
+    [
+        ("opens", "f8", (MAX_THRUSTERS,)),  # s, flight time: when the valve of each thruster opens
+        ("closes", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; not after it opens for no pulse
+        ("request", FLAG, (len(EVENTS),)),  # events requested in this cycle, in the order of EVENTS
+        ("thrust", "f8"),  # N, of the main engine, along -x of B
+        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # as numbered in edl6dof.interface.engine
+        # what a vehicle without attitude dynamics follows
+        ("steering", FLAG),  # whether it is to follow the angles below
+        ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
+        ("alpha", "f8"),  # rad, angle of attack
+        ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase, told with the commands
+        ("isolate", FLAG, (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
+    ],
+    align=True,
+)
