@@ -13,6 +13,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.jit import kernel
+from edl6dof.mission.roles import NO_ROLE, ROLES
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
 MAX_PHASES = 16
@@ -74,6 +75,7 @@ class Phase(Params):
     """One mission phase."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
+    role: Literal[ROLES] = param(NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False)
     guidance: Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"] = param("none", "guidance of the phase")
     control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
     thrusters: Annotated[list[Literal["horizontal", "axial", "attitude", "fine"]], Capacity(4)] = param(

@@ -34,7 +34,7 @@ def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
     table = open_table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
     for event in flight.events:
-        starts_phase = event["key"].startswith("phase.")
+        starts_phase = "phase" in event
         name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""

@@ -215,6 +215,11 @@ class Scenario(Params):
         return [phase.name for phase in self.mission.phases]
 
     @property
+    def phase_roles(self) -> list[str]:
+        """Roles of the mission phases in order."""
+        return [phase.role for phase in self.mission.phases]
+
+    @property
     def steps_per_cycle(self) -> int:
         """Integration steps in one base cycle of the flight software."""
         return round(1.0 / self.flight_software.rates.base_hz / self.simulation.step_s)

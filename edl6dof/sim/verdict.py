@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
+from edl6dof.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
@@ -68,13 +69,19 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     ]
 
 
-def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
-    """Figures that telemetry tells of what the flight went through; ``when`` is the time (s) of its events by key."""
+def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    """Figures that telemetry tells of what the flight went through.
+
+    Args:
+        telemetry: its rows.
+        when: time (s) of its events by key, see :func:`edl6dof.sim.events.first_times`.
+        roles: role of each phase.
+    """
     figures: dict[str, float] = {}
     figures.update(_event_figures(telemetry, when))
-    figures.update(_trim_figures(telemetry, phases))
-    figures.update(_entry_figures(telemetry, when, phases))
-    figures.update(_descent_figures(telemetry, when, phases))
+    figures.update(_trim_figures(telemetry, roles))
+    figures.update(_entry_figures(telemetry, when, roles))
+    figures.update(_descent_figures(telemetry, when, roles))
     propellant = telemetry["truth.propellant_kg"]
     figures["propellant_used_kg"] = float(propellant[0] - propellant[-1])
     return figures
@@ -90,16 +97,16 @@ def _beyond(rising: np.ndarray, value: float) -> int:
     return int(np.searchsorted(rising, value, side="right"))
 
 
-def _phase(telemetry: Telemetry, phases: list[str], name: str) -> tuple[int, int]:
-    """First row of a phase, which never comes twice, and the row after its last."""
-    index = phases.index(name)
-    return _row(telemetry["guide.phase"], index), _row(telemetry["guide.phase"], index + 1)
+def _role(telemetry: Telemetry, roles: list[str], role: str) -> tuple[int, int]:
+    """First row of the phases of a role, none of which comes twice, and the row after their last."""
+    first, end = span(roles, role)
+    return _row(telemetry["guide.phase"], first), _row(telemetry["guide.phase"], end)
 
 
 def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
     figures: dict[str, float] = {}
-    if "phase.lift" in when:
-        figures["lift_start_s"] = when["phase.lift"]
+    if (t := when.get(begun(LIFT))) is not None:
+        figures["lift_start_s"] = t
     if (t := when.get("trim_wing")) is not None:
         figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
     if (t := when.get("mortar")) is not None:
@@ -116,16 +123,14 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
     if "backshell" in when and "touchdown" in when:
         figures["powered_duration_s"] = when["touchdown"] - when["backshell"]
-    if "backshell" in when and "phase.hover_imaging" in when:
-        figures["powered_deceleration_s"] = when["phase.hover_imaging"] - when["backshell"]
+    if "backshell" in when and begun(HOVER_IMAGING) in when:
+        figures["powered_deceleration_s"] = when[begun(HOVER_IMAGING)] - when["backshell"]
     return figures
 
 
-def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
+def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
     """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
-    if "trim_aoa" not in phases:
-        return {}
-    first, last = _phase(telemetry, phases, "trim_aoa")
+    first, last = _role(telemetry, roles, TRIM)
     if last - first < 2 or last == len(telemetry["t_s"]):
         return {}
     phase = telemetry.rows(first, last)
@@ -135,10 +140,8 @@ def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
     return {"trim_aoa_limit_cycle_deg": _largest(late, *errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
 
 
-def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
-    if "lift" not in phases:
-        return {}
-    first, last = _phase(telemetry, phases, "lift")
+def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    first, last = _role(telemetry, roles, LIFT)
     if first == last:
         return {}
     lift = telemetry.rows(first, last)
@@ -165,10 +168,10 @@ def _largest(telemetry: Telemetry, *names: str) -> float:
     return float(np.max(telemetry.largest(*names)))
 
 
-def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
+def _descent_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
-    if "parachute" in phases and "mortar" in when:
-        hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
+    if PARACHUTE in roles and "mortar" in when:
+        hanging = telemetry.rows(*_role(telemetry, roles, PARACHUTE))
         figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))

@@ -104,7 +104,7 @@ def timeline(run: Run) -> Table:
     rows = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
-        name = event["name"].removeprefix("phase ").replace("_", " ") if event["key"].startswith("phase.") else f"\u2003{event['name']}"
+        name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
         state = (
             f"{height:,.0f}" if height is not None else "",
             f"{speed:,.1f}" if speed is not None else "",

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
@@ -48,7 +49,7 @@ def all_of(nominal: Flight, rows: list[Row]) -> tuple[Finding, ...]:
 
 def _estimates(flight: Flight) -> tuple[Finding, ...]:
     torque = max(_peak(flight, f"estimate.torque_{axis}_nm") for axis in "xyz")
-    force = max(_peak(flight, f"estimate.force_{axis}_n", "hazard_avoidance") for axis in "yz")
+    force = max(_peak(flight, f"estimate.force_{axis}_n", HAZARD_AVOIDANCE) for axis in "yz")
     published = flight.scenario.published.get("max_disturbance_torque_nm")
     return (
         Finding("estimated torque", "N m", torque, published, note="Fig. 11"),
@@ -56,12 +57,12 @@ def _estimates(flight: Flight) -> tuple[Finding, ...]:
     )
 
 
-def _peak(flight: Flight, channel: str, phase: str | None = None) -> float:
-    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one phase of it."""
+def _peak(flight: Flight, channel: str, role: str | None = None) -> float:
+    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one role of it."""
     table = flight.telemetry
     rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & (table["t_s"] < flight.metrics["touchdown_s"])
-    if phase is not None:
-        rows &= table["guide.phase"] == flight.phase_names.index(phase)
+    if role is not None:
+        rows &= flight.during(role)
     return float(np.max(np.abs(table[channel][rows])))
 
 
