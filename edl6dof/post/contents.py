@@ -30,6 +30,7 @@ class Summary(TypedDict):
     name: str
     outcome: str
     success: bool
+    reached_goal: NotRequired[bool]
     time_s: float
     phase: str
     edl6dof_version: str

@@ -28,6 +28,7 @@ from edl6dof.mission.phases import MissionParams
 from edl6dof.plugins import require
 from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sim.data_files import file_problems
+from edl6dof.sim.figures import published_problems
 from edl6dof.sim.initial import InitialState
 from edl6dof.sim.plugin_trial import try_out
 from edl6dof.vehicle.faults import FaultParams, fault_problems
@@ -139,6 +140,7 @@ class Scenario(Params):
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
+            **published_problems(self.published),
             **check_out_problems(self.flight_software.check_out, self.thruster_names),
             **fault_problems(self.faults, self.thruster_names, self.phase_names),
         }

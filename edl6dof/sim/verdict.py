@@ -1,8 +1,4 @@
-"""Figures of a flight, the limits it must keep, and the published figures beside it.
-
-A figure is a name with unit suffix and a number computed from this flight's telemetry and events.  The scenario's ``published`` section
-uses the same names.
-"""
+"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep; ``edl6dof.sim.figures`` declares them."""
 
 from __future__ import annotations
 
@@ -13,6 +9,7 @@ import numpy as np
 
 from edl6dof.config.units import split_unit
 from edl6dof.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
+from edl6dof.sim.figures import FIGURES
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
@@ -41,31 +38,16 @@ class Check:
         return bool(self.value <= self.limit)
 
 
-#: Limit name in the scenario, figure it bounds, label.
-LIMITS = (
-    ("entry_load_g0", "peak_load_g0", "peak load"),
-    ("entry_dynamic_pressure_pa", "peak_dynamic_pressure_pa", "peak dynamic pressure"),
-    ("entry_heat_flux_w_cm2", "peak_heat_flux_w_cm2", "peak heat flux"),
-    ("parachute_mach_max", "parachute_mach", "Mach at mortar fire"),
-    ("parachute_dynamic_pressure_pa", "parachute_dynamic_pressure_pa", "dynamic pressure at mortar fire"),
-    ("parachute_total_alpha_deg", "parachute_total_alpha_deg", "total angle of attack at mortar fire"),
-    ("backshell_speed_m_s", "backshell_speed_m_s", "speed at backshell release"),
-    ("backshell_height_m", "backshell_height_m", "height at backshell release"),
-    ("touchdown_vertical_m_s", "touchdown_vertical_m_s", "vertical speed at touchdown"),
-    ("touchdown_horizontal_m_s", "touchdown_horizontal_m_s", "horizontal speed at touchdown"),
-    ("touchdown_tilt_deg", "touchdown_tilt_deg", "tilt at touchdown"),
-    ("touchdown_rate_deg_s", "touchdown_rate_deg_s", "body rate at touchdown"),
-    ("slope_deg", "touchdown_slope_deg", "ground slope"),
-    ("landing_distance_m", "landing_distance_m", "distance from the landing site"),
-)
+#: Figures that have a limit, in the order in which they are told of.
+LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     """Every limit that is set and that this flight reached the point to be judged by."""
     return [
-        Check(label, figures[figure], limit, split_unit(name)[1].label)
-        for name, figure, label in LIMITS
-        if figure in figures and (limit := getattr(limits, name)) is not None
+        Check(figure.meaning, figures[figure.name], limit, figure.unit.label)
+        for figure in LIMITS
+        if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
     ]
 
 

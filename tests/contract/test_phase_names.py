@@ -23,10 +23,9 @@ OTHER_MEANINGS = {
     "edl6dof.post.review.descent": {"parachute"},  # key of a plot
     "edl6dof.post.review.parts": {"parachute"},  # word at the mortar's mark, as in the next one
     "edl6dof.post.review.site": {"parachute"},
-    "edl6dof.post.tables": {"powered_deceleration"},  # beginning of a figure's name
     "edl6dof.sim.ending": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
-    "edl6dof.studies.hu2022.findings": {"parachute", "landed"},  # labels and columns of a table, as in the next one
+    "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
     "edl6dof.studies.hu2022.rows": {"landed"},
     "edl6dof.vehicle.vehicle": {"parachute"},  # a part of the vehicle, as in the next ones
     "edl6dof.verify.jettison": {"parachute"},

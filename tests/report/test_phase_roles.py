@@ -90,8 +90,10 @@ def rows_of(flight, path, old):
     found = {}
     for chunk in RrdReader(path).stream().to_chunks():
         batch = chunk.to_record_batch()
-        names = [name for name in batch.schema.names if (":" in name or name == "sim_time") and name != "RecordingInfo:start_time"]
-        text = repr([(name, batch.column(name).to_pylist()) for name in names])
+        columns = {name: batch.column(name) for name in batch.schema.names if ":" in name and name != "RecordingInfo:start_time"}
+        if "sim_time" in batch.schema.names:
+            columns["sim_time"] = batch.column("sim_time").cast("int64")
+        text = repr([(name, column.to_pylist()) for name, column in columns.items()])
         found.setdefault(chunk.entity_path, []).append(with_old_names(text, old))
     return {entity: sorted(parts) for entity, parts in found.items()}
 
