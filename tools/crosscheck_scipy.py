@@ -17,15 +17,24 @@ import time
 import numpy as np
 
 import edl6dof
+from edl6dof.fsw.mission.roles import (
+    HAZARD_AVOIDANCE,
+    HOVER_IMAGING,
+    LIFT,
+    PARACHUTE,
+    POWERED_DECELERATION,
+    SLOW_DESCENT,
+    TRIM,
+)
 from edl6dof.sim.flight import fly
 from edl6dof.sim.state import State
 from edl6dof.vehicle.integrate import advance
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
-#: Seconds after the start of a phase at which its window begins: past deployments, on a smooth stretch.
-BEGIN = {"trim_aoa": 5.0, "lift": 20.0, "parachute": 5.0, "powered_deceleration": 3.0}
-#: Longest window (s) without flight software: beyond it the vehicle tumbles or meets the ground.
-LONGEST = {"powered_deceleration": 8.0, "hover_imaging": 5.0, "hazard_avoidance": 5.0, "slow_descent": 2.0}
+#: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth stretch.
+BEGIN = {TRIM: 5.0, LIFT: 20.0, PARACHUTE: 5.0, POWERED_DECELERATION: 3.0}
+#: Longest window (s) without flight software, by role: beyond it the vehicle tumbles or meets the ground.
+LONGEST = {POWERED_DECELERATION: 8.0, HOVER_IMAGING: 5.0, HAZARD_AVOIDANCE: 5.0, SLOW_DESCENT: 2.0}
 #: What is compared: name and place in the state.
 PARTS = {
     "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10), "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
@@ -63,9 +72,9 @@ def main() -> int:
     loaded = edl6dof.load("tianwen1")
     nominal = fly(loaded)
     print(f"{'phase':20} {'t s':>6} {'window s':>8} {' '.join(f'{name:>12}' for name in PARTS)} {'calls':>7} {'took s':>7}")
-    for index, name in enumerate(nominal.phase_names[:-1]):
-        begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(name, 0.5)
-        seconds = min(options.window, LONGEST.get(name, 60.0))
+    for index, phase in enumerate(nominal.scenario.mission.phases[:-1]):
+        begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
+        seconds = min(options.window, LONGEST.get(phase.role, 60.0))
         state = fly(loaded, save_at_s=begin).saved
         if state is None:
             continue
@@ -78,7 +87,7 @@ def main() -> int:
         y = found["y"].copy()
         y[6:10] /= np.linalg.norm(y[6:10])
         gaps = [f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()]
-        print(f"{name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} {took:7.1f}", flush=True)
+        print(f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} {took:7.1f}", flush=True)
     return 0
 
 

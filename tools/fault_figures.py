@@ -24,10 +24,10 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.rows import Row
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 
 HORIZONTAL = [f"D{i}" for i in range(1, 9)]
-PHASE = "hazard_avoidance"
 LATEST_S = 8.0
 SPOT_M = 18.0
 TERMINAL = "flight_software.guidance.powered.terminal"
@@ -36,6 +36,8 @@ TERMINAL = "flight_software.guidance.powered.terminal"
 def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
     """Cases of the plan, each with its own safe spot and, if wanted, a fault of one horizontal thruster."""
     rng = np.random.default_rng(seed)
+    scenario = plan.loaded.scenario
+    phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     for case in plan.cases():
         direction = rng.uniform(0.0, 2.0 * np.pi)
         thruster, after = str(rng.choice(HORIZONTAL)), float(rng.uniform(0.0, LATEST_S))
@@ -43,7 +45,7 @@ def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
             f"{TERMINAL}.safe_spot_north_m": SPOT_M * float(np.cos(direction)),
             f"{TERMINAL}.safe_spot_east_m": SPOT_M * float(np.sin(direction)),
         }
-        fault = {"faults": [{"thruster": thruster, "kind": kind, "at": {"phase": PHASE, "plus_s": after}}]} if kind else {}
+        fault = {"faults": [{"thruster": thruster, "kind": kind, "at": {"phase": phase, "plus_s": after}}]} if kind else {}
         label = {"thruster": thruster} if kind else {}
         yield replace(case, truth={**case.truth, **fault}, belief={**case.belief, **spot}, label=label)
 

@@ -18,7 +18,7 @@ def flight_table() -> str:
     """This flight beside the published one, as Markdown."""
     flight = edl6dof.fly("tianwen1")
     lines = ["| figure | unit | this flight | published | difference |", "|---|---|---:|---:|---:|"]
-    lines += ["| " + " | ".join(row) + " |" for row in comparison(flight.metrics, flight.scenario.published)]
+    lines += ["| " + " | ".join(row.cells) + " |" for row in comparison(flight.metrics, flight.scenario.published)]
     lines.append(f"\nVerdict: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing site.")
     return "\n".join(lines)
 

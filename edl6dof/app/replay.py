@@ -44,6 +44,7 @@ class FlownRun:
     def __init__(self, folder: Path) -> None:
         self._run = Run(folder)
         self.name, self.outcome = self._run.name, str(self._run.summary["outcome"])
+        self.success = bool(self._run.summary["success"])
 
     @cached_property
     def scenario(self) -> Scenario:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.case import Case
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.scenario import Scenario
 from edl6dof.vehicle.faults import THRUSTER_KINDS
@@ -15,13 +16,13 @@ from edl6dof.vehicle.faults import THRUSTER_KINDS
 #: Ways in which a thruster can fail.
 KINDS = THRUSTER_KINDS
 
-#: The phases a fault begins in unless others are asked for: one of each kind of attitude control.
-USUAL_PHASES = ("trim_aoa", "lift", "parachute", "powered_deceleration", "hazard_avoidance")
+#: Roles of the phases a fault begins in unless others are asked for: one of each kind of attitude control.
+USUAL_ROLES = (TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HAZARD_AVOIDANCE)
 
 
 def phases_of(scenario: Scenario) -> list[str]:
     """The usual phases as far as the scenario has them, otherwise all in which thrusters may fire."""
-    usual = [name for name in scenario.phase_names if name in USUAL_PHASES]
+    usual = [phase.name for phase in scenario.mission.phases if phase.role in USUAL_ROLES]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
 
 

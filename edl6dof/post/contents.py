@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import NotRequired, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
@@ -30,6 +30,7 @@ class Summary(TypedDict):
     name: str
     outcome: str
     success: bool
+    reached_goal: NotRequired[bool]
     time_s: float
     phase: str
     edl6dof_version: str
@@ -41,13 +42,20 @@ class Summary(TypedDict):
 
 
 class Event(TypedDict):
-    """One event of ``events.json`` with the state of the vehicle then; null where that is not finite."""
+    """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
+
+    The beginning of a phase says which phase it is and what for, a diagnosis which thruster it is about and what was found.
+    """
 
     __pydantic_config__ = _EXACT
     t_s: float
     key: str
     name: str
     detail: str
+    phase: NotRequired[str]
+    role: NotRequired[str]
+    thruster: NotRequired[str]
+    finding: NotRequired[str]
     altitude_m: float | None
     height_m: float | None
     speed_m_s: float | None

@@ -13,6 +13,7 @@ from edl6dof.config.errors import refusal
 from edl6dof.config.source import parse_document
 from edl6dof.manifest import Manifest
 from edl6dof.post.contents import Content, Event, Summary, parsed
+from edl6dof.sim.events import first_times
 
 TELEMETRY = "telemetry.parquet"
 
@@ -69,8 +70,8 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def when(self) -> dict[str, float]:
-        """Time (s) of the first event of each key."""
-        return {event["key"]: event["t_s"] for event in reversed(self.events)}
+        """Time (s) of the first event of each key, and of the first phase of each role."""
+        return first_times(self.events)
 
     @property
     def t(self) -> np.ndarray:

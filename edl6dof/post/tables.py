@@ -4,20 +4,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.config.units import split_unit
+from edl6dof.sim.figures import FigureOfMerit, figure_of_merit
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
-#: Published figures that are upper bounds or "at least" statements, not values to meet.
-_BOUNDS = {"max_", "trim_aoa_limit_cycle", "parachute_total_alpha", "backshell_height", "backshell_speed", "powered_deceleration"}
+#: Mark before a published value that is not simply beside this flight's.
+_MARKS = {"difference": "", "at most": "<= ", "at least": ">= ", "magnitude": "+-"}
+
+
+class Compared(NamedTuple):
+    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a published bound is, if it is one."""
+
+    figure: str
+    unit: str
+    own: str
+    published: str
+    difference: str
+    kept: bool | None
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """What a table shows."""
+        return self[:5]
 
 
 def show_flight(console: Console, flight: Flight) -> None:
@@ -34,7 +50,7 @@ def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
     table = open_table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
     for event in flight.events:
-        starts_phase = event["key"].startswith("phase.")
+        starts_phase = "phase" in event
         name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
@@ -48,25 +64,13 @@ def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     table = open_table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
     for row in comparison(flight.metrics, flight.scenario.published):
-        table.add_row(*row)
+        table.add_row(*row.cells)
     return table
 
 
-def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[tuple[str, str, str, str, str]]:
-    """Rows (figure, unit, this flight, published, difference) in words and rounded numbers."""
-    rows = []
-    for name, published in published_figures.items():
-        base, unit = split_unit(name)
-        own = figures.get(name)
-        relation = _relation(name)
-        places = _published_places(published)
-        shown = f"{relation}{published:,.{places}f}"
-        if own is None or not math.isfinite(own):
-            rows.append((_words(base), unit.label, "-", shown, "not reached"))
-        else:
-            more = places if own == round(own) else places + (places < 2)
-            rows.append((_words(base), unit.label, f"{own:,.{more}f}", shown, _compared(relation, own - published, more)))
-    return rows
+def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[Compared]:
+    """A row for each published figure, compared as the table of figures says."""
+    return [_compared(figure_of_merit(name), figures.get(name), published) for name, published in published_figures.items()]
 
 
 def limits_table(flight: Flight) -> Table:
@@ -81,7 +85,7 @@ def limits_table(flight: Flight) -> Table:
 
 def verdict(flight: Flight) -> Text:
     """One line: how it ended."""
-    style = "bold green" if flight.success else "bold yellow" if flight.landed else "bold red"
+    style = "bold green" if flight.success else "bold yellow" if flight.ending.reached else "bold red"
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 
@@ -95,19 +99,14 @@ def open_table(title: str, *columns: str) -> Table:
     return table
 
 
-def _relation(name: str) -> str:
-    if name == "bank_reversals":
-        return ">= "
-    return "<= " if any(name.startswith(start) for start in _BOUNDS) else ""
-
-
-def _compared(relation: str, difference: float, places: int) -> str:
-    kept = difference <= 0.0 if relation == "<= " else relation == ">= " and difference >= 0.0
-    return "kept" if kept else f"{difference:+,.{places}f}"
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
+def _compared(figure: FigureOfMerit, own: float | None, published: float) -> Compared:
+    places = _published_places(published)
+    head, shown = (figure.meaning, figure.unit.label), f"{_MARKS[figure.comparison]}{published:,.{places}f}"
+    if own is None or not math.isfinite(own):
+        return Compared(*head, "-", shown, "not reached", figure.kept(math.nan, published))
+    more = places if own == round(own) else places + (places < 2)
+    kept = figure.kept(own, published)
+    return Compared(*head, f"{own:,.{more}f}", shown, "kept" if kept else f"{figure.excess(own, published):+,.{more}f}", kept)
 
 
 def _published_places(value: float) -> int:

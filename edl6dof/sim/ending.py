@@ -26,11 +26,13 @@ class Ending:
 
     Attributes:
         success: whether it reached the goal of the mission within all limits.
+        reached: whether it reached the goal, within limits or not.
         outcome: how it ended.
         cause: why it is no success, without numbers; empty for a success.
     """
 
     success: bool
+    reached: bool
     outcome: str
     cause: str
 
@@ -45,15 +47,15 @@ def ending(flight: Flight) -> Ending:
     reached, words, within = _GOALS[flight.scenario.mission.goal]
     missed = ", ".join(check.label for check in flight.checks if not check.ok)
     if flight.code == reached and not missed:
-        return Ending(True, words + within, "")
+        return Ending(True, True, words + within, "")
     told, plain = _circumstances(flight)
     if flight.code == reached:
-        return Ending(False, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}")
+        return Ending(False, True, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}")
     head, figure = _what(flight)
     where = f" in phase {_phase(flight)}"
     # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what counts together
     here = where if flight.phase_names or figure else ""
-    return Ending(False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
+    return Ending(False, False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
 
 
 def _what(flight: Flight) -> tuple[str, str]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from edl6dof.fsw.mission.phases import Phase
+from edl6dof.fsw.mission.roles import NO_ROLE, begun
+from edl6dof.interface.events import EVENTS
+
 #: Plain names of what the vehicle does once, or is told to do: that the wing opens is another event.  In the order of
-#: ``edl6dof.vehicle.plant.EVENTS``.
+#: ``edl6dof.interface.events.EVENTS``.
 DEPLOYMENTS = (
     "trim wing commanded",
     "mortar fires",
@@ -19,38 +23,55 @@ DEPLOYMENTS = (
     "engine ignition",
     "engine cut-off",
 )
-KEYS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
 
-#: Time (s), key and plain name of something that happened.
-Moment = tuple[float, str, str]
+#: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and ``role`` or ``thruster``.
+Moment = dict[str, Any]
 
 
 def timeline(
     telemetry: Mapping[str, np.ndarray],
     plant: np.void,
     fsw: np.void,
-    phases: list[str],
+    phases: Sequence[Phase],
     ending: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
-    """Events in order of time, each with ``t_s``, ``key``, ``name`` and the state of the vehicle then.
+    """Events in order of time: moments, each with the state of the vehicle then.
 
-    ``others`` are more of them, as time, key and name: the trim wing open, faults and what was found out about them.
+    ``others`` are more of them: the trim wing open, faults and what was found out about them.
     """
-    reversals = [(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
-    found = [*others, *moments(plant, fsw, phases), *reversals, (float(plant["t"]), "end", ending)]
-    return [_with_state(telemetry, *event) for event in sorted(found, key=lambda event: event[0])]
+    reversals = [moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
+    found = [*others, *moments(plant, fsw, phases), *reversals, moment(plant["t"], "end", ending)]
+    return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
 
-def moments(plant: np.void, fsw: np.void, phases: list[str]) -> list[Moment]:
+def moment(t: float, key: str, name: str, **about: Any) -> Moment:
+    """Something that happened at time ``t`` (s)."""
+    return {"t_s": float(t), "key": key, "name": name, **about}
+
+
+def moments(plant: np.void, fsw: np.void, phases: Sequence[Phase]) -> list[Moment]:
     """What plant and flight computer note themselves when it happens, each at most once; no telemetry is needed for it."""
-    found = [(float(t), f"phase.{name}", f"phase {name}") for name, t in zip(phases, fsw["entered"], strict=False)]
-    found += [(float(t), key, name) for key, name, t in zip(KEYS, DEPLOYMENTS, plant["done"], strict=True)]
+    found = [
+        moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
+        for phase, t in zip(phases, fsw["entered"], strict=False)
+    ]
+    found += [moment(t, key, name) for key, name, t in zip(EVENTS, DEPLOYMENTS, plant["done"], strict=True)]
     if plant["line_stretch_time"] < 1e9:
-        found.append((float(plant["line_stretch_time"]), "line_stretch", "line stretch, inflation begins"))
-    found.append((float(plant["exhausted_time"]), "propellant_exhausted", "propellant exhausted"))
-    found.append((float(plant["touchdown_time"]), "touchdown", "touchdown, first footpad"))
-    return [moment for moment in found if isfinite(moment[0])]
+        found.append(moment(plant["line_stretch_time"], "line_stretch", "line stretch, inflation begins"))
+    found.append(moment(plant["exhausted_time"], "propellant_exhausted", "propellant exhausted"))
+    found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first footpad"))
+    return [one for one in found if isfinite(one["t_s"])]
+
+
+def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:
+    """Time (s) of the first event of each key, and under ``begun(role)`` of the first phase of each role."""
+    when: dict[str, float] = {}
+    for event in events:
+        when.setdefault(event["key"], event["t_s"])
+        if (role := event.get("role", NO_ROLE)) != NO_ROLE:
+            when.setdefault(begun(role), event["t_s"])
+    return when
 
 
 def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str]]:
@@ -60,7 +81,8 @@ def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str
     return [(float(t[i]), "right" if bank[i] > 0.0 else "left") for i in steps]
 
 
-def _with_state(telemetry: Mapping[str, np.ndarray], t: float, key: str, name: str) -> dict[str, Any]:
+def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, Any]:
+    t = one["t_s"]
     i = min(int(np.searchsorted(telemetry["t_s"], t - 1e-9)), len(telemetry["t_s"]) - 1)
     row = {
         "altitude_m": telemetry["truth.altitude_m"][i],
@@ -70,7 +92,7 @@ def _with_state(telemetry: Mapping[str, np.ndarray], t: float, key: str, name: s
     }
     known = t >= telemetry["t_s"][0] - 1e-9  # a flight that goes on from a saved state has no telemetry of what was before
     values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
-    return {"t_s": t, "key": key, "name": name, "detail": _in_words(values), **values}
+    return {**one, "detail": _in_words(values), **values}
 
 
 def _in_words(values: Mapping[str, float | None]) -> str:

@@ -32,9 +32,9 @@ class Finding:
 
     @property
     def label(self) -> str:
-        """``diagnosis: D7 stuck off, confidence 0.9998``; never rounded up to certainty."""
+        """``D7 stuck off, confidence 0.9998``; never rounded up to certainty."""
         shown = np.floor(self.confidence * 1e4) / 1e4
-        return f"diagnosis: {self.thruster} {self.kind}, confidence {shown:.4f}"
+        return f"{self.thruster} {self.kind}, confidence {shown:.4f}"
 
 
 def findings(fsw: np.void, thrusters: Sequence[str]) -> list[Finding]:

@@ -12,12 +12,13 @@ import numpy as np
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.source import parse_document
+from edl6dof.fsw.mission.roles import during
 from edl6dof.fsw.onboard import FSW
 from edl6dof.sim import records
 from edl6dof.sim.channels import BRIEF, TICK
 from edl6dof.sim.deployment import deployment_figures
 from edl6dof.sim.ending import Ending, ending, goal_code
-from edl6dof.sim.events import Moment, moments, timeline
+from edl6dof.sim.events import Moment, first_times, moment, moments, timeline
 from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
@@ -84,6 +85,10 @@ class Flight:
         """Names of the mission phases; ``guide.phase`` is the index."""
         return self.scenario.phase_names
 
+    def during(self, role: str) -> np.ndarray:
+        """Rows of telemetry from the first to the last phase of a role, shape (rows,), bool; none where no phase has it."""
+        return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
+
     @property
     def time_s(self) -> float:
         """Time at the end of the flight."""
@@ -103,7 +108,8 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], self.phase_names, self.outcome, [*self._wing, *self._faults])
+        phases, others = self.scenario.mission.phases, [*self._wing, *self._faults]
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], phases, self.outcome, others)
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -116,22 +122,23 @@ class Flight:
         opened = float(self.plant["wing_start"][0]) + self.loaded.truth.vehicle.trim_wing.deploy_time_s
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
         stopped = any(fault.kind in _WING_FAULTS and since < opened for fault, since in begun)
-        return [] if stopped or opened > self.time_s else [(opened, "trim_wing_open", "trim wing open")]
+        return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
 
     @property
     def _faults(self) -> list[Moment]:
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
-        rows = [(float(since), "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN]
-        return rows + [(one.t_s, "diagnosis", one.label) for one in self.findings]
+        rows = [moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN]
+        found = [moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, finding=one.label) for one in self.findings]
+        return rows + found
 
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        happened = {key: t for t, key, _ in reversed(moments(self.plant[0], self.fsw[0], self.phase_names))}
+        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission.phases))
         # a flight that goes on from a saved state has no telemetry of what happened before
         when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
-            figures = metrics(self.telemetry, when, self.phase_names)
+            figures = metrics(self.telemetry, when, self.scenario.phase_roles)
             figures |= peak_figures(self.plant[0], happened) | touchdown_state(self.case, self.plant)
             figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
             return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}

@@ -29,6 +29,7 @@ from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.plugins import require
 from edl6dof.sensors.perfect import SensorParams
 from edl6dof.sim.data_files import file_problems
+from edl6dof.sim.figures import published_problems
 from edl6dof.sim.initial import InitialState
 from edl6dof.sim.plugin_trial import try_out
 from edl6dof.vehicle.faults import FaultParams, fault_problems
@@ -139,6 +140,7 @@ class Scenario(Params):
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
+            **published_problems(self.published),
             **check_out_problems(self.flight_software.check_out, self.thruster_names),
             **fault_problems(self.faults, self.thruster_names, self.phase_names),
         }
@@ -213,6 +215,11 @@ class Scenario(Params):
     def phase_names(self) -> list[str]:
         """Names of the mission phases in order."""
         return [phase.name for phase in self.mission.phases]
+
+    @property
+    def phase_roles(self) -> list[str]:
+        """Roles of the mission phases in order."""
+        return [phase.role for phase in self.mission.phases]
 
     @property
     def steps_per_cycle(self) -> int:

@@ -1,8 +1,4 @@
-"""Figures of a flight, the limits it must keep, and the published figures beside it.
-
-A figure is a name with unit suffix and a number computed from this flight's telemetry and events.  The scenario's ``published`` section
-uses the same names.
-"""
+"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep; ``edl6dof.sim.figures`` declares them."""
 
 from __future__ import annotations
 
@@ -12,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.config.units import split_unit
+from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
+from edl6dof.sim.figures import FIGURES
 from edl6dof.sim.telemetry import Telemetry
 from edl6dof.vehicle.plant import HEAT
 
@@ -40,41 +38,32 @@ class Check:
         return bool(self.value <= self.limit)
 
 
-#: Limit name in the scenario, figure it bounds, label.
-LIMITS = (
-    ("entry_load_g0", "peak_load_g0", "peak load"),
-    ("entry_dynamic_pressure_pa", "peak_dynamic_pressure_pa", "peak dynamic pressure"),
-    ("entry_heat_flux_w_cm2", "peak_heat_flux_w_cm2", "peak heat flux"),
-    ("parachute_mach_max", "parachute_mach", "Mach at mortar fire"),
-    ("parachute_dynamic_pressure_pa", "parachute_dynamic_pressure_pa", "dynamic pressure at mortar fire"),
-    ("parachute_total_alpha_deg", "parachute_total_alpha_deg", "total angle of attack at mortar fire"),
-    ("backshell_speed_m_s", "backshell_speed_m_s", "speed at backshell release"),
-    ("backshell_height_m", "backshell_height_m", "height at backshell release"),
-    ("touchdown_vertical_m_s", "touchdown_vertical_m_s", "vertical speed at touchdown"),
-    ("touchdown_horizontal_m_s", "touchdown_horizontal_m_s", "horizontal speed at touchdown"),
-    ("touchdown_tilt_deg", "touchdown_tilt_deg", "tilt at touchdown"),
-    ("touchdown_rate_deg_s", "touchdown_rate_deg_s", "body rate at touchdown"),
-    ("slope_deg", "touchdown_slope_deg", "ground slope"),
-    ("landing_distance_m", "landing_distance_m", "distance from the landing site"),
-)
+#: Figures that have a limit, in the order in which they are told of.
+LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     """Every limit that is set and that this flight reached the point to be judged by."""
     return [
-        Check(label, figures[figure], limit, split_unit(name)[1].label)
-        for name, figure, label in LIMITS
-        if figure in figures and (limit := getattr(limits, name)) is not None
+        Check(figure.meaning, figures[figure.name], limit, figure.unit.label)
+        for figure in LIMITS
+        if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
     ]
 
 
-def metrics(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
-    """Figures that telemetry tells of what the flight went through; ``when`` is the time (s) of its events by key."""
+def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    """Figures that telemetry tells of what the flight went through.
+
+    Args:
+        telemetry: its rows.
+        when: time (s) of its events by key, see :func:`edl6dof.sim.events.first_times`.
+        roles: role of each phase.
+    """
     figures: dict[str, float] = {}
     figures.update(_event_figures(telemetry, when))
-    figures.update(_trim_figures(telemetry, phases))
-    figures.update(_entry_figures(telemetry, when, phases))
-    figures.update(_descent_figures(telemetry, when, phases))
+    figures.update(_trim_figures(telemetry, roles))
+    figures.update(_entry_figures(telemetry, when, roles))
+    figures.update(_descent_figures(telemetry, when, roles))
     propellant = telemetry["truth.propellant_kg"]
     figures["propellant_used_kg"] = float(propellant[0] - propellant[-1])
     return figures
@@ -90,16 +79,16 @@ def _beyond(rising: np.ndarray, value: float) -> int:
     return int(np.searchsorted(rising, value, side="right"))
 
 
-def _phase(telemetry: Telemetry, phases: list[str], name: str) -> tuple[int, int]:
-    """First row of a phase, which never comes twice, and the row after its last."""
-    index = phases.index(name)
-    return _row(telemetry["guide.phase"], index), _row(telemetry["guide.phase"], index + 1)
+def _role(telemetry: Telemetry, roles: list[str], role: str) -> tuple[int, int]:
+    """First row of the phases of a role, none of which comes twice, and the row after their last."""
+    first, end = span(roles, role)
+    return _row(telemetry["guide.phase"], first), _row(telemetry["guide.phase"], end)
 
 
 def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
     figures: dict[str, float] = {}
-    if "phase.lift" in when:
-        figures["lift_start_s"] = when["phase.lift"]
+    if (t := when.get(begun(LIFT))) is not None:
+        figures["lift_start_s"] = t
     if (t := when.get("trim_wing")) is not None:
         figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
     if (t := when.get("mortar")) is not None:
@@ -116,16 +105,14 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
     if "backshell" in when and "touchdown" in when:
         figures["powered_duration_s"] = when["touchdown"] - when["backshell"]
-    if "backshell" in when and "phase.hover_imaging" in when:
-        figures["powered_deceleration_s"] = when["phase.hover_imaging"] - when["backshell"]
+    if "backshell" in when and begun(HOVER_IMAGING) in when:
+        figures["powered_deceleration_s"] = when[begun(HOVER_IMAGING)] - when["backshell"]
     return figures
 
 
-def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
+def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
     """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
-    if "trim_aoa" not in phases:
-        return {}
-    first, last = _phase(telemetry, phases, "trim_aoa")
+    first, last = _role(telemetry, roles, TRIM)
     if last - first < 2 or last == len(telemetry["t_s"]):
         return {}
     phase = telemetry.rows(first, last)
@@ -135,10 +122,8 @@ def _trim_figures(telemetry: Telemetry, phases: list[str]) -> dict[str, float]:
     return {"trim_aoa_limit_cycle_deg": _largest(late, *errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
 
 
-def _entry_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
-    if "lift" not in phases:
-        return {}
-    first, last = _phase(telemetry, phases, "lift")
+def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    first, last = _role(telemetry, roles, LIFT)
     if first == last:
         return {}
     lift = telemetry.rows(first, last)
@@ -165,10 +150,10 @@ def _largest(telemetry: Telemetry, *names: str) -> float:
     return float(np.max(telemetry.largest(*names)))
 
 
-def _descent_figures(telemetry: Telemetry, when: dict[str, float], phases: list[str]) -> dict[str, float]:
+def _descent_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
     figures: dict[str, float] = {}
-    if "parachute" in phases and "mortar" in when:
-        hanging = telemetry.rows(*_phase(telemetry, phases, "parachute"))
+    if PARACHUTE in roles and "mortar" in when:
+        hanging = telemetry.rows(*_role(telemetry, roles, PARACHUTE))
         figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
     if "ignition" in when:
         figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))

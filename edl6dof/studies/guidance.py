@@ -21,6 +21,7 @@ from edl6dof.campaign.executor import fly_cases
 from edl6dof.campaign.readback import value_at
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.records import build_records
 from edl6dof.sim.scenario import LoadedScenario, Scenario, load_scenario
@@ -128,7 +129,7 @@ def overrides(law: str, nominal: LoadedScenario) -> list[str]:
 def _figures(flight: Flight) -> dict[str, float]:
     """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment speed."""
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
-    lift = rows["guide.phase"] == flight.phase_names.index("lift")
+    lift = flight.during(LIFT)
     steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading.speed_m_s))
     bank, dt = np.abs(rows["guide.bank_deg"][steered]), np.gradient(rows["t_s"])[steered]
     at_limit = (bank >= entry.bank_max_deg - 0.01) | (bank <= entry.bank_min_deg + 0.01)

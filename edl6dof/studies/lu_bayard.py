@@ -21,6 +21,7 @@ from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.drag_velocity import path_sine, profile_drag, profile_range
 from edl6dof.fsw.guidance.entry.entry_corridor import corridor
 from edl6dof.fsw.guidance.entry.hinf import feedback, riccati
+from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.records import build_onboard, build_tables
 from edl6dof.sim.scenario import load_scenario
@@ -130,7 +131,7 @@ def _history(flight: Flight, design: Design) -> dict[str, np.ndarray]:
     rates = flight.scenario.flight_software.rates
     law = flight.scenario.flight_software.guidance.entry.adaptive_hinf
     rows = {name: column[:: rates.entry_guidance_every] for name, column in flight.telemetry.items()}
-    tracked = (rows["guide.phase"] == flight.phase_names.index("lift")) & (rows["nav.drag_m_s2"] >= law.start_drag_m_s2)
+    tracked = flight.during(LIFT)[:: rates.entry_guidance_every] & (rows["nav.drag_m_s2"] >= law.start_drag_m_s2)
     rows = {name: column[tracked] for name, column in rows.items()}
     t, error = rows["t_s"], rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"]
     rate = np.gradient(error, t)

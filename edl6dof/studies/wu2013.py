@@ -15,6 +15,7 @@ import pyarrow as pa
 from edl6dof.campaign.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import load_scenario
 from edl6dof.studies.cases import Spread, draw, values
@@ -85,9 +86,9 @@ def _converged(t: np.ndarray, estimate: np.ndarray, true: np.ndarray) -> float:
 
 def _history(flight: Flight) -> dict[str, np.ndarray]:
     """Curves of one flight at the guidance rate; the true drag rate follows from the true state."""
-    rates, lift = flight.scenario.flight_software.rates, flight.phase_names.index("lift")
-    rows = {name: column[:: rates.entry_guidance_every] for name, column in flight.telemetry.items()}
-    rows = {name: column[rows["guide.phase"] == lift] for name, column in rows.items()}
+    rates = flight.scenario.flight_software.rates
+    lift = flight.during(LIFT)[:: rates.entry_guidance_every]
+    rows = {name: column[:: rates.entry_guidance_every][lift] for name, column in flight.telemetry.items()}
     planet, scale_height = flight.scenario.planet, flight.scenario.atmosphere.exponential.scale_height_m
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gamma = np.radians(rows["truth.flight_path_angle_deg"])

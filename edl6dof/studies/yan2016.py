@@ -15,6 +15,7 @@ import pyarrow as pa
 
 from edl6dof.campaign.case import Case
 from edl6dof.campaign.executor import fly_cases
+from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import load_scenario
 from edl6dof.studies.cases import values
@@ -89,7 +90,7 @@ def _downrange(flight: Flight) -> np.ndarray:
 def _observed(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
     """Times and estimated disturbance (rad/s) while the law flies."""
     rows = flight.telemetry
-    guided = rows["guide.phase"] == flight.phase_names.index("lift")
+    guided = flight.during(LIFT)
     return rows["t_s"][guided], np.radians(rows["guide.path_disturbance_deg_s"][guided])
 
 

@@ -17,6 +17,7 @@ import pyarrow as pa
 from edl6dof.campaign.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.scenario import load_scenario
 from edl6dof.studies.cases import Spread, draw, values
@@ -92,7 +93,7 @@ def _first_calm(t: np.ndarray, virtual: np.ndarray) -> int:
 def _range_control(flight: Flight) -> np.ndarray:
     """Rows in which the law controls range: its phase, above the speed of heading alignment."""
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
-    lift = rows["guide.phase"] == flight.phase_names.index("lift")
+    lift = flight.during(LIFT)
     return lift & (rows["truth.speed_m_s"] > entry.heading.speed_m_s)
 
 

@@ -85,7 +85,7 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
 
 def run(planted: Sequence[str] = ()) -> Outcome:
     """Fly banked through the atmosphere of a rotating planet; compare place and speed with the spherical equations."""
-    nominal, flight = flown(_SCENE, planted, ends="flown to the time limit")
+    nominal, flight = flown(_SCENE, planted)
     rows = flight.telemetry
     radius = nominal.planet.equatorial_radius_m
     times = rows["t_s"][::50]

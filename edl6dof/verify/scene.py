@@ -10,6 +10,7 @@ import numpy as np
 from edl6dof.sim import records
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.loop import prepare
+from edl6dof.sim.outcome import OUTCOMES
 from edl6dof.sim.scenario import LoadedScenario, Scenario, load_scenario
 from edl6dof.sim.state import State
 
@@ -58,7 +59,7 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
         CutShortError: the flight ended otherwise.
     """
     flight = fly(loaded, start=start)
-    if not flight.outcome.startswith(ends):
+    if OUTCOMES[flight.code] != ends:
         raise CutShortError(f"the flight ended with {flight.outcome!r} at t = {flight.time_s:.2f} s")
     return flight
 

@@ -95,6 +95,31 @@ def _is_kernel(function: ast.FunctionDef) -> bool:
     return any(getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit") for mark in function.decorator_list)
 
 
+#: Methods and functions that take a text apart.
+PARSING = ("startswith", "endswith", "removeprefix", "removesuffix", "split", "rsplit", "partition", "rpartition", "find", "index")
+PARSING += ("search", "match", "fullmatch", "findall", "finditer", "sub")
+
+
+def parsed_prose(source: str) -> list[str]:
+    """``line: text`` of calls that take the key, name or detail of an event, or the words of an outcome, apart."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARSING:
+            found += [f"{node.lineno}: {ast.unparse(node)}" for part in (node.func.value, *node.args) if any(map(_prose, ast.walk(part)))]
+        elif isinstance(node, ast.Compare) and any(isinstance(way, ast.In | ast.NotIn) for way in node.ops):
+            found += [f"{node.lineno}: {ast.unparse(node)}" for part in node.comparators if any(map(_prose, ast.walk(part)))]
+    return sorted(set(found))
+
+
+def _prose(node: ast.AST) -> bool:
+    if isinstance(node, ast.Attribute):
+        return node.attr == "outcome"
+    if not (isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant)):
+        return False
+    of_event = isinstance(node.value, ast.Name) and node.value.id in ("event", "e", "one", "moment")
+    return node.slice.value == "outcome" or (of_event and node.slice.value in ("key", "name", "detail"))
+
+
 def layer_of(module: str) -> str:
     """Second part of a dotted name: the folder or top file that decides the layer."""
     parts = module.split(".")

@@ -28,7 +28,7 @@ def test_flight_computer_flies_as_if_nothing_were_until_the_fault(nominal, dead_
 
 def test_fault_is_in_the_timeline_and_the_telemetry(dead_d7):
     event = next(event for event in dead_d7.events if event["key"] == "fault")
-    start = next(event for event in dead_d7.events if event["key"] == "phase.hazard_avoidance")
+    start = next(event for event in dead_d7.events if event.get("role") == "hazard_avoidance")
     assert event["name"] == "fault: D7 stuck off" and event["t_s"] == pytest.approx(start["t_s"] + 2.0)
     after = dead_d7.telemetry["t_s"] > event["t_s"] + 0.03
     assert np.all(dead_d7.telemetry["fault.D7"][after] == 1) and np.all(dead_d7.telemetry["rcs.D7"][after] == 0.0)
@@ -87,7 +87,7 @@ def test_faulty_thruster_is_named_and_the_vehicle_lands(thruster, kind, phase):
     assert flight.outcome == "landed within limits"
     assert [finding.thruster for finding in flight.findings] == [thruster]
     assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] > 0.0
-    assert [event["name"] for event in flight.events if event["key"] == "diagnosis"] == [flight.findings[0].label]
+    assert [event["finding"] for event in flight.events if event["key"] == "diagnosis"] == [flight.findings[0].label]
 
 
 def test_nobody_is_accused_in_the_nominal_flight(nominal):

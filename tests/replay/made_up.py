@@ -11,6 +11,7 @@ from edl6dof.sim.channels import CHANNELS
 from edl6dof.sim.scenario import load_scenario
 
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
+FOUND = {"thruster": "D7", "finding": "D7 stuck off"}
 RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
 
 
@@ -43,9 +44,9 @@ def synthetic_flight() -> SimpleNamespace:
     keys = {"mortar": MORTAR, "heat_shield": SHIELD, "landing_legs": 12.0, "backshell": SHELL, "trim_wing": 4.0, "end": END}
     order = sorted(keys.items(), key=lambda item: item[1])
     events = [{"t_s": when, "key": key, "name": key, "detail": "detail"} for key, when in order]
-    events.insert(2, {"t_s": DIAGNOSIS, "key": "diagnosis", "name": "diagnosed: D7 stuck off", "detail": ""})
+    events.insert(2, {"t_s": DIAGNOSIS, "key": "diagnosis", "name": "diagnosed: D7 stuck off", "detail": "", **FOUND})
     return SimpleNamespace(
-        telemetry=tm, events=events, phase_names=names, scenario=scenario, outcome="landed within limits", name="synthetic"
+        telemetry=tm, events=events, phase_names=names, scenario=scenario, outcome="landed within limits", success=True, name="synthetic"
     )
 
 

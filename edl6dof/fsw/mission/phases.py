@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.mission.roles import NO_ROLE, ROLES
 from edl6dof.interface.capacities import MAX_PHASES
 from edl6dof.interface.events import EVENTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
@@ -71,6 +72,7 @@ class Phase(Params):
     """One mission phase."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
+    role: Literal[ROLES] = param(NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False)
     guidance: Literal[GUIDANCE] = param("none", "guidance of the phase")
     control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
     thrusters: Annotated[list[Literal[THRUSTER_GROUPS]], Capacity(len(THRUSTER_GROUPS))] = param(

@@ -10,15 +10,12 @@ from edl6dof.campaign.statistics import Driver, drivers
 from edl6dof.post.dispersed.results import Results
 from edl6dof.post.report.document import Block, Cell, Table, Text
 from edl6dof.post.report.figure import BLUE, ORANGE, Axis, Figure, Panel, Trace
+from edl6dof.sim.figures import figure_of_merit
 
-#: Figures to explain, with their labels; those with limits come first by themselves.
-_FIGURES = (
-    ("landing_east_m", "landing point, east"),
-    ("landing_north_m", "landing point, north"),
-    ("parachute_height_m", "height at mortar fire"),
-    ("propellant_used_kg", "propellant used"),
-    ("touchdown_s", "time of touchdown"),
-)
+#: Where a flight landed.
+_LANDING = ("landing_east_m", "landing_north_m")
+#: Figures to explain; those with limits come first by themselves.
+_FIGURES = (*_LANDING, "parachute_height_m", "propellant_used_kg", "touchdown_s")
 
 #: Rows of a ranking.
 _SHOWN = 6
@@ -35,12 +32,11 @@ def blocks(results: Results) -> Iterator[Block]:
         "together; where it is low, the random profiles of density and gusts, or effects that are not linear, do the rest. "
         f"By chance alone, correlations reach {2.6 / np.sqrt(len(results.cases)):.2f} in one of a hundred."
     )
-    labelled = dict([*((figure, label) for figure, label, _, _ in results.limits), *_FIGURES])
-    for figure, label in labelled.items():
-        if results.has(figure):
-            found, explained = drivers(results.inputs, results[figure])
+    for name in dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES]):
+        if results.has(name):
+            found, explained = drivers(results.inputs, results[name])
             if found:
-                yield ranking(label, found, explained)
+                yield ranking(figure_of_merit(name).meaning, found, explained)
     yield from _chart(results)
 
 
@@ -60,8 +56,8 @@ def ranking(label: str, found: list[Driver], explained: float) -> Table:
 
 def _chart(results: Results) -> Iterator[Figure]:
     """Regression coefficients of the landing point, side by side."""
-    ways = [(figure, label) for figure, label in _FIGURES[:2] if results.has(figure)]
-    found = {label: {d.name: d.regression for d in drivers(results.inputs, results[figure])[0]} for figure, label in ways}
+    ways = [figure_of_merit(name) for name in _LANDING if results.has(name)]
+    found = {way.meaning: {d.name: d.regression for d in drivers(results.inputs, results[way.name])[0]} for way in ways}
     if len(found) < 2 or not all(found.values()):
         return
     names = sorted(set().union(*found.values()), key=lambda name: -max(abs(column.get(name, 0.0)) for column in found.values()))[:10]

@@ -8,27 +8,28 @@ import numpy as np
 
 from edl6dof.post.dispersed.results import Results
 from edl6dof.post.report.figure import Axis, Figure, Heat, Panel, Trace
+from edl6dof.sim.figures import FigureOfMerit, figure_of_merit
 
 #: Figures mapped over the grid, besides success.
 _FIGURES = (
-    ("landing_distance_m", "distance from the landing site (m)"),
-    ("parachute_mach", "Mach at mortar fire"),
-    ("parachute_height_m", "height at mortar fire (m)"),
-    ("touchdown_vertical_m_s", "vertical speed at touchdown (m/s)"),
-    ("propellant_used_kg", "propellant used (kg)"),
-    ("peak_load_g0", "peak load (g)"),
+    *("landing_distance_m", "parachute_mach", "parachute_height_m"),
+    *("touchdown_vertical_m_s", "propellant_used_kg", "peak_load_g0"),
 )
 
 
 def figures(results: Results) -> Iterator[Figure]:
     """Maps over the first two axes, the mean over all others and over dispersed flights; curves where there is one axis."""
     axes = [name for name in _axes(results) if results.has(name)]
-    shown = [(figure, label) for figure, label in _FIGURES if results.has(figure)]
-    columns = [("success (%)", 100.0 * results.ok), *((label, results[figure]) for figure, label in shown)]
+    shown = [figure_of_merit(name) for name in _FIGURES if results.has(name)]
+    columns = [("success (%)", 100.0 * results.ok), *((_label(figure), results[figure.name]) for figure in shown)]
     if len(axes) >= 2:
         yield from _maps(results, axes, columns)
     elif axes:
         yield _curves(results, axes[0], columns)
+
+
+def _label(figure: FigureOfMerit) -> str:
+    return f"{figure.meaning} ({figure.unit.label})" if figure.unit.label else figure.meaning
 
 
 def _axes(results: Results) -> list[str]:

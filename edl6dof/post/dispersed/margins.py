@@ -11,17 +11,12 @@ from edl6dof.post.dispersed.results import Results
 from edl6dof.post.numbers import significant
 from edl6dof.post.report.document import Block, Cell, Table, Text
 from edl6dof.post.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
+from edl6dof.sim.figures import figure_of_merit
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
-    ("peak_load_g0", "peak load", "g"),
-    ("peak_heat_flux_w_cm2", "peak heat flux", "W/cm2"),
-    ("max_riser_tension_n", "largest riser tension", "N"),
-    ("parachute_height_m", "height at mortar fire", "m"),
-    ("backshell_height_m", "height at backshell release", "m"),
-    ("min_backshell_distance_m", "least distance from the backshell", "m"),
-    ("propellant_used_kg", "propellant used", "kg"),
-    ("touchdown_s", "touchdown", "s"),
+    *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
+    *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
 _HEADS = ("0.13 %>", "1 %>", "50 %>", "99 %>", "99.87 %>")
 
@@ -43,9 +38,9 @@ def limit_quantiles(results: Results) -> Table:
 def other_quantiles(results: Results) -> Table:
     """Quantiles of other figures."""
     rows = [
-        [label, unit, *(significant(value) for value in quantiles(results[figure]))]
-        for figure, label, unit in _OTHERS
-        if results.has(figure) and figure not in {name for name, *_ in results.limits}
+        [figure.meaning, figure.unit.label, *(significant(value) for value in quantiles(results[figure.name]))]
+        for figure in map(figure_of_merit, _OTHERS)
+        if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
     ]
     return Table(["figure", "unit", *_HEADS], rows)
 

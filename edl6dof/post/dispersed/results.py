@@ -13,7 +13,6 @@ import pyarrow as pa
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.store import Store
 from edl6dof.config.source import parse_document
-from edl6dof.config.units import split_unit
 from edl6dof.sim.verdict import LIMITS
 
 
@@ -75,9 +74,9 @@ class Results:
         """(figure, label, limit, unit) of every limit by which a case was judged."""
         given = self.document["limits"]
         return [
-            (figure, label, float(given[name]), split_unit(name)[1].label)
-            for name, figure, label in LIMITS
-            if given.get(name) is not None and self.has(figure)
+            (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)
+            for figure in LIMITS
+            if given.get(figure.limit) is not None and self.has(figure.name)
         ]
 
 

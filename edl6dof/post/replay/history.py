@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
+
+from edl6dof.sim.events import first_times
 
 if TYPE_CHECKING:
     from edl6dof.sim.scenario import Scenario
@@ -35,6 +36,10 @@ class Flown(Protocol):
     @property
     def outcome(self) -> str:
         """How it ended."""
+
+    @property
+    def success(self) -> bool:
+        """Whether it reached its goal within all limits."""
 
     @property
     def scenario(self) -> Scenario:
@@ -70,15 +75,15 @@ class History:
         jets: names of the thrusters.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
         diagnosed: what the flight software found out, by thruster.
-        when: time (s) of the first event of each key.
+        when: time (s) of the first event of each key, and of the first phase of each role.
     """
 
     def __init__(self, flight: Flown, names: Iterable[str]) -> None:
         """Take the columns ``names`` besides the poses."""
         table = flight.telemetry
-        self.name, self.outcome, self.scenario = flight.name, flight.outcome, flight.scenario
+        self.name, self.outcome, self.success, self.scenario = flight.name, flight.outcome, flight.success, flight.scenario
         self.phase_names, self.events = flight.phase_names, flight.events
-        self.when = {event["key"]: float(event["t_s"]) for event in reversed(flight.events) if "key" in event}
+        self.when = first_times(flight.events)
         rows = _drawable(table)
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]
         wanted = dict.fromkeys([*POSES, *names])
@@ -116,13 +121,12 @@ def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
 
 
-def _diagnosed(events: Iterable[dict[str, Any]], jets: Iterable[str]) -> dict[str, Known]:
+def _diagnosed(events: Iterable[dict[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
+    """First finding about each thruster; a run that was written before events told the thruster has none."""
     found: dict[str, Known] = {}
     for event in events:
-        if event["key"].startswith("diagnos"):
-            for jet in jets:
-                if re.search(rf"\b{re.escape(jet)}\b", event["name"]):
-                    found.setdefault(jet, Known(float(event["t_s"]), str(event["name"]).partition(": ")[2] or str(event["name"])))
+        if event["key"] == "diagnosis" and event.get("thruster") in jets:
+            found.setdefault(event["thruster"], Known(event["t_s"], event.get("finding", event["name"])))
     return found
 
 

@@ -95,8 +95,8 @@ class Lanes(Recorder):
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if events:
             text = [f"{event['name']}: {event['detail']}" if event["detail"] else event["name"] for event in events]
-            level = ["WARN" if event["key"].startswith(("fault", "diagnos")) else "INFO" for event in events]
-            level[-1] = "INFO" if self.flight.outcome.startswith("landed within") else "ERROR"
+            level = ["WARN" if event["key"] in ("fault", "diagnosis") else "INFO" for event in events]
+            level[-1] = "INFO" if self.flight.success else "ERROR"
             self.columns("events", np.array([e["t_s"] for e in events]), self.rr.TextLog.columns(text=text, level=level))
 
     def _readout(self) -> None:

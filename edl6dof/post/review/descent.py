@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
 from edl6dof.post.report.figure import BLUE, GREEN, GREY, PURPLE, VERMILION, Axis, Figure, Panel, Trace
 from edl6dof.post.review.parts import Curve, over_time, placed, stacked
 from edl6dof.post.run import Run
@@ -57,7 +58,7 @@ def powered(run: Run) -> Iterator[Figure]:
 
 def _descent_plane(run: Run, rows: np.ndarray) -> Figure:
     """Height over descent speed: the plane in which powered descent is designed."""
-    names = {"backshell": "backshell", "ignition": "", "phase.hover_imaging": "hover"}
+    names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
     curve = Trace(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows], "flown", colour=BLUE, width=2.2)
     panel = Panel(
         Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)]

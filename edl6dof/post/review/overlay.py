@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from edl6dof.config.units import split_unit
 from edl6dof.post.report.document import Block, Cell, Report, Section, Table, Text
 from edl6dof.post.report.figure import Figure, Panel, Trace
 from edl6dof.post.review.build import flight_report
 from edl6dof.post.review.words import mood, verdict
 from edl6dof.post.run import Run
+from edl6dof.sim.figures import figure_of_merit
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
 DARKER = 0.45
@@ -63,8 +63,8 @@ def figures_table(first: Run, second: Run) -> Table:
     one, two = first.summary["figures"], second.summary["figures"]
     rows = []
     for name in dict.fromkeys([*one, *two]):
-        base, unit = split_unit(name)
-        rows.append([base.replace("_", " "), unit.label, *_numbers(one.get(name), two.get(name))])
+        figure = figure_of_merit(name)
+        rows.append([figure.meaning, figure.unit.label, *_numbers(one.get(name), two.get(name))])
     return Table(["figure", "unit", *(f"{label}>" for label in labels(first, second)), "difference>"], rows)
 
 

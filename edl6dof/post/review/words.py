@@ -13,26 +13,31 @@ from edl6dof.config.yamltree import parse_yaml
 from edl6dof.post.report.document import Block, Cell, Fact, Listing, Mood, Table, Text
 from edl6dof.post.run import Run
 from edl6dof.post.tables import aligned_pair, comparison
+from edl6dof.sim.figures import figure_of_merit
 
-#: Figure, label, format and unit of what is shown at a glance.
+#: Figure and format of what is shown at a glance.
 _FACTS = (
-    ("touchdown_s", "touchdown after", "{:.1f} s"),
-    ("landing_distance_m", "from the landing site", "{:,.0f} m"),
-    ("touchdown_vertical_m_s", "vertical speed at touchdown", "{:.2f} m/s"),
-    ("touchdown_tilt_deg", "tilt at touchdown", "{:.2f} deg"),
-    ("peak_load_g0", "peak load", "{:.2f} g"),
-    ("peak_dynamic_pressure_pa", "peak dynamic pressure", "{:,.0f} Pa"),
-    ("peak_heat_flux_w_cm2", "peak heat flux", "{:.1f} W/cm²"),
-    ("parachute_mach", "Mach at mortar fire", "{:.2f}"),
-    ("propellant_used_kg", "propellant used", "{:.1f} kg"),
+    ("touchdown_s", ".1f"),
+    ("landing_distance_m", ",.0f"),
+    ("touchdown_vertical_m_s", ".2f"),
+    ("touchdown_tilt_deg", ".2f"),
+    ("peak_load_g0", ".2f"),
+    ("peak_dynamic_pressure_pa", ",.0f"),
+    ("peak_heat_flux_w_cm2", ".1f"),
+    ("parachute_mach", ".2f"),
+    ("propellant_used_kg", ".1f"),
 )
+
+
+#: A published bound that was kept or not; other differences are neither good nor bad.
+_KEPT: dict[bool | None, Mood] = {True: "good", False: "warn", None: "plain"}
 
 
 def mood(summary: Mapping[str, Any]) -> Mood:
     """Good within limits, a warning when it got through outside them, bad otherwise."""
     if summary["success"]:
         return "good"
-    return "warn" if "outside limits" in str(summary["outcome"]) else "bad"
+    return "warn" if summary.get("reached_goal") else "bad"
 
 
 def verdict(run: Run) -> str:
@@ -43,11 +48,11 @@ def verdict(run: Run) -> str:
 def facts(run: Run) -> list[Fact]:
     """Figures at a glance; those under a limit take its colour."""
     figures = run.summary["figures"]
-    missed = {float(limit["value"]) for limit in run.summary["limits"] if not limit["ok"] and limit["value"] is not None}
+    missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
     return [
-        Fact(label, form.format(figures[name]), "bad" if float(figures[name]) in missed else "plain")
-        for name, label, form in _FACTS
-        if figures.get(name) is not None
+        Fact(figure.meaning, f"{value:{form}} {figure.unit.label}".strip(), "bad" if figure.meaning in missed else "plain")
+        for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
+        if (value := figures.get(figure.name)) is not None
     ]
 
 
@@ -77,20 +82,14 @@ def limits(run: Run) -> Table:
 
 def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    rows = [[*row[:-2], _sign(row[-2]), _kept(*row[-2:])] for row in comparison(run.summary["figures"], run.summary["published"])]
+    found = comparison(run.summary["figures"], run.summary["published"])
+    rows = [[row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])] for row in found]
     return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
 
 
 def _sign(bound: str) -> str:
     """A bound with the sign of print."""
-    return bound.replace("<=", "≤").replace(">=", "≥")
-
-
-def _kept(bound: str, difference: str) -> Cell:
-    """A published bound that was kept or not; other differences are neither good nor bad."""
-    if difference == "kept":
-        return Cell(difference, "good")
-    return Cell(difference, "warn" if bound.startswith(("<=", ">=")) else "plain")
+    return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
 
 
 def subtitle(run: Run) -> str:
@@ -104,7 +103,7 @@ def timeline(run: Run) -> Table:
     rows = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
-        name = event["name"].removeprefix("phase ").replace("_", " ") if event["key"].startswith("phase.") else f"\u2003{event['name']}"
+        name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
         state = (
             f"{height:,.0f}" if height is not None else "",
             f"{speed:,.1f}" if speed is not None else "",

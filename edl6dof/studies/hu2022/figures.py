@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, span
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, thrust_error_deg
 from edl6dof.studies.study import Curve, Drawing, Panel
@@ -47,7 +48,7 @@ def _estimates(flight: Flight) -> Drawing:
     """Figs. 11 and 12: estimated disturbance torque in the powered descent, force in hazard avoidance."""
     table = flight.telemetry
     powered = (table["t_s"] > flight.metrics["backshell_s"]) & (table["t_s"] < flight.metrics["touchdown_s"])
-    avoiding = powered & (table["guide.phase"] >= flight.phase_names.index("hazard_avoidance"))
+    avoiding = powered & (table["guide.phase"] >= span(flight.scenario.phase_roles, HAZARD_AVOIDANCE)[0])
     torque = tuple(Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz")
     force = tuple(Curve(table["t_s"][avoiding], table[f"estimate.force_{a}_n"][avoiding], a) for a in "yz")
     return Drawing(
@@ -64,7 +65,7 @@ def _avoidance(flights: Mapping[str, Flight]) -> Drawing:
     roll, place = [], []
     for name, flight in flights.items():
         table = flight.telemetry
-        rows = table["guide.phase"] == flight.phase_names.index("hazard_avoidance")
+        rows = flight.during(HAZARD_AVOIDANCE)
         t = table["t_s"][rows]
         roll.append(Curve(t - t[0], table["control.error_roll_deg"][rows], name))
         place.append(Curve(t - t[0], table["truth.site_east_m"][rows] - table["truth.site_east_m"][rows][0], name))

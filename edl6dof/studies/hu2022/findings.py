@@ -3,52 +3,60 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Literal
 
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.sim.figures import Comparison, FigureOfMerit, figure_of_merit
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
 from edl6dof.studies.study import Finding
 
-#: Label, unit, figure of the flight, bound and note of what Figs. 8 to 12 and the text give.
+#: Figures of the flight, and where Figs. 8 to 12 and the text give them.
 _FLIGHT = (
-    ("trim: error", "deg", "trim_aoa_limit_cycle_deg", "<=", "sect. 3"),
-    ("trim: propellant", "kg", "trim_aoa_propellant_kg", "", ""),
-    ("lift control begins", "s", "lift_start_s", "", ""),
-    ("bank reversals", "", "bank_reversals", ">=", "Fig. 8"),
-    ("largest bank rate", "deg/s", "max_bank_rate_deg_s", "", "Fig. 8"),
-    ("lift: pitch rate", "deg/s", "max_pitch_rate_lift_deg_s", "<=", "Fig. 9"),
-    ("lift: yaw rate", "deg/s", "max_yaw_rate_lift_deg_s", "<=", "Fig. 10"),
-    ("trim wing", "s", "trim_wing_s", "", ""),
-    ("parachute", "s", "parachute_s", "", ""),
-    ("parachute: total alpha", "deg", "parachute_total_alpha_deg", "<=", "sect. 4"),
-    ("parachute: rate", "deg/s", "max_rate_parachute_deg_s", "<=", "Figs. 8-10"),
-    ("powered descent begins", "s", "backshell_s", "", ""),
-    ("roll error then", "deg", "roll_error_at_ignition_deg", "", "Fig. 8, size"),
-    ("powered: attitude error", "deg", "max_attitude_error_powered_deg", "<=", "Fig. 10"),
-    ("powered: rate", "deg/s", "max_rate_powered_deg_s", "<=", "Figs. 8-10"),
-    ("powered: roll error", "deg", "max_roll_error_powered_deg", "<=", "Fig. 8"),
-    ("touchdown", "s", "touchdown_s", "", ""),
-    *((f"touchdown: {axis} error", "deg", f"touchdown_{axis}_error_deg", "", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
-    *((f"touchdown: {axis} rate", "deg/s", f"touchdown_{axis}_rate_deg_s", "", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
+    ("trim_aoa_limit_cycle_deg", "sect. 3"),
+    ("trim_aoa_propellant_kg", ""),
+    ("lift_start_s", ""),
+    ("bank_reversals", "Fig. 8"),
+    ("max_bank_rate_deg_s", "Fig. 8"),
+    ("max_pitch_rate_lift_deg_s", "Fig. 9"),
+    ("max_yaw_rate_lift_deg_s", "Fig. 10"),
+    ("trim_wing_s", ""),
+    ("parachute_s", ""),
+    ("parachute_total_alpha_deg", "sect. 4"),
+    ("max_rate_parachute_deg_s", "Figs. 8-10"),
+    ("backshell_s", ""),
+    ("roll_error_at_ignition_deg", "Fig. 8, size"),
+    ("max_attitude_error_powered_deg", "Fig. 10"),
+    ("max_rate_powered_deg_s", "Figs. 8-10"),
+    ("max_roll_error_powered_deg", "Fig. 8"),
+    ("touchdown_s", ""),
+    *((f"touchdown_{axis}_error_deg", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
+    *((f"touchdown_{axis}_rate_deg_s", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
 )
+_BOUNDS: dict[Comparison, Literal["", "<=", ">="]] = {"at most": "<=", "at least": ">="}
 
 
 def all_of(nominal: Flight, rows: list[Row]) -> tuple[Finding, ...]:
     """Every finding of the study."""
-    own, published = nominal.metrics, nominal.scenario.published
-    flown = (
-        Finding(label, unit, own.get(name, float("nan")), published.get(name), bound, note) for label, unit, name, bound, note in _FLIGHT
-    )
+    flown = (_flown(nominal, figure_of_merit(name), note) for name, note in _FLIGHT)
     experiments = (*_entries(rows), *_steps(rows), *_avoidance(rows), *_wings(rows), *_loops(nominal))
     return (*flown, *_estimates(nominal), *experiments)
 
 
+def _flown(flight: Flight, figure: FigureOfMerit, note: str) -> Finding:
+    """A figure of the flight beside its published value; without its sign where that is how it was published."""
+    own, published = flight.metrics.get(figure.name, float("nan")), flight.scenario.published.get(figure.name)
+    computed = abs(own) if figure.comparison == "magnitude" else own
+    return Finding(figure.meaning, figure.unit.label, computed, published, _BOUNDS.get(figure.comparison, ""), note)
+
+
 def _estimates(flight: Flight) -> tuple[Finding, ...]:
     torque = max(_peak(flight, f"estimate.torque_{axis}_nm") for axis in "xyz")
-    force = max(_peak(flight, f"estimate.force_{axis}_n", "hazard_avoidance") for axis in "yz")
+    force = max(_peak(flight, f"estimate.force_{axis}_n", HAZARD_AVOIDANCE) for axis in "yz")
     published = flight.scenario.published.get("max_disturbance_torque_nm")
     return (
         Finding("estimated torque", "N m", torque, published, note="Fig. 11"),
@@ -56,12 +64,12 @@ def _estimates(flight: Flight) -> tuple[Finding, ...]:
     )
 
 
-def _peak(flight: Flight, channel: str, phase: str | None = None) -> float:
-    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one phase of it."""
+def _peak(flight: Flight, channel: str, role: str | None = None) -> float:
+    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one role of it."""
     table = flight.telemetry
     rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & (table["t_s"] < flight.metrics["touchdown_s"])
-    if phase is not None:
-        rows &= table["guide.phase"] == flight.phase_names.index(phase)
+    if role is not None:
+        rows &= flight.during(role)
     return float(np.max(np.abs(table[channel][rows])))
 
 

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.fsw.control.frames import goal_attitude
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
+from edl6dof.sim.events import first_times
 from edl6dof.sim.flight import Flight, continue_from, fly
 from edl6dof.sim.scenario import LoadedScenario, load_scenario
 from edl6dof.sim.state import State
@@ -36,15 +38,14 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
 #: Time into the hover at which the step comes, and time watched after it, s.
 STEP_AFTER_S, STEP_WATCHED_S = 11.0, 25.0
 
-#: Hazard avoidance towards the east, where D7 pushes from the start, dead or not, diagnosed or not.
+#: Hazard avoidance towards the east, where D7 pushes from the start: whether it is dead, and what else is changed.
 _EAST = ("flight_software.guidance.powered.terminal.safe_spot_east_m=20", "flight_software.guidance.powered.terminal.safe_spot_north_m=0")
-_D7 = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance}}]"
 _NO_DIAGNOSIS = "flight_software.diagnosis.enabled=false"
-AVOIDANCE: dict[str, tuple[str, ...]] = {
-    "all sound": _EAST,
-    "D7 dead, diagnosed": (*_EAST, _D7),
-    "D7 dead, undiagnosed": (*_EAST, _D7, _NO_DIAGNOSIS),
-    "D7 dead, integral alone": (*_EAST, _D7, _NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4"),
+AVOIDANCE: dict[str, tuple[bool, tuple[str, ...]]] = {
+    "all sound": (False, ()),
+    "D7 dead, diagnosed": (True, ()),
+    "D7 dead, undiagnosed": (True, (_NO_DIAGNOSIS,)),
+    "D7 dead, integral alone": (True, (_NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4")),
 }
 
 #: A trim wing that stays shut, with the angle of attack held by thrusters or left to trim.
@@ -124,19 +125,23 @@ def from_entry(release: State, entry: Entry, formulation: str) -> Flight:
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
     """The hover with the engine suddenly off the centre of mass, so that it turns the vehicle about z of B."""
-    start = next(event["t_s"] for event in flight.events if event["key"] == "phase.hover_imaging") + STEP_AFTER_S
+    start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
     x, y, z = flight.scenario.vehicle.engine.nozzle_m
     truth = {"vehicle.engine.nozzle_m": [x, y + STEP_NM / thrust, z]}
-    hover = flight.phase_names.index("hover_imaging")
+    hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
     longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
     return {name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S) for name, changes in AGAINST_STEP.items()}
 
 
 def avoidance() -> dict[str, Flight]:
     """Hazard avoidance with D7 working, dead and found, dead and not looked for."""
-    return {name: fly(nominal(changes)) for name, changes in AVOIDANCE.items()}
+    scenario = nominal().scenario
+    phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
+    dead = f"faults=[{{thruster: D7, kind: stuck_off, at: {{phase: {phase}}}}}]"
+    faults = {True: [dead], False: []}
+    return {name: fly(nominal([*_EAST, *faults[broken], *changes])) for name, (broken, changes) in AVOIDANCE.items()}
 
 
 def failed_wings() -> dict[str, Flight]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.state import State
 from edl6dof.studies.hu2022.rigs import Entry, from_entry, thrust_error_deg
@@ -50,7 +51,7 @@ def avoidance_rows(flights: Mapping[str, Flight]) -> list[Row]:
     rows = []
     for name, flight in flights.items():
         table = flight.telemetry
-        phase = table["guide.phase"] == flight.phase_names.index("hazard_avoidance")
+        phase = flight.during(HAZARD_AVOIDANCE)
         force = np.hypot(table["estimate.force_y_n"][phase], table["estimate.force_z_n"][phase])
         figures = {
             "peak_error_deg": float(np.max(np.abs(table["control.error_roll_deg"][phase]))),

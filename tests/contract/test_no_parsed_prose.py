@@ -1,0 +1,31 @@
+"""What an event or an outcome says in words is for people: what a program needs of it is a datum of its own."""
+
+import pytest
+from source_rules import modules, parsed_prose
+
+EVERYTHING = modules()
+
+
+@pytest.mark.parametrize("name, source", EVERYTHING, ids=[name for name, _ in EVERYTHING])
+def test_nothing_is_read_back_out_of_words(name, source):
+    assert parsed_prose(source) == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "event['key'].startswith('phase.')",
+        "event['name'].removeprefix('phase ')",
+        "re.search('D7', event['name'])",
+        "str(event['detail']).partition(': ')",
+        "flight.outcome.startswith('landed within')",
+        "'outside limits' in str(summary['outcome'])",
+    ],
+)
+def test_planted_parsing_is_found(planted):
+    assert parsed_prose(planted)
+
+
+@pytest.mark.parametrize("fine", ["event['key'] == 'fault'", "event['key'] in ('fault', 'diagnosis')", "print(flight.outcome)"])
+def test_comparing_whole_keys_and_showing_words_is_fine(fine):
+    assert not parsed_prose(fine)

@@ -1,0 +1,140 @@
+"""The name of a phase is only shown: with every phase renamed, figures, report, replay, fault cases and studies are the same."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.campaign.faults import phases_of
+from edl6dof.config.locate import resolve_scenario
+from edl6dof.fsw.mission.roles import LIFT, PARACHUTE, TRIM, begun, during, span
+from edl6dof.manifest import seal
+from edl6dof.post.replay.recording import history, write_replay
+from edl6dof.post.report.page import page
+from edl6dof.post.results import write_run
+from edl6dof.post.review.build import flight_report
+from edl6dof.post.run import Run
+from edl6dof.sim.events import first_times
+from edl6dof.studies import yan2016
+from edl6dof.studies.hu2022 import STUDY as HU2022
+from edl6dof.studies.hu2022 import rigs
+
+
+def renamed_file(name, folder):
+    """A shipped scenario with other names of its phases, and the old name of each new one."""
+    text, old = resolve_scenario(name).read_text(encoding="utf-8"), {}
+
+    def renamed(match):
+        old[f"stage_{len(old)}"] = match[1]
+        return f"- name: stage_{len(old) - 1}\n"
+
+    path = folder / f"{name}.yaml"
+    path.write_text(re.sub(r"- name: (\w+)\n(?=      (?:role|guidance): )", renamed, text), encoding="utf-8")
+    return path, old
+
+
+@pytest.fixture(scope="module")
+def other(tmp_path_factory):
+    path, old = renamed_file("tianwen1", tmp_path_factory.mktemp("scenario"))
+    return edl6dof.fly(path), old
+
+
+@pytest.fixture(scope="module")
+def other_run(other, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "renamed"
+    folder.mkdir()
+    write_run(other[0], folder)
+    seal(folder, "flight")
+    return Run(folder)
+
+
+def with_old_names(text, old):
+    for new, name in old.items():
+        text = text.replace(new, name).replace(new.replace("_", " "), name.replace("_", " "))
+    return text
+
+
+def test_every_phase_has_another_name(nominal, other):
+    flight, old = other
+    assert [old[name] for name in flight.phase_names] == nominal.phase_names
+
+
+def test_figures_and_checks_are_the_same(nominal, other):
+    flight = other[0]
+    assert flight.metrics == nominal.metrics and flight.checks == nominal.checks and flight.outcome == nominal.outcome
+
+
+def test_figures_need_the_roles(tmp_path):
+    """Without any role only the figures that ask for none are left: it is the role that is asked for."""
+    text = resolve_scenario("msl").read_text(encoding="utf-8")
+    path = tmp_path / "msl.yaml"
+    path.write_text(re.sub(r"      role: \w+\n", "", text), encoding="utf-8")
+    gone = edl6dof.fly("msl").metrics.keys() - edl6dof.fly(path).metrics.keys()
+    assert {"lift_start_s", "trim_aoa_limit_cycle_deg", "bank_reversals", "max_rate_parachute_deg_s"} <= gone
+
+
+def test_report_is_the_same(run, other, other_run):
+    pages = [page(flight_report(one)) for one in (run, other_run)]
+    hashes = [one.summary["scenario_sha256"] for one in (run, other_run)]
+    assert with_old_names(pages[1], other[1]).replace(hashes[1], hashes[0]) == pages[0]
+
+
+def rows_of(flight, path, old):
+    """What a recording holds of each entity, without the times of writing."""
+    from rerun.chunk import RrdReader
+
+    write_replay([history(flight)], path)
+    found = {}
+    for chunk in RrdReader(path).stream().to_chunks():
+        batch = chunk.to_record_batch()
+        columns = {name: batch.column(name) for name in batch.schema.names if ":" in name and name != "RecordingInfo:start_time"}
+        if "sim_time" in batch.schema.names:
+            columns["sim_time"] = batch.column("sim_time").cast("int64")
+        text = repr([(name, column.to_pylist()) for name, column in columns.items()])
+        found.setdefault(chunk.entity_path, []).append(with_old_names(text, old))
+    return {entity: sorted(parts) for entity, parts in found.items()}
+
+
+def test_replay_is_the_same(nominal, other, tmp_path):
+    first, second = rows_of(nominal, tmp_path / "a.rrd", {}), rows_of(other[0], tmp_path / "b.rrd", other[1])
+    assert first.keys() == second.keys() and len(first) > 50
+    assert [entity for entity in first if first[entity] != second[entity]] == []
+
+
+def test_usual_faults_begin_in_the_same_phases_and_do_the_same(nominal, other, tmp_path):
+    flight, old = other
+    assert [old[name] for name in phases_of(flight.scenario)] == phases_of(nominal.scenario)
+    fault = "faults=[{{thruster: D5, kind: stuck_off, at: {{phase: {}, plus_s: 1}}}}]"
+    first = edl6dof.fly("tianwen1", [fault.format("hazard_avoidance")])
+    second = edl6dof.fly(
+        renamed_file("tianwen1", tmp_path)[0], [fault.format(flight.phase_names[nominal.phase_names.index("hazard_avoidance")])]
+    )
+    assert first.metrics == second.metrics and "time_to_detect_s" in first.metrics
+
+
+@pytest.mark.parametrize("module, study, runs", [(rigs, HU2022, 1), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)])
+def test_study_finds_the_same(module, study, runs, tmp_path, monkeypatch):
+    def found():
+        return repr(study.run(runs, lambda done, total: None).findings)
+
+    before = found()
+    path, old = renamed_file(module.SCENARIO, tmp_path)
+    monkeypatch.setattr(module, "SCENARIO", path)
+    assert with_old_names(found(), old) == before
+
+
+def test_several_phases_of_a_role_count_from_the_first_to_the_last():
+    roles = [TRIM, LIFT, "none", LIFT, PARACHUTE]
+    assert span(roles, LIFT) == (1, 4) and span(roles, TRIM) == (0, 1) and span(roles, "landed") == (0, 0)
+    assert during(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), roles, LIFT).tolist() == [False, True, True, True, False]
+    assert not during(np.array([0.0, 1.0]), roles, "landed").any()
+
+
+def test_a_role_begins_with_its_first_phase(nominal):
+    events = [{"key": f"phase.{number}", "t_s": 2.0 * number, "role": role} for number, role in enumerate((TRIM, LIFT, LIFT, "none"))]
+    when = first_times(events)
+    assert when[begun(LIFT)] == 2.0 and when["phase.2"] == 4.0 and begun("none") not in when
+    assert first_times(nominal.events)[begun(LIFT)] == nominal.metrics["lift_start_s"]
