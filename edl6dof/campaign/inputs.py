@@ -14,7 +14,7 @@ from edl6dof.campaign.plan import Plan
 from edl6dof.campaign.readback import value_at
 from edl6dof.config.locate import PACKAGE, find_include
 from edl6dof.config.source import INCLUDES, read_document
-from edl6dof.environment.terrain import MAP
+from edl6dof.environment.terrain_map import MAP
 from edl6dof.sim.data_files import TABLES
 
 

@@ -128,7 +128,16 @@ ONBOARD = np.dtype(
     [
         (
             "planet",
-            np.dtype([("mu", "f8"), ("equatorial_radius", "f8"), ("flattening", "f8"), ("rotation_rate", "f8")], align=True),
+            np.dtype(
+                [
+                    ("mu", "f8"),
+                    ("equatorial_radius", "f8"),
+                    ("flattening", "f8"),
+                    ("rotation_rate", "f8"),
+                    ("sutton_graves_constant", "f8"),
+                ],
+                align=True,
+            ),
         ),
         (
             "atmosphere",

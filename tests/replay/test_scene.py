@@ -35,7 +35,7 @@ def site(scenario) -> Site:
 def test_ground_is_that_of_the_simulation(scenario, site):
     terrain, grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
     fill_terrain_grid(grid[0])
-    fill_terrain(terrain[0], scenario.terrain, grid[0])
+    fill_terrain(terrain[0], scenario.terrain, grid[0], scenario.planet.mean_radius_m)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
         lat, lon = radians(scenario.terrain.site_latitude_deg + dlat), radians(scenario.terrain.site_longitude_deg + dlon)
         height = true_ground(terrain[0], grid[0], lat, lon)[0]

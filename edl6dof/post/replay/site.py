@@ -30,7 +30,7 @@ class Site:
         e2 = self.flattening * (2.0 - self.flattening)
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
-        self.relief = Relief(terrain)
+        self.relief = Relief(terrain, planet.mean_radius_m)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
         """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
