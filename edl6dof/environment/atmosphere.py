@@ -60,7 +60,14 @@ class AtmosphereParams(Params):
         "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds and of density sigma",
         record=False,
     )
-    bottom_m: float = param(-8000.0, "altitude down to which the table is extended", record=False, ge=-50e3, le=0.0)
+    bottom_m: float = param(
+        -8000.0,
+        "altitude down to which the table is extended, and the flight computer knows the air at least",
+        record=False,
+        ge=-50e3,
+        le=0.0,
+    )
+    top_m: float = param(150e3, "altitude up to which the flight computer knows the air at least", record=False, gt=0.0, le=1e7)
     extension_gravity_m_s2: float | None = param(
         None, "gravity of the hydrostatic extension below the table; mu / mean radius^2 when not given", record=False, gt=0.0
     )

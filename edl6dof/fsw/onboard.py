@@ -142,7 +142,13 @@ ONBOARD = np.dtype(
         (
             "atmosphere",
             np.dtype(
-                [("bottom", "f8"), ("spacing", "f8"), ("ln_density", "f8", (NODES,)), ("speed_of_sound", "f8", (NODES,))],
+                [
+                    ("bottom", "f8"),
+                    ("top", "f8"),
+                    ("spacing", "f8"),
+                    ("ln_density", "f8", (NODES,)),
+                    ("speed_of_sound", "f8", (NODES,)),
+                ],
                 align=True,
             ),
         ),

@@ -24,6 +24,8 @@ from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Mach number at which the one believed drag and lift coefficient are taken.
 BELIEF_MACH = 15.0
+#: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
+BEYOND = 1000.0
 
 
 def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
@@ -57,12 +59,19 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
     fill(gas[0], scenario.planet.gas)
-    altitudes = np.linspace(-8000.0, 150000.0, NODES)
-    record["bottom"], record["spacing"] = altitudes[0], altitudes[1] - altitudes[0]
+    altitudes = np.linspace(*_span_of_air(scenario), NODES)
+    record["bottom"], record["top"], record["spacing"] = altitudes[0], altitudes[-1], altitudes[1] - altitudes[0]
     for i, altitude in enumerate(altitudes):
         density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], altitude)
         record["ln_density"][i] = np.log(max(density, 1e-30))
         record["speed_of_sound"][i] = sound
+
+
+def _span_of_air(scenario: Scenario) -> tuple[float, float]:
+    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the initial state."""
+    air, start = scenario.atmosphere, scenario.initial.altitude_m
+    bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
+    return bottom, max(air.top_m, start + BEYOND)
 
 
 def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
