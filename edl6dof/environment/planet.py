@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Params, Title, param, section
+from edl6dof.config.base import REQUIRED, Params, Title, group, param, section
 from edl6dof.config.dtype import fill
+from edl6dof.environment.appearance import AppearanceParams
 from edl6dof.environment.gas import GasParams
 from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
 from edl6dof.environment.layout import extended
@@ -29,6 +30,7 @@ class PlanetParams(Params):
     )
     gravity: GravityParams = section("gravity field")
     gas: GasParams = section("gas of the atmosphere")
+    appearance: AppearanceParams = group(AppearanceParams, "colours in pictures", record=False)
 
 
 PLANET = extended(PlanetParams, gravity=GRAVITY)

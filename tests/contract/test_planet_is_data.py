@@ -22,8 +22,10 @@ PRINTED = (188.92, 191.8, 1.2857, 3396190.0, 3376200.0, 3389500.0, 3397200.0, 16
 
 
 def numbers(tree: object) -> Iterator[float]:
-    """Every number of a planet file that says something of the planet."""
-    for value in tree.values() if isinstance(tree, dict) else ():
+    """Every number of a planet file but its colours."""
+    for key, value in tree.items() if isinstance(tree, dict) else ():
+        if key == "appearance":
+            continue
         yield from numbers(value)
         if isinstance(value, float) and value != 0.0:
             yield value

@@ -25,6 +25,7 @@ class Site:
         up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.elevation = terrain.site_elevation_m
+        self.appearance = planet.appearance
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)
