@@ -20,7 +20,7 @@ from edl6dof.sim.data_files import TABLES
 
 def input_files(plan: Plan) -> list[Path]:
     """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases that name them do not fly."""
-    found = {MAP}
+    found = {MAP, MAP.with_suffix(".yaml")}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
     for key, path_of in TABLES.items():
