@@ -14,13 +14,13 @@ from edl6dof.campaign.plan import Plan
 from edl6dof.campaign.readback import value_at
 from edl6dof.config.locate import PACKAGE, find_include
 from edl6dof.config.source import INCLUDES, read_document
-from edl6dof.environment.terrain import MAP
+from edl6dof.environment.terrain_map import MAP
 from edl6dof.sim.data_files import TABLES
 
 
 def input_files(plan: Plan) -> list[Path]:
     """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases that name them do not fly."""
-    found = {MAP}
+    found = {MAP, MAP.with_suffix(".yaml")}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
     for key, path_of in TABLES.items():

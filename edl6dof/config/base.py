@@ -80,6 +80,8 @@ class Params(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
 
+    #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
+    moved: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
 

@@ -48,6 +48,11 @@ class Slot:
         """Keys allowed inside, over all alternatives."""
         return list(dict.fromkeys(key for model in self.models for key in model.model_fields))
 
+    @property
+    def moved(self) -> dict[str, str]:
+        """Keys of an older form inside, and the dotted path where each stands now."""
+        return {key: path for model in self.models for key, path in getattr(model, "moved", {}).items()}
+
     def child(self, key: str | int) -> Slot | None:
         """The place of a key, list item or tuple element, or ``None`` when there is none."""
         found = [slot for option in self.options if (slot := _child(self.name, option, key)) is not None]

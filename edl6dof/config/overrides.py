@@ -118,7 +118,7 @@ def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
         raise _Refused(f"{slot.name} is a single value: it has no {part!r} inside")
     child = slot.child(key)
     if child is None:
-        raise _Refused(unknown_key(part, slot.keys) + ("" if not slot.name else f" (in {slot.name})"))
+        raise _Refused(unknown_key(part, slot) + ("" if not slot.name else f" (in {slot.name})"))
     return key, child
 
 

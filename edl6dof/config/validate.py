@@ -103,7 +103,7 @@ def _value_at(data: Any, path: tuple) -> Any:
 def _message(error: Any, path: tuple, slot: Slot, parent: Slot | None, value: Any) -> str:
     kind, context = error["type"], error.get("ctx", {})
     if kind == "extra_forbidden":
-        return unknown_key(str(path[-1]), parent.keys if parent else [])
+        return unknown_key(str(path[-1]), parent)
     if kind == "missing" and not isinstance(error["loc"][-1], int):
         return _required(slot)
     if kind in _OWN_WORDS:

@@ -6,15 +6,18 @@ only to a few per cent (tides, rounding); p = rho R T is the choice that agrees 
 
 from __future__ import annotations
 
-from math import exp, sqrt
-from typing import Literal
+from math import exp
+from typing import ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import model_validator
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, cubic_coefficients, row_at, straight_beyond
+from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.environment.layout import extended
+from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profiles import DENSITY_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.environment.us76 import us76
 from edl6dof.jit import kernel
@@ -29,11 +32,9 @@ _LEAST = 0.05
 class ExponentialParams(Params):
     """Isothermal atmosphere: density falls by e every scale height above the areoid; a uniform one is a very large scale height."""
 
-    density_kg_m3: float = param(0.0158, "density at altitude 0", status="published", source="common fit", gt=0.0, le=1e20)
-    scale_height_m: float = param(9354.0, "scale height", status="published", source="common fit", gt=0.0, le=1e16)
-    temperature_k: float = param(
-        214.0, "temperature; also that of model none, for a finite Mach number", status="published", source="COSPAR, 0 km", gt=0.0
-    )
+    density_kg_m3: float = param(REQUIRED, "density at altitude 0", gt=0.0, le=1e20)
+    scale_height_m: float = param(REQUIRED, "scale height", gt=0.0, le=1e16)
+    temperature_k: float = param(REQUIRED, "temperature; also that of model none, for a finite Mach number", gt=0.0)
 
 
 class PerturbationParams(Params):
@@ -48,23 +49,38 @@ class PerturbationParams(Params):
 class AtmosphereParams(Params):
     """Atmosphere of the truth."""
 
+    moved: ClassVar = {
+        "gas_constant_j_kg_k": "planet.gas.gas_constant_j_kg_k",
+        "heat_capacity_ratio": "planet.gas.heat_capacity_ratio",
+    }
+
     model: Literal["table", "exponential", "us76", "none"] = param("table", "which atmosphere (us76 brings its own gas)")
     table: str = param(
-        "marsgram2010_jezero_feb2021_winds.csv",
+        "",
         "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds and of density sigma",
-        source="Basilisk supportData",
-        status="published",
         record=False,
     )
-    bottom_m: float = param(-8000.0, "altitude down to which the table is extended", record=False, ge=-50e3, le=0.0)
-    extension_gravity_m_s2: float = param(
-        3.72, "gravity of the hydrostatic extension", status="derived", source="GMM-3, 25 N, with rotation", record=False, gt=0.0
+    bottom_m: float = param(
+        -8000.0,
+        "altitude down to which the table is extended, and the flight computer knows the air at least",
+        record=False,
+        ge=-50e3,
+        le=0.0,
     )
-    gas_constant_j_kg_k: float = param(191.0, "gas constant", status="published", source="COSPAR: 189-191", gt=50.0, lt=5000.0)
-    heat_capacity_ratio: float = param(1.29, "gamma", status="published", source="COSPAR: 1.29-1.30", gt=1.0, lt=1.7)
+    top_m: float = param(150e3, "altitude up to which the flight computer knows the air at least", record=False, gt=0.0, le=1e7)
+    extension_gravity_m_s2: float | None = param(
+        None, "gravity of the hydrostatic extension below the table; mu / mean radius^2 when not given", record=False, gt=0.0
+    )
     density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
-    exponential: ExponentialParams = group(ExponentialParams, "used by model exponential")
+    exponential: ExponentialParams | None = param(None, "used by the models exponential and, for its temperature, none")
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
+
+    @model_validator(mode="after")
+    def _has_what_its_model_needs(self) -> Self:
+        if self.model in ("exponential", "none") and self.exponential is None:
+            needed = "{density_kg_m3: ..., scale_height_m: ..., temperature_k: ...}"
+            raise ValueError(f"model {self.model!r} needs exponential: {needed}")
+        return self
 
 
 #: The parameters, and the relative density change of this case: cubics between the rows of the shared table.
@@ -72,20 +88,23 @@ ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4))
 
 
 @kernel
-def air(atm, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (= areoid here)."""
+def air(atm, gas, table, alt):
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (= areoid here).
+
+    ``gas``: the ``GAS`` record of the planet.
+    """
     if atm.model == TABLE:
-        rho, pressure, temperature, sound = _table_air(atm, table, alt)
+        rho, pressure, temperature, sound = _table_air(gas, table, alt)
     elif atm.model == EXPONENTIAL:
         temperature = atm.exponential.temperature
         rho = atm.exponential.density * exp(-alt / atm.exponential.scale_height)
-        pressure, sound = _gas(atm, rho, temperature)
+        pressure, sound = pressure_and_sound(gas, rho, temperature)
     elif atm.model == US76:
         rho, pressure, temperature, sound = us76(alt)
     else:
         temperature = atm.exponential.temperature
         rho = 0.0
-        pressure, sound = _gas(atm, rho, temperature)
+        pressure, sound = pressure_and_sound(gas, rho, temperature)
     factor = atm.density_factor
     if atm.perturbation.enabled:
         row, t = row_at(table, alt)
@@ -94,23 +113,16 @@ def air(atm, table, alt):
 
 
 @kernel
-def _table_air(atm, table, alt):
+def _table_air(gas, table, alt):
     row, t = row_at(table, alt)
     inside = held(t)
     rho = exp(cubic(table.ln_density, row, inside) + straight_beyond(table.ln_density, row, t))
     temperature = cubic(table.temperature, row, inside)
-    pressure, sound = _gas(atm, rho, temperature)
+    pressure, sound = pressure_and_sound(gas, rho, temperature)
     return rho, pressure, temperature, sound
 
 
-@kernel
-def _gas(atm, rho, temperature):
-    """Pressure and speed of sound of the ideal gas."""
-    rt = atm.gas_constant * temperature
-    return rho * rt, sqrt(atm.heat_capacity_ratio * rt)
-
-
-def fill_atmosphere_table(record: np.void, params: AtmosphereParams) -> None:
+def fill_atmosphere_table(record: np.void, params: AtmosphereParams, planet: PlanetParams) -> None:
     """Build the table that all cases share (dtype ``ATMOSPHERE_TABLE``)."""
     if params.model == "table" and not params.table:
         raise ValueError("atmosphere model table needs a table file")
@@ -118,8 +130,8 @@ def fill_atmosphere_table(record: np.void, params: AtmosphereParams) -> None:
         record,
         params.table,
         params.bottom_m,
-        params.gas_constant_j_kg_k,
-        params.extension_gravity_m_s2,
+        planet.gas.gas_constant_j_kg_k,
+        params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,
         params.perturbation.sigma,
     )
 

@@ -1,21 +1,26 @@
-"""Shape, rotation and gravity of the planet."""
+"""Shape, rotation, gravity and gas of the planet."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Params, Title, param, section
+from edl6dof.config.base import REQUIRED, Params, Title, group, param, section
 from edl6dof.config.dtype import fill
+from edl6dof.environment.appearance import AppearanceParams
+from edl6dof.environment.gas import GasParams
 from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
 from edl6dof.environment.layout import extended
 
 
 class PlanetParams(Params):
-    """Reference ellipsoid, rotation and gravity field; one file each in edl6dof/data/planets."""
+    """Reference ellipsoid, rotation, gravity field and gas of the atmosphere; one file each in edl6dof/data/planets."""
 
     name: Title = param(REQUIRED, "name of the planet", record=False)
     equatorial_radius_m: float = param(
         REQUIRED, "equatorial radius of the reference ellipsoid", status="published", source="planet file", gt=0.0
+    )
+    mean_radius_m: float = param(
+        REQUIRED, "mean radius: turns angles into distances over ground", status="published", source="planet file", record=False, gt=0.0
     )
     flattening: float = param(
         REQUIRED, "flattening of the reference ellipsoid (0: sphere)", status="published", source="planet file", ge=0.0, lt=0.1
@@ -24,6 +29,8 @@ class PlanetParams(Params):
         REQUIRED, "rotation rate about the north pole", status="published", source="planet file", ge=-1e-3, le=1e-3
     )
     gravity: GravityParams = section("gravity field")
+    gas: GasParams = section("gas of the atmosphere")
+    appearance: AppearanceParams = group(AppearanceParams, "colours in pictures", record=False)
 
 
 PLANET = extended(PlanetParams, gravity=GRAVITY)

@@ -9,33 +9,27 @@ Left out: relief below one degree; around the site a plane stands for it.
 from __future__ import annotations
 
 from math import cos, pi, radians, sin, sqrt, tan
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
+from edl6dof.environment.terrain_map import read_map
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell, held_cell, wrapped
 
 MOLA, PLANE, NONE = range(3)
-
-#: The global map that comes with the package.
-MAP = Path(__file__).resolve().parents[1] / "data" / "topography" / "mola_1deg_colat_lon.npy"
-_RADIUS = 3389500.0  # m, mean radius of Mars: turns angles into metres for slopes only
-_FLATTENING = 1.0 / 169.89
-_CENTRIC = _FLATTENING + 0.5 * _FLATTENING**2  # geocentric = geodetic - this * sin(2 geodetic), to 2e-5 rad
 
 
 class TerrainParams(Params):
     """Ground of the truth: a global map or nothing, and a plane around the landing site."""
 
     model: Literal["mola", "plane", "none"] = param("mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m")
-    site_elevation_m: float = param(-4099.4, "height of the site above the areoid", status="published", source="Liu 2022", ge=-9e3, le=22e3)
-    site_latitude_deg: float = param(25.066, "geodetic latitude", status="published", source="Liu 2022", ge=-89.0, le=89.0)
-    site_longitude_deg: float = param(109.925, "east longitude", status="published", source="Liu 2022", ge=-360.0, le=360.0)
+    site_elevation_m: float = param(REQUIRED, "height of the site above the areoid", ge=-9e3, le=22e3)
+    site_latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-89.0, le=89.0)
+    site_longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
     slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
     slope_radius_m: float = param(2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3)
@@ -44,11 +38,13 @@ class TerrainParams(Params):
     ellipse_azimuth_deg: float = param(0.0, "planned landing ellipse: direction of the long axis", record=False, ge=-360.0, le=360.0)
 
 
-#: The parameters; ``offset`` m: added to the map so that it agrees with the site; ``tilt_*``: rise per metre.
-TERRAIN = extended(TerrainParams, offset="f8", tilt_north="f8", tilt_east="f8")
+#: The parameters; ``radius`` m: turns angles into metres; ``offset`` m: added to the map so that it agrees with the site; ``tilt_*``:
+#: rise per metre.
+TERRAIN = extended(TerrainParams, radius="f8", offset="f8", tilt_north="f8", tilt_east="f8")
 
-#: Shared map: metres above the areoid, rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg.
-TERRAIN_GRID = np.dtype([("height", "f4", (180, 360))], align=True)
+#: Shared map: metres above the areoid, rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg;
+#: ``radius`` m: mean radius of its planet; ``centric``: geocentric = geodetic - this * sin(2 geodetic), to 2e-5 rad.
+TERRAIN_GRID = np.dtype([("height", "f4", (180, 360)), ("radius", "f8"), ("centric", "f8")], align=True)
 
 
 @kernel
@@ -75,8 +71,8 @@ def _site_plane(terrain, lat, lon):
     if tilt_north == 0.0 and tilt_east == 0.0:
         return 0.0, 0.0, 0.0
     turn = wrapped(lon - terrain.site_longitude + pi, 2.0 * pi) - pi
-    north = _RADIUS * (lat - terrain.site_latitude)
-    east = _RADIUS * cos(terrain.site_latitude) * turn
+    north = terrain.radius * (lat - terrain.site_latitude)
+    east = terrain.radius * cos(terrain.site_latitude) * turn
     rise = tilt_north * north + tilt_east * east
     distance = sqrt(north * north + east * east)
     if distance <= terrain.slope_radius:
@@ -89,7 +85,7 @@ def _site_plane(terrain, lat, lon):
 @kernel
 def mola(grid, lat, lon):
     """Map height (m) and rise per metre towards north and east: bilinear, so heights are continuous and slopes are not."""
-    centric = lat - _CENTRIC * sin(2.0 * lat)
+    centric = lat - grid.centric * sin(2.0 * lat)
     row, u = held_cell(89.5 - centric * (180.0 / pi), 179)
     column, t = cell(wrapped(lon * (180.0 / pi) + 179.5, 360.0), 360)
     right = (column + 1) % 360
@@ -99,21 +95,25 @@ def mola(grid, lat, lon):
     se = float(grid.height[row + 1, right])
     top = nw + t * (ne - nw)
     bottom = sw + t * (se - sw)
-    per_degree = 180.0 / (pi * _RADIUS)
+    per_degree = 180.0 / (pi * grid.radius)
     east = ((ne - nw) * (1.0 - u) + (se - sw) * u) * per_degree / max(cos(lat), 0.01)
     return top + u * (bottom - top), (top - bottom) * per_degree, east
 
 
 def fill_terrain_grid(record: np.void) -> None:
     """Load the MOLA map that all cases share (dtype ``TERRAIN_GRID``)."""
-    record["height"] = np.load(MAP)
+    record["height"], record["radius"], flattening = read_map()
+    record["centric"] = flattening + 0.5 * flattening**2
 
 
-def fill_terrain(record: np.void, params: TerrainParams, grid: np.void) -> None:
-    """Copy the parameters, fit the map to the site and resolve the tilt."""
+def fill_terrain(record: np.void, params: TerrainParams, grid: np.void, planet_radius_m: float) -> None:
+    """Copy the parameters, fit the map to the site and resolve the tilt, on a planet of this mean radius."""
     fill(record, params)
-    at_site = mola(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
-    record["offset"] = params.site_elevation_m - at_site
+    record["radius"] = planet_radius_m
+    record["offset"] = 0.0
+    if params.model == "mola":
+        at_site = mola(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
+        record["offset"] = params.site_elevation_m - at_site
     steepness = -tan(radians(params.slope_deg))
     record["tilt_north"] = steepness * cos(radians(params.slope_azimuth_deg))
     record["tilt_east"] = steepness * sin(radians(params.slope_azimuth_deg))

@@ -129,12 +129,27 @@ ONBOARD = np.dtype(
     [
         (
             "planet",
-            np.dtype([("mu", "f8"), ("equatorial_radius", "f8"), ("flattening", "f8"), ("rotation_rate", "f8")], align=True),
+            np.dtype(
+                [
+                    ("mu", "f8"),
+                    ("equatorial_radius", "f8"),
+                    ("flattening", "f8"),
+                    ("rotation_rate", "f8"),
+                    ("sutton_graves_constant", "f8"),
+                ],
+                align=True,
+            ),
         ),
         (
             "atmosphere",
             np.dtype(
-                [("bottom", "f8"), ("spacing", "f8"), ("ln_density", "f8", (NODES,)), ("speed_of_sound", "f8", (NODES,))],
+                [
+                    ("bottom", "f8"),
+                    ("top", "f8"),
+                    ("spacing", "f8"),
+                    ("ln_density", "f8", (NODES,)),
+                    ("speed_of_sound", "f8", (NODES,)),
+                ],
                 align=True,
             ),
         ),

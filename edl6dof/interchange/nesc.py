@@ -87,7 +87,7 @@ def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void)
         inertial = longitude + spin * t
         q_I2N = ned_attitude(sin(latitude), cos(latitude), sin(inertial), cos(inertial))
         yaw, pitch, roll = euler_321(multiply(conjugate(q_I2N), tuple(attitude[i])))
-        _, pressure, _, sound = air(case["atmosphere"], atmosphere, rows["truth.altitude_m"][i])
+        _, pressure, _, sound = air(case["atmosphere"], case["planet"]["gas"], atmosphere, rows["truth.altitude_m"][i])
         found[i] = sqrt(gx * gx + gy * gy + gz * gz), yaw, pitch, roll, pressure, sound
     gravity, yaw, pitch, roll, pressure, sound = found.T
     return {

@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
+from edl6dof.environment.gas import GAS
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
@@ -24,6 +25,8 @@ from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Mach number at which the one believed drag and lift coefficient are taken.
 BELIEF_MACH = 15.0
+#: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
+BEYOND = 1000.0
 
 
 def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
@@ -35,6 +38,7 @@ def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["planet"]["equatorial_radius"] = planet.equatorial_radius_m
     record["planet"]["flattening"] = planet.flattening
     record["planet"]["rotation_rate"] = planet.rotation_rate_rad_s
+    record["planet"]["sutton_graves_constant"] = planet.gas.sutton_graves_constant
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
     software = scenario.flight_software
@@ -54,12 +58,21 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
     calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
     fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
-    altitudes = np.linspace(-8000.0, 150000.0, NODES)
-    record["bottom"], record["spacing"] = altitudes[0], altitudes[1] - altitudes[0]
+    gas = np.zeros(1, GAS)
+    fill(gas[0], scenario.planet.gas)
+    altitudes = np.linspace(*_span_of_air(scenario), NODES)
+    record["bottom"], record["top"], record["spacing"] = altitudes[0], altitudes[-1], altitudes[1] - altitudes[0]
     for i, altitude in enumerate(altitudes):
-        density, _, _, sound = air(nominal[0], tables[0]["atmosphere"], altitude)
+        density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], altitude)
         record["ln_density"][i] = np.log(max(density, 1e-30))
         record["speed_of_sound"][i] = sound
+
+
+def _span_of_air(scenario: Scenario) -> tuple[float, float]:
+    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the initial state."""
+    air, start = scenario.atmosphere, scenario.initial.altitude_m
+    bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
+    return bottom, max(air.top_m, start + BEYOND)
 
 
 def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
@@ -74,7 +87,9 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         fill(truth[0], vehicle)
         alpha = radians(abs(scenario.flight_software.guidance.entry.trim_alpha_deg))
         capsule = truth[0]["aero"]["capsule"]
-        axial, normal, _, _ = capsule_coefficients(capsule, tables[0]["aero"], BELIEF_MACH, 1e-3, alpha)
+        gas = np.zeros(1, GAS)
+        fill(gas[0], scenario.planet.gas)
+        axial, normal, _, _ = capsule_coefficients(capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha)
         drag = axial * cos(alpha) + normal * sin(alpha)
         lift = axial * sin(alpha) - normal * cos(alpha)
         record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2

@@ -18,6 +18,7 @@ from edl6dof.config.locate import shown
 from edl6dof.environment.atmosphere import fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, table_path
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
+from edl6dof.environment.terrain_map import require_map_of
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.vehicle.aerotable import build_aero_table, read_static_table, static_table_path
 
@@ -42,11 +43,14 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     problems: dict[str, str] = {}
     air = np.zeros(1, ATMOSPHERE_TABLE)
     with _collected(problems, "atmosphere.table"):
-        fill_atmosphere_table(air[0], scenario.atmosphere)
+        fill_atmosphere_table(air[0], scenario.atmosphere, scenario.planet)
         _require_finite(air)
     if "atmosphere.table" not in problems:
         with _collected(problems, "wind.model"):
             fill_wind(np.zeros(1, WIND)[0], scenario.wind, air[0], scenario.seed)
+    if scenario.terrain.model == "mola":
+        with _collected(problems, "terrain.model"):
+            require_map_of(scenario.planet.mean_radius_m)
     gravity = np.zeros(1, GRAVITY)
     with _collected(problems, "planet.gravity.coefficients"):
         fill_gravity(gravity[0], scenario.planet.gravity)
@@ -57,7 +61,7 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
             if not all(np.isfinite(part).all() for part in read_static_table(capsule.static_table)):
                 raise ValueError(_NOT_FINITE)
             with _collected(problems, "vehicle.aero.capsule"):
-                _require_finite(build_aero_table(capsule))
+                _require_finite(build_aero_table(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio))
     return problems
 
 

@@ -66,10 +66,9 @@ TABLES = np.dtype([("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("ter
 
 #: Parameters that the tables do not depend on: they are applied in flight.
 FLOWN = {
-    "atmosphere": frozenset(["density_factor", "heat_capacity_ratio", "exponential"]),
-    "capsule": frozenset(
-        ["axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor", "molecular_diameter_m", "molecular_mass_kg"]
-    ),
+    "atmosphere": frozenset(["density_factor", "exponential"]),
+    "capsule": frozenset(["axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor"]),
+    "gas": frozenset(["heat_capacity_ratio", "molecular_diameter_m", "molecular_mass_kg", "sutton_graves_constant"]),
 }
 
 
@@ -78,6 +77,7 @@ def same_tables(first: Scenario, second: Scenario) -> bool:
     sections = (
         ("atmosphere", first.atmosphere, second.atmosphere),
         ("capsule", first.vehicle.aero.capsule, second.vehicle.aero.capsule),
+        ("gas", first.planet.gas, second.planet.gas),
     )
     return (
         first.terrain.model == second.terrain.model
@@ -95,11 +95,11 @@ def same_tables(first: Scenario, second: Scenario) -> bool:
 def build_tables(scenario: Scenario) -> np.ndarray:
     """The shared tables, shape (1,)."""
     tables = np.zeros(1, TABLES)
-    fill_atmosphere_table(tables[0]["atmosphere"], scenario.atmosphere)
+    fill_atmosphere_table(tables[0]["atmosphere"], scenario.atmosphere, scenario.planet)
     if scenario.terrain.model == "mola":
         fill_terrain_grid(tables[0]["terrain"])
     if scenario.vehicle.aero.model == "capsule":
-        tables[0]["aero"] = build_aero_table(scenario.vehicle.aero.capsule)[0]
+        tables[0]["aero"] = build_aero_table(scenario.vehicle.aero.capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)[0]
     return tables
 
 
@@ -144,9 +144,9 @@ def _wind(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_wind(case["wind"], s.wind, tables["atmosphere"], s.seed, s.profile)
 
 
-@_part("terrain", "terrain")
+@_part("terrain", "terrain planet")
 def _terrain(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_terrain(case["terrain"], s.terrain, tables["terrain"])
+    fill_terrain(case["terrain"], s.terrain, tables["terrain"], s.planet.mean_radius_m)
 
 
 @_part("site", "terrain planet")

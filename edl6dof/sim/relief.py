@@ -10,11 +10,11 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, TerrainParams, fi
 class Relief:
     """Elevation of the ground as the simulation has it."""
 
-    def __init__(self, params: TerrainParams) -> None:
+    def __init__(self, params: TerrainParams, planet_radius_m: float) -> None:
         self._terrain, self._grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
         if params.model == "mola":
             fill_terrain_grid(self._grid[0])
-        fill_terrain(self._terrain[0], params, self._grid[0])
+        fill_terrain(self._terrain[0], params, self._grid[0], planet_radius_m)
 
     def elevation(self, latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
         """Elevation (m) at geodetic latitudes and east longitudes (rad), of any shape."""

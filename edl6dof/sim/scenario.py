@@ -248,7 +248,9 @@ TRUE_SECTIONS = (
     *("point_mass", "sensors", "faults", "seed", "profile"),
 )
 #: Parameters in them that no flight depends on.
-_LABELS = re.compile(r"(planet|vehicle)\.name|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+")
+_LABELS = re.compile(
+    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+"
+)
 
 
 def truth_problem(path: str) -> str:

@@ -12,12 +12,13 @@ F = qbar A (-CA, -CN e_y, -CN e_z), M = qbar A D Cm (0, e_z, -e_y).  CN and Cm v
 from __future__ import annotations
 
 from math import atan2, log10, pi, sin, sqrt
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
 from edl6dof.config.base import Hardware, group, param
 from edl6dof.config.dtype import dtype_of
+from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell, cell_among
 
@@ -33,7 +34,12 @@ MIN_SPEED = 1e-9
 
 
 class CapsuleParams(Hardware):
-    """Sphere-cone capsule: static table, shape for angles beyond the table, damping, rarefaction, uncertainty multipliers."""
+    """Sphere-cone capsule: static table, shape for angles beyond the table, damping, uncertainty multipliers."""
+
+    moved: ClassVar = {
+        "molecular_diameter_m": "planet.gas.molecular_diameter_m",
+        "molecular_mass_kg": "planet.gas.molecular_mass_kg",
+    }
 
     static_table: str = param(
         "phoenix_70deg_static_aero.csv",
@@ -87,10 +93,6 @@ class CapsuleParams(Hardware):
             [-0.20, -0.20, -0.20, -0.20, -0.20, -0.20, -0.15, -0.12],
         ],
     )  # fmt: skip
-    molecular_diameter_m: float = param(
-        4.59e-10, "hard-sphere diameter of the gas molecule", status="recalled", source="CO2, Chapman & Cowling", gt=0.0
-    )
-    molecular_mass_kg: float = param(7.308e-26, "mass of the gas molecule", status="derived", source="CO2, 44.01 g/mol", gt=0.0)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -175,13 +177,13 @@ AERO = dtype_of(AeroParams)
 
 
 @kernel
-def free_molecular_weight(capsule, rho):
+def free_molecular_weight(capsule, gas, rho):
     """Share of the free-molecular coefficients at density ``rho`` (kg/m3): 0 continuum .. 1 free molecular.
 
-    Kn = lambda/D, hard-sphere lambda = m/(sqrt(2) pi d^2 rho); weight = sin^2(pi/8 (3 + log10 Kn)) for 1e-3 < Kn < 10.
+    Kn = lambda/D; weight = sin^2(pi/8 (3 + log10 Kn)) for 1e-3 < Kn < 10.
     Source: sine-squared bridging as in Wilmoth, Mitcheltree & Moss, AIAA 97-2510 (recalled).
     """
-    inverse_knudsen = sqrt(2.0) * pi * capsule.molecular_diameter**2 * rho * capsule.diameter / capsule.molecular_mass
+    inverse_knudsen = inverse_knudsen_number(gas, rho, capsule.diameter)
     if inverse_knudsen >= 1000.0:
         return 0.0
     if inverse_knudsen <= 0.1:
@@ -196,7 +198,7 @@ def _hermite(grid, i, k, basis):
 
 
 @kernel
-def capsule_coefficients(capsule, table, mach, rho, angle):
+def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     """(CA, CN, Cm, Cmq) at a total angle (rad, 0..pi), bridged and multiplied by the factors; Cm about the table's reference.
 
     Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source: :mod:`edl6dof.vehicle.aerotable`.
@@ -211,7 +213,7 @@ def capsule_coefficients(capsule, table, mach, rho, angle):
     cn = (1.0 - b) * _hermite(lower, i, 2, basis) + b * _hermite(upper, i, 2, basis)
     cm = (1.0 - b) * _hermite(lower, i, 4, basis) + b * _hermite(upper, i, 4, basis)
     cmq = (1.0 - t) * ((1.0 - b) * lower[i, 6] + b * upper[i, 6]) + t * ((1.0 - b) * lower[i + 1, 6] + b * upper[i + 1, 6])
-    weight = free_molecular_weight(capsule, rho)
+    weight = free_molecular_weight(capsule, gas, rho)
     if weight > 0.0:
         ca += weight * (_hermite(rare, i, 0, basis) - ca)
         cn += weight * (_hermite(rare, i, 2, basis) - cn)
@@ -222,7 +224,7 @@ def capsule_coefficients(capsule, table, mach, rho, angle):
 
 
 @kernel
-def capsule_aero(aero, table, qbar, mach, rho, u, v, w, p, q, r):
+def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
     """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).  No roll damping (``p`` is unused).
 
     Damping: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds qbar A D bias to My.
@@ -233,7 +235,7 @@ def capsule_aero(aero, table, qbar, mach, rho, u, v, w, p, q, r):
     speed = sqrt(u * u + lateral * lateral)
     if speed < MIN_SPEED:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ca, cn, cm, cmq = capsule_coefficients(capsule, table, mach, rho, atan2(lateral, u))
+    ca, cn, cm, cmq = capsule_coefficients(capsule, table, gas, mach, rho, atan2(lateral, u))
     e_y, e_z = 0.0, 0.0
     if lateral > 0.0:
         e_y, e_z = v / lateral, w / lateral
@@ -295,7 +297,7 @@ def lift_drag_aero(lift_drag, qbar, u, v, w):
 
 
 @kernel
-def aerodynamic_wrench(aero, table, configuration, qbar, mach, rho, u, v, w, p, q, r):
+def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
     """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration (``CONFIG_...``)."""
     if aero.model == MODEL_NONE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -306,7 +308,7 @@ def aerodynamic_wrench(aero, table, configuration, qbar, mach, rho, u, v, w, p, 
         fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
         return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
     if configuration == CONFIG_CAPSULE:
-        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, qbar, mach, rho, u, v, w, p, q, r)
+        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
         return fx, fy, fz, mx, my, mz, table.moment_reference_x
     bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander
     fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p, q, r)

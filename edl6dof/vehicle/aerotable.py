@@ -26,7 +26,6 @@ PACKAGED = Path(__file__).parent.parent / "data" / "aerodynamics"
 MACH_CAPACITY = 64
 ANGLES = 181
 FADE_END = 40
-GAMMA_CO2 = 1.33  # hot CO2, frozen; Cp_max varies by 2 % between 1.25 and 1.4
 BASE_SUCTION = 0.2  # [E] mean base pressure coefficient of a bluff body at Mach 0
 
 #: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA .. dCm)], slopes per degree.
@@ -52,7 +51,7 @@ class Rings(NamedTuple):
     weight: np.ndarray
 
 
-def build_aero_table(capsule: CapsuleParams) -> np.ndarray:
+def build_aero_table(capsule: CapsuleParams, heat_capacity_ratio: float) -> np.ndarray:
     """The table record (array of one) of a capsule: every entry finite, Mach ascending, slopes per degree.
 
     Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all coefficients.
@@ -62,7 +61,7 @@ def build_aero_table(capsule: CapsuleParams) -> np.ndarray:
     x_ref = capsule.moment_reference_x_over_d * capsule.diameter_m
     degrees = np.arange(float(ANGLES))
     newton, rare = surface_integrals(rings, np.radians(degrees), capsule.diameter_m, x_ref)
-    newton = newton[None] * stagnation_pressure_coefficient(mach)[:, None, None]
+    newton = newton[None] * stagnation_pressure_coefficient(mach, heat_capacity_ratio)[:, None, None]
     columns = np.empty((len(mach), ANGLES, 6))
     columns[..., 0::2], columns[..., 1::2] = _join(alpha, static, newton)
 
@@ -116,15 +115,15 @@ def _checked(path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.
     return mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
 
 
-def stagnation_pressure_coefficient(mach: np.ndarray) -> np.ndarray:
-    """Effective Cp_max of the Newtonian integral.
+def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
+    """Effective Cp_max of the Newtonian integral, in a gas of this ratio of specific heats behind the shock.
 
     Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a base suction
     (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral leaves out [E].
     Source: Anderson, Modern Compressible Flow, eq. 8.80 (recalled).
     """
     mach = np.asarray(mach, dtype=np.float64)
-    g = GAMMA_CO2
+    g = heat_capacity_ratio
     m2 = np.maximum(mach, 1.0) ** 2
     pitot = ((g + 1.0) ** 2 * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0))) ** (g / (g - 1.0)) * (1.0 - g + 2.0 * g * m2) / (g + 1.0)
     s2 = np.minimum(mach, 1.0) ** 2

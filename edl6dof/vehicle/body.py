@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import acos, cos, sin, sqrt
 
+from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
@@ -41,9 +42,6 @@ from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.surroundings import surroundings
 from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
-#: Sutton-Graves constant for Mars, kg^0.5/m (reference data section 5.3, published).
-SUTTON_GRAVES = 1.9027e-4
-
 
 @kernel
 def derivatives(case, tables, plant, t, y, dy):
@@ -67,7 +65,9 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     qbar = 0.5 * density * speed * speed
     # capsule, open backshell, lander: 0, 1, 2 as parts leave
     shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
-    wrench = aerodynamic_wrench(vehicle.aero, tables.aero, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2])
+    wrench = aerodynamic_wrench(
+        vehicle.aero, tables.aero, case.planet.gas, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2]
+    )
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
@@ -149,7 +149,7 @@ def loads(case, tables, plant, t, y):
     out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude = place
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
-    out.heat_flux = SUTTON_GRAVES * sqrt(out.density / case.vehicle.nose_radius) * norm(v_air) * norm(v_air) * norm(v_air)
+    out.heat_flux = stagnation_heat_flux(case.planet.gas, out.density, case.vehicle.nose_radius, norm(v_air))
     put3(out.gravity_I, 0, g_I)
     put3(out.v_air_B, 0, v_air)
     put3(out.v_air_I, 0, v_air_I)

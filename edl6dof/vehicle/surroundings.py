@@ -79,7 +79,7 @@ def surroundings(case, tables, kept, t, r_I):
     c, s = turn_of_planet(case, kept, t)
     place, g_F = place_and_gravity(case.planet, kept, rotate_z(c, s, r_I))
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
-    gas = air(case.atmosphere, tables.atmosphere, altitude)
+    gas = air(case.atmosphere, case.planet.gas, tables.atmosphere, altitude)
     east, north, up = wind(case.wind, tables.atmosphere, altitude)
     carried = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, -up)))
     air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])

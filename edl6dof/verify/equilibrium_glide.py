@@ -42,7 +42,7 @@ def _scene(table: Published) -> tuple[str, ...]:
         f"atmosphere.exponential={{density_kg_m3: {density * exp(ALTITUDE / SCALE)!r}, scale_height_m: {SCALE}, temperature_k: 5}}",
         f"vehicle.mass.entry_kg={MASS}",
         f"vehicle.mass.entry_centre_m=[{STATION}, 0, {table.offset()!r}]",
-        "vehicle.aero.capsule.molecular_diameter_m=1e-8",
+        "planet.gas.molecular_diameter_m=1e-8",
         f"initial.altitude_m={ALTITUDE}",
         f"initial.speed_m_s={float(np.sqrt(speed2))!r}",
         f"initial.flight_path_angle_deg={float(slope)!r}",

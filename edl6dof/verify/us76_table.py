@@ -29,10 +29,10 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     """Compare at every row of the table."""
     _, loaded = scenes(["atmosphere.model=us76"], planted)
     tables = records.build_tables(loaded.truth)
-    model = records.build_case(loaded.truth, tables)[0]["atmosphere"]
+    case = records.build_case(loaded.truth, tables)[0]
 
     def at(height: float) -> tuple[float, float, float, float]:
-        return air(model, tables[0]["atmosphere"], _EARTH * height / (_EARTH - height))
+        return air(case["atmosphere"], case["planet"]["gas"], tables[0]["atmosphere"], _EARTH * height / (_EARTH - height))
 
     rows = np.genfromtxt(_CSV, delimiter=",", skip_header=2)
     rows = rows[(rows[:, 0] >= 0.0) & (rows[:, 0] <= 84500.0)]

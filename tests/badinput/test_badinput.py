@@ -119,8 +119,8 @@ def test_odd_file(name, command, capsys, monkeypatch, tmp_path):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("tianwen", "tianwen: no such scenario file; did you mean tianwen1 or tianwen1_mc?"),
-        ("scenarios/tianwen2.yaml", "did you mean tianwen1 or tianwen1_mc?"),
+        ("tianwen", "tianwen: no such scenario file; did you mean tianwen1 or tianwen1_mc"),
+        ("scenarios/tianwen2.yaml", "did you mean tianwen1 or tianwen1_mc"),
         ("x" * 5000, "no such scenario file"),
         ("", "(no name): no such scenario file"),
     ],

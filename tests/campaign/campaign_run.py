@@ -15,7 +15,9 @@ DROP = """\
 name: drops
 planet: mars
 vehicle: tianwen1
-terrain: {model: none}
+terrain: {model: none, site_elevation_m: -4099.4, site_latitude_deg: 25.066, site_longitude_deg: 109.925}
+atmosphere:
+  table: marsgram2010_jezero_feb2021_winds.csv
 simulation: {time_limit_s: 2.0}
 mission: {goal: time}
 initial:

@@ -73,7 +73,9 @@ def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):
 def test_case_flown_from_its_resolved_scenario_is_the_same(edl6dof, tmp_path):
     """The run folder of a case holds all of it, the random profiles too."""
     file = Path(write_drop(tmp_path))
-    file.write_text(file.read_text() + "wind: {gust: {enabled: true}}\natmosphere: {perturbation: {enabled: true}}\n")
+    file.write_text(
+        file.read_text().replace("atmosphere:\n", "atmosphere:\n  perturbation: {enabled: true}\n") + "wind: {gust: {enabled: true}}\n"
+    )
     edl6dof("campaign", str(file), "-n", "5", "-q")
     edl6dof("refly", "runs/drops", "4", "--no-replay")
     edl6dof("fly", "runs/drops_case4/scenario.yaml", "--out", "again", "--no-replay", "-q")

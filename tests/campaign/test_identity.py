@@ -30,12 +30,21 @@ def names(plan):
 
 def drop_with(folder: Path, *lines: str) -> str:
     path = Path(write_drop(folder))
-    path.write_text(path.read_text() + "\n".join(lines) + "\n")
+    text = path.read_text()
+    if any(line.startswith("atmosphere:") for line in lines):
+        text = text.replace(f"atmosphere:\n  table: {AIR.name}\n", "")
+    path.write_text(text + "\n".join(lines) + "\n")
     return str(path)
 
 
 def test_shipped_tables_of_the_shipped_campaign():
-    assert names(load_plan("tianwen1_mc")) == [AERO.name, AIR.name, "gmm3_degree12_sha.tab", "mola_1deg_colat_lon.npy"]
+    assert names(load_plan("tianwen1_mc")) == [
+        AERO.name,
+        AIR.name,
+        "gmm3_degree12_sha.tab",
+        "mola_1deg_colat_lon.npy",
+        "mola_1deg_colat_lon.yaml",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ CASES = {
     "whole list": {"truth": {"vehicle.mass.entry_inertia_kg_m2": [1160.0, 905.0, 955.0]}},
     "default not in the file": {"truth": {"vehicle.engine.thrust_factor": 0.98, "wind.gust.scale_length_m": 350.0}},
     "random profiles": {"truth": {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}, "profile": 12},
-    "shape, hence tables": {"truth": {"vehicle.aero.capsule.nose_radius_m": 0.8, "atmosphere.gas_constant_j_kg_k": 190.0}},
+    "shape, hence tables": {"truth": {"vehicle.aero.capsule.nose_radius_m": 0.8, "planet.gas.gas_constant_j_kg_k": 190.0}},
     "entry state": {"truth": {"initial.flight_path_angle_deg": -11.7, "initial.rate_deg_s": [0.2, 0.0, -0.1]}},
     "text, the long way": {"belief": {"flight_software.guidance.powered.law": "gravity_turn"}},
     "faults": {"truth": {"faults": [{"kind": "stuck_off", "thruster": "D7", "at": {"phase": "lift"}}]}},
@@ -68,7 +68,7 @@ def test_parameters_applied_in_flight_do_not_enter_the_tables(section, fields):
     """What ``records.FLOWN`` promises: a case may share the tables when only these change."""
     base = edl6dof.load("tianwen1")
     tables = records.build_tables(base.scenario)
-    prefix = {"atmosphere": "atmosphere", "capsule": "vehicle.aero.capsule"}[section]
+    prefix = {"atmosphere": "atmosphere", "capsule": "vehicle.aero.capsule", "gas": "planet.gas"}[section]
     for field in fields - {"exponential"}:
         value = float(np.nextafter(getattr(_section(base.scenario, prefix), field), 10.0)) * 1.01
         changed = edl6dof.load("tianwen1", [f"{prefix}.{field}={value!r}"])

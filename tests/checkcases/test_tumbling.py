@@ -15,7 +15,7 @@ PLANTED = [
     pytest.param(
         [
             "atmosphere.model=exponential",
-            "atmosphere.exponential={density_kg_m3: 1e-7, scale_height_m: 1e15}",
+            "atmosphere.exponential={density_kg_m3: 1e-7, scale_height_m: 1e15, temperature_k: 214}",
             "vehicle.aero.model=constant",
             "vehicle.aero.constant={roll_damping: -1, pitch_damping: -1, yaw_damping: -1, reference_area_m2: 9, span_m: 3, chord_m: 3}",
             "wind.model=constant",

@@ -130,14 +130,15 @@ from edl6dof.vehicle.aerodynamics import capsule_coefficients
 
 sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true", "flight_software.guidance.entry.law=" + sys.argv[1]]
 case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
+capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
 for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
     found = {
-        "air": air(case["atmosphere"], tables["atmosphere"], x)[0],
+        "air": air(case["atmosphere"], gas, tables["atmosphere"], x)[0],
         "wind": wind(case["wind"], tables["atmosphere"], x)[0],
         "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
         "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
-        "aerodynamics, Mach": capsule_coefficients(case["vehicle"]["aero"]["capsule"], tables["aero"], x, 1e-3, 0.2)[0],
-        "aerodynamics, angle": capsule_coefficients(case["vehicle"]["aero"]["capsule"], tables["aero"], 5.0, 1e-3, x)[0],
+        "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
+        "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
         "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
         "airframe": believed_aero(onboard["vehicle"], x)[0],
         "reference": node_of(onboard["reference"], x)[1],

@@ -35,7 +35,7 @@ def site(scenario) -> Site:
 def test_ground_is_that_of_the_simulation(scenario, site):
     terrain, grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
     fill_terrain_grid(grid[0])
-    fill_terrain(terrain[0], scenario.terrain, grid[0])
+    fill_terrain(terrain[0], scenario.terrain, grid[0], scenario.planet.mean_radius_m)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
         lat, lon = radians(scenario.terrain.site_latitude_deg + dlat), radians(scenario.terrain.site_longitude_deg + dlon)
         height = true_ground(terrain[0], grid[0], lat, lon)[0]
@@ -124,7 +124,7 @@ def test_deadband_lines_are_where_the_switching_law_begins_to_fire():
 
 
 def test_globe_shows_the_map():
-    mesh = planet(3396.19, Site(load_scenario("tianwen1").scenario).relief.map)
+    mesh = planet(3396.19, Site(load_scenario("tianwen1").scenario).relief.map, load_scenario("tianwen1").scenario.planet.appearance.relief)
     assert np.allclose(np.linalg.norm(mesh.positions, axis=1), 3396.19, atol=1e-6)
     tone = mesh.colours.astype(int).sum(axis=1)
     olympus, hellas = (_nearest(mesh.positions, lat, lon) for lat, lon in ((18.65, -133.8), (-42.4, 70.5)))
@@ -136,3 +136,15 @@ def _nearest(positions: np.ndarray, lat_deg: float, lon_deg: float) -> int:
     lat, lon = np.radians([lat_deg, lon_deg])
     way = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
     return int(np.argmax(positions @ way))
+
+
+def test_ground_and_globe_have_the_colours_of_the_planet():
+    """Titan's pictures are not those of Mars: each tone lies between the planet's own darkest and lightest ground."""
+    titan = Site(load_scenario("titan_probe").scenario)
+    look = titan.appearance
+    near = Landscape(titan, np.zeros(3), 5e3).mesh().colours[-1].astype(float)
+    ratio = near / near[0]
+    own = [np.array(tone) / tone[0] for tone in (look.ground_dark, look.ground_light)]
+    assert np.all(ratio >= np.minimum(*own) - 0.05) and np.all(ratio <= np.maximum(*own) + 0.05)
+    globe = planet(2574.7, titan.relief.map, look.relief).colours
+    assert np.all(globe == globe[0]) and tuple(globe[0][:3]) == tuple(look.relief[0][1:])

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.environment.appearance import Tint
 from edl6dof.post.replay.ground import TARGET
 from edl6dof.post.replay.history import thin
 from edl6dof.post.replay.mesh import Mesh, bright
 from edl6dof.post.replay.recorder import Recorder
-
-#: Colours from the lowest to the highest ground, by height in km.
-TINTS = {
-    -8.0: (70, 34, 26), -5.0: (112, 58, 38), -4.2: (140, 78, 50), -3.4: (172, 104, 68), -1.0: (204, 134, 88),
-    2.0: (226, 166, 116), 6.0: (240, 200, 158), 22.0: (255, 246, 232),
-}  # fmt: skip
 
 
 class Globe(Recorder):
@@ -31,7 +26,7 @@ class Globe(Recorder):
         self.static(f"{root}/ground_track", rr.LineStrips3D([down * 1.001], colors=(60, 30, 20), radii=width(1.2)))
         if self.number == 0:
             self.static("globe", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-            self.static("globe/planet", self.mesh(planet(site.radius / 1e3, site.relief.map)))
+            self.static("globe/planet", self.mesh(planet(site.radius / 1e3, site.relief.map, site.appearance.relief)))
             mark = rr.Points3D([site.origin * 1.001 / 1e3], labels=["landing site"], colors=TARGET, radii=width(4.0), show_labels=True)
             self.static("globe/site", mark)
 
@@ -44,16 +39,16 @@ class Globe(Recorder):
         self.columns(f"{root}/vehicle", self.t[rows], self.rr.Points3D.columns(positions=place))
 
 
-def planet(radius_km: float, heights: np.ndarray) -> Mesh:
-    """A sphere with the MOLA map as colours, lit from the west; the relief is in the colours only."""
+def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
+    """A sphere with the map as colours by the heights (km) of ``relief``, lit from the west; the relief is in the colours only."""
     height = heights.reshape(90, 2, 180, 2).mean(axis=(1, 3))  # 2 degrees, m
     lat = np.radians(np.linspace(89.0, -89.0, 90))[:, None]
     lon = np.radians(np.linspace(-179.0, 179.0, 180))
     east = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / np.maximum(np.cos(lat), 0.15)
     north = np.gradient(height, axis=0)
     light = np.clip(1.0 + (0.9 * east - 0.9 * north) / 9e3, 0.55, 1.35)
-    tints = np.array(list(TINTS.values()))
-    tone = np.stack([np.interp(height / 1e3, list(TINTS), tints[:, k]) for k in range(3)], axis=-1)
+    tints = np.array(relief)
+    tone = np.stack([np.interp(height / 1e3, tints[:, 0], tints[:, k]) for k in (1, 2, 3)], axis=-1)
     ice = np.clip((np.abs(np.degrees(lat)) - 78.0) / 6.0, 0.0, 1.0)[..., None] * float(heights.any())
     colours = tone * light[..., None] + (np.array([244.0, 240.0, 238.0]) - tone * light[..., None]) * ice
     place = radius_km * np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat) + 0.0 * lon], axis=-1)

@@ -12,8 +12,6 @@ from edl6dof.post.replay.recorder import Recorder
 
 TARGET = (90, 220, 230)
 SKY_RADIUS_M = 3e6
-#: Height over which the sky turns from dust to black, and that above which there is none, m.
-DUST_M, SPACE_M = 22e3, 90e3
 KINDS_OF_ROCK = 4
 
 
@@ -47,14 +45,15 @@ class Ground(Recorder):
         """The sky goes with the vehicle and darkens with height."""
         if self.number:
             return
-        rows = np.flatnonzero(self.motion.height < SPACE_M)[::12]
+        look = self.motion.site.appearance
+        rows = np.flatnonzero(self.motion.height < look.sky_top_m)[::12]
         if len(rows) == 0:
             return
-        self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky()))
+        self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
         scale = np.full((len(rows), 3), SKY_RADIUS_M)
         place = self.rr.Transform3D.columns(translation=self.motion.centre[rows], scale=scale)
         self.columns("site/sky", self.t[rows], place)
-        bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / DUST_M)
+        bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)
         tint = np.column_stack([np.outer(255.0 * bright, [1.0, 1.0, 1.0]), np.full(len(rows), 255.0)]).astype(np.uint8)
         self.columns("site/sky/dome", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
@@ -77,4 +76,4 @@ class Ground(Recorder):
         for kind in range(KINDS_OF_ROCK):
             some = slice(kind, None, KINDS_OF_ROCK)
             poses = self.rr.InstancePoses3D(translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some])
-            self.static(f"site/ground/rocks/{kind}", self.mesh(rock(kind)), poses)
+            self.static(f"site/ground/rocks/{kind}", self.mesh(rock(kind, self.motion.site.appearance.rock)), poses)

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.base import Vec3
 from edl6dof.post.replay.mesh import Mesh, bright, grid_triangles
 from edl6dof.post.replay.site import Site
 
 RINGS, SPOKES = 190, 180
 #: Direction to the sun, east north up: low in the west-south-west, so that relief throws light and dark.
 SUN = np.array([-0.72, -0.42, 0.55])
-DARK, LIGHT, HAZE = np.array([104.0, 56.0, 34.0]), np.array([222.0, 152.0, 104.0]), np.array([206.0, 158.0, 122.0])
 #: Share of the surface that craters of each size class cover.
 _COVER = 0.055
 
@@ -54,9 +54,11 @@ class Landscape:
         """The surface, coloured and shaded."""
         light = self._sunlight(self._elevation + self._decoration)
         tone = np.clip(self._shade, 0.0, 1.0)[..., None]
-        colours = (DARK + (LIGHT - DARK) * tone) * light[..., None]
+        look = self._site.appearance
+        dark, light_ground, far = np.array(look.ground_dark), np.array(look.ground_light), np.array(look.haze)
+        colours = (dark + (light_ground - dark) * tone) * light[..., None]
         haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
-        colours += (HAZE - colours) * haze
+        colours += (far - colours) * haze
         place = np.stack([self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration], axis=-1)
         middle = [*self._centre, self._middle]
         positions = np.append(place.reshape(-1, 3), [middle], axis=0)
@@ -131,12 +133,12 @@ def _waves(random: np.random.Generator, east: np.ndarray, north: np.ndarray, spa
     return 0.5 + 0.17 * tone / np.sqrt(0.5 * weight), height
 
 
-def sky() -> Mesh:
-    """A dome of unit radius seen from inside: dusty at the horizon, darker above."""
+def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
+    """A dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
     rows, columns = 24, 48
     polar = np.linspace(0.0, pi, rows)[:, None]
     around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
     place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0.0 * around], axis=-1)
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
-    colours = np.array([214.0, 168.0, 132.0]) + (np.array([112.0, 82.0, 66.0]) - [214.0, 168.0, 132.0]) * rise
+    colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
     return bright(place.reshape(-1, 3), grid_triangles(rows, columns)[:, ::-1], colours.reshape(-1, 3))

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.base import Vec3
+
 RGB = tuple[int, int, int]
 
 WHITE: RGB = (236, 234, 228)
@@ -118,7 +120,7 @@ def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) ->
     return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))
 
 
-def rock(seed: int) -> Mesh:
+def rock(seed: int, colour: Vec3) -> Mesh:
     """A boulder of unit size: a dented sphere, lit from the west."""
     random = np.random.default_rng(seed)
     rows, columns = 7, 9
@@ -128,5 +130,5 @@ def rock(seed: int) -> Mesh:
     radius[[0, -1]] = 0.4
     place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around], axis=-1)
     light = np.clip(0.55 + 0.45 * (place @ [-0.7, -0.3, 0.65]), 0.2, 1.1)
-    colours = np.array([150, 98, 70]) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
+    colours = np.array(colour) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
     return bright((radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3))

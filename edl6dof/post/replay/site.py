@@ -25,12 +25,13 @@ class Site:
         up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.elevation = terrain.site_elevation_m
+        self.appearance = planet.appearance
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
-        self.relief = Relief(terrain)
+        self.relief = Relief(terrain, planet.mean_radius_m)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
         """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.

@@ -8,19 +8,30 @@ import numpy as np
 import pytest
 
 import edl6dof
+from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air, fill_atmosphere, fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.gas import GAS
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 COSPAR = "mars_cospar_nh_mean.csv"
 
 
-def build(seed: int = 0, case: int = 0, **given) -> tuple[np.void, np.void]:
-    params = AtmosphereParams(**given)
-    table, atm = np.zeros(1, ATMOSPHERE_TABLE)[0], np.zeros(1, ATMOSPHERE)[0]
-    fill_atmosphere_table(table, params)
+GIVEN = edl6dof.load("tianwen1").scenario
+EXPONENTIAL = {"density_kg_m3": 0.0158, "scale_height_m": 9354.0, "temperature_k": 214.0}
+
+
+def build(seed: int = 0, case: int = 0, planet=GIVEN.planet, **given) -> tuple[np.void, np.void, np.void]:
+    params = AtmosphereParams(**{"table": GIVEN.atmosphere.table, "extension_gravity_m_s2": 3.72, **given})
+    table, atm, gas = np.zeros(1, ATMOSPHERE_TABLE)[0], np.zeros(1, ATMOSPHERE)[0], np.zeros(1, GAS)[0]
+    fill_atmosphere_table(table, params, planet)
     fill_atmosphere(atm, params, table, seed, case)
-    return atm, table
+    fill(gas, planet.gas)
+    return atm, gas, table
+
+
+def with_gas(**changes):
+    return GIVEN.planet.model_copy(update={"gas": GIVEN.planet.gas.model_copy(update=changes)})
 
 
 def columns(name: str, skip: int = 1) -> np.ndarray:
@@ -28,9 +39,9 @@ def columns(name: str, skip: int = 1) -> np.ndarray:
 
 
 def test_table_reproduces_its_file():
-    atm, table = build()
+    atm, gas, table = build()
     for h, density, temperature, *_ in columns("marsgram2010_jezero_feb2021_winds.csv"):
-        rho, p, t, a = air(atm, table, h * 1e3)
+        rho, p, t, a = air(atm, gas, table, h * 1e3)
         assert rho == pytest.approx(density, rel=1e-12)
         assert t == pytest.approx(temperature, rel=1e-12)
         assert p == pytest.approx(density * 191.0 * temperature, rel=1e-12)
@@ -38,9 +49,9 @@ def test_table_reproduces_its_file():
 
 
 def test_other_tables_load_too():
-    atm, table = build(table=COSPAR, bottom_m=-10e3, gas_constant_j_kg_k=190.8)
+    atm, gas, table = build(table=COSPAR, bottom_m=-10e3, planet=with_gas(gas_constant_j_kg_k=190.8))
     for h, temperature, pressure, density, sound in columns(COSPAR):
-        rho, p, t, a = air(atm, table, h * 1e3)
+        rho, p, t, a = air(atm, gas, table, h * 1e3)
         assert (rho, t) == pytest.approx((density, temperature), rel=1e-12)
         if h <= 80:  # higher up the gas of the table gets lighter
             assert (p, a) == pytest.approx((pressure, sound), rel=1e-2)
@@ -48,44 +59,44 @@ def test_other_tables_load_too():
 
 @pytest.mark.parametrize("pick", [lambda s: np.log(s[0]), lambda s: s[2]], ids=["ln density", "temperature"])
 def test_value_and_slope_are_continuous(pick):
-    atm, table = build()
+    atm, gas, table = build()
     tiny = 1e-3
     for node in np.concatenate([np.arange(-8500.0, 12000.0, 500.0), [80e3, 199.5e3, 200e3, 200.5e3]]):
-        value = [pick(air(atm, table, node + k * tiny)) for k in (-2, -1, 1, 2)]
+        value = [pick(air(atm, gas, table, node + k * tiny)) for k in (-2, -1, 1, 2)]
         assert value[1] == pytest.approx(value[2], abs=2e-5)
         slope_below, slope_above = (value[1] - value[0]) / tiny, (value[3] - value[2]) / tiny
         assert slope_below == pytest.approx(slope_above, abs=1e-6)
 
 
 def test_extension_below_the_file_is_hydrostatic_and_isothermal():
-    atm, table = build()
+    atm, gas, table = build()
     dh = 10.0
     for h in np.arange(-9000.0, -600.0, 173.0):
-        rho, _, t, _ = air(atm, table, h)
-        gradient = (air(atm, table, h + dh)[1] - air(atm, table, h - dh)[1]) / (2 * dh)
+        rho, _, t, _ = air(atm, gas, table, h)
+        gradient = (air(atm, gas, table, h + dh)[1] - air(atm, gas, table, h - dh)[1]) / (2 * dh)
         assert gradient == pytest.approx(-rho * 3.72, rel=1e-6)
         assert t == pytest.approx(214.1, abs=1e-9)
 
 
 def test_extension_has_the_cospar_shape():
     """ln(rho(-4 km) / rho(0 km)) of the COSPAR reference, printed with three digits."""
-    atm, table = build()
+    atm, gas, table = build()
     reference = {row[0]: row[3] for row in columns(COSPAR)}
-    ours = np.log(air(atm, table, -4000.0)[0] / air(atm, table, 0.0)[0])
+    ours = np.log(air(atm, gas, table, -4000.0)[0] / air(atm, gas, table, 0.0)[0])
     assert ours == pytest.approx(np.log(reference[-4] / reference[0]), rel=0.02)
 
 
 def test_above_the_top_density_falls_exponentially():
-    atm, table = build()
-    first, second, third = (air(atm, table, 200e3 + h)[0] for h in (10e3, 20e3, 30e3))
+    atm, gas, table = build()
+    first, second, third = (air(atm, gas, table, 200e3 + h)[0] for h in (10e3, 20e3, 30e3))
     assert second / first == pytest.approx(third / second, rel=1e-12)
     assert 0.0 < third < second < first
-    assert air(atm, table, 1e7)[0] < 1e-300
+    assert air(atm, gas, table, 1e7)[0] < 1e-300
 
 
 def test_altitude_that_is_not_a_number_gives_no_number():
-    atm, table = build()
-    assert np.isnan(air(atm, table, np.nan)[0])
+    atm, gas, table = build()
+    assert np.isnan(air(atm, gas, table, np.nan)[0])
 
 
 # NESC check case 6, Atmos_06_sim_04.csv (NASA/TM-2015-218675): altitude ft, speed of sound ft/s, density slug/ft3,
@@ -103,8 +114,8 @@ def test_us76_agrees_with_the_nesc_columns(row):
     pound_force = pound_mass * g0
     slug = pound_force / foot
     altitude, sound, density, pressure, rankine = row
-    atm, table = build(model="us76", table="")
-    rho, p, t, a = air(atm, table, altitude * foot)
+    atm, gas, table = build(model="us76", table="")
+    rho, p, t, a = air(atm, gas, table, altitude * foot)
     assert rho == pytest.approx(density * slug / foot**3, rel=1e-6)
     # SIM 4's pressure is its rho T times 287.05578, while its own speed of sound implies 287.05282 (standard: 287.05287).
     assert p == pytest.approx(pressure * pound_force / foot**2, rel=1e-5)
@@ -126,31 +137,31 @@ PUBLISHED = [
 
 @pytest.mark.parametrize("row", PUBLISHED, ids=lambda row: f"{row[0]:.0f}m")
 def test_us76_agrees_with_the_publication(row):
-    atm, table = build(model="us76", table="")
+    atm, gas, table = build(model="us76", table="")
     height, temperature, pressure = row
-    _, p, t, _ = air(atm, table, 6356766.0 * height / (6356766.0 - height))
+    _, p, t, _ = air(atm, gas, table, 6356766.0 * height / (6356766.0 - height))
     assert (t, p) == pytest.approx((temperature, pressure), rel=5e-5)
 
 
 def test_us76_agrees_with_the_printed_table():
     """The csv counts geopotential altitude (its last lapse ends at 84.85 km), the kernel geometric altitude."""
-    atm, table = build(model="us76", table="")
+    atm, gas, table = build(model="us76", table="")
     with (DATA / "USStandardAtmosphere1976.csv").open() as file:
         rows = [tuple(map(float, row)) for row in list(csv.reader(file))[2:]]
     for height, temperature, density in rows:
         if height <= 84852.0:
-            rho, _, t, _ = air(atm, table, 6356766.0 * height / (6356766.0 - height))
+            rho, _, t, _ = air(atm, gas, table, 6356766.0 * height / (6356766.0 - height))
             assert t == pytest.approx(temperature, abs=0.006)
             assert rho == pytest.approx(density, rel=2e-5)
 
 
 def test_exponential_and_none():
-    atm, table = build(model="exponential", table="")
-    rho, p, t, a = air(atm, table, 9354.0)
+    atm, gas, table = build(model="exponential", table="", exponential=EXPONENTIAL)
+    rho, p, t, a = air(atm, gas, table, 9354.0)
     assert rho == pytest.approx(0.0158 * exp(-1.0), rel=1e-14)
     assert p == pytest.approx(rho * 191.0 * t, rel=1e-14)
-    atm, table = build(model="none", table="")
-    rho, p, _, a = air(atm, table, 1e4)
+    atm, gas, table = build(model="none", table="", exponential=EXPONENTIAL)
+    rho, p, _, a = air(atm, gas, table, 1e4)
     assert (rho, p) == (0.0, 0.0)
     assert a > 0.0
 
@@ -178,15 +189,14 @@ def test_perturbation_belongs_to_seed_and_case():
 
 def test_perturbation_statistics():
     """Sigma of the table and e-folding length at altitude, from 2000 cases, read through the kernel."""
-    params = AtmosphereParams(perturbation={"enabled": True})
-    table, atm = np.zeros(1, ATMOSPHERE_TABLE)[0], np.zeros(1, ATMOSPHERE)[0]
-    fill_atmosphere_table(table, params)
+    params = AtmosphereParams(table=GIVEN.atmosphere.table, perturbation={"enabled": True})
+    atm, gas, table = build(perturbation={"enabled": True})
     heights = (10e3, 15e3, 60e3)  # 5 km apart: one correlation length
     nominal = [air(*build(), h)[0] for h in heights]
     change = np.empty((2000, 3))
     for case in range(len(change)):
         fill_atmosphere(atm, params, table, 5, case)
-        change[case] = [air(atm, table, h)[0] / n - 1.0 for h, n in zip(heights, nominal, strict=True)]
+        change[case] = [air(atm, gas, table, h)[0] / n - 1.0 for h, n in zip(heights, nominal, strict=True)]
     source = columns("marsgram2010_jezero_feb2021_winds.csv")
     sigma = [source[np.searchsorted(source[:, 0], h / 1e3), 5] / 100 for h in heights]
     assert np.all(abs(change.mean(axis=0)) < 4 * np.array(sigma) / sqrt(2000))
@@ -196,8 +206,8 @@ def test_perturbation_statistics():
 
 
 def test_perturbed_density_stays_positive_and_smooth():
-    atm, table = build(3, 3, perturbation={"enabled": True, "sigma_scale": 5.0})
-    rho = np.array([air(atm, table, h)[0] for h in np.arange(-9e3, 210e3, 250.0)])
+    atm, gas, table = build(3, 3, perturbation={"enabled": True, "sigma_scale": 5.0})
+    rho = np.array([air(atm, gas, table, h)[0] for h in np.arange(-9e3, 210e3, 250.0)])
     assert np.all(rho > 0.0)
-    values = [air(atm, table, 10e3 + k * 1e-3)[0] for k in (-2, -1, 1, 2)]
+    values = [air(atm, gas, table, 10e3 + k * 1e-3)[0] for k in (-2, -1, 1, 2)]
     assert values[1] - values[0] == pytest.approx(values[3] - values[2], abs=1e-10)

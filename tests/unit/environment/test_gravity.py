@@ -1,5 +1,6 @@
 """Gravity kernel against the gradient of an independent potential, closed forms and symmetries."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ PLANETS = Path(edl6dof.__file__).parent / "data" / "planets"
 
 
 def planet(name: str) -> PlanetParams:
-    return PlanetParams(**yaml.safe_load((PLANETS / f"{name}.yaml").read_text()))
+    return PlanetParams.model_validate_json(json.dumps(yaml.safe_load((PLANETS / f"{name}.yaml").read_text())))
 
 
 def record(**changes) -> np.void:

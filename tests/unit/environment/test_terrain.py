@@ -14,7 +14,8 @@ SITE = (radians(25.066), radians(109.925))
 
 def build(**given) -> np.void:
     record = np.zeros(1, TERRAIN)[0]
-    fill_terrain(record, TerrainParams(**given), GRID)
+    site = {"site_elevation_m": -4099.4, "site_latitude_deg": 25.066, "site_longitude_deg": 109.925}
+    fill_terrain(record, TerrainParams(**{**site, **given}), GRID, 3389500.0)
     return record
 
 

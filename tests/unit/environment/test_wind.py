@@ -17,7 +17,8 @@ DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 
 def shared(**given) -> np.void:
     table = np.zeros(1, ATMOSPHERE_TABLE)[0]
-    fill_atmosphere_table(table, AtmosphereParams(**given))
+    scenario = edl6dof.load("tianwen1").scenario
+    fill_atmosphere_table(table, AtmosphereParams(**{"table": scenario.atmosphere.table, **given}), scenario.planet)
     return table
 
 

@@ -4,13 +4,22 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 
+import edl6dof
 from edl6dof.config.dtype import fill
+from edl6dof.environment.gas import GAS
 from edl6dof.vehicle.aerodynamics import AERO, AeroParams, CapsuleParams, capsule_aero, capsule_coefficients
 from edl6dof.vehicle.aerotable import build_aero_table
 
 D, AREA = 3.4, pi / 4 * 3.4**2
 DENSE, RARE = 1e-2, 1e-12  # kg/m3: Kn < 1e-3 and Kn > 10
 PARAMS = AeroParams()
+GAS_PARAMS = edl6dof.load("tianwen1").scenario.planet.gas
+
+
+def gas_record():
+    gas = np.zeros(1, GAS)
+    fill(gas[0], GAS_PARAMS)
+    return gas.view(np.recarray)[0]
 
 
 def record(params=PARAMS):
@@ -20,7 +29,7 @@ def record(params=PARAMS):
 
 
 def table_of(params=PARAMS):
-    return build_aero_table(params.capsule).view(np.recarray)[0]
+    return build_aero_table(params.capsule, GAS_PARAMS.shock_layer_heat_capacity_ratio).view(np.recarray)[0]
 
 
 def capsule_with(**changes):
@@ -34,8 +43,8 @@ def velocity(angle_deg, roll_deg=90.0, speed=1.0):
 
 
 def coefficients(table, mach, angle_deg, rho=DENSE, aero=None):
-    return np.array(capsule_coefficients((aero or record()).capsule, table, mach, rho, radians(angle_deg)))
+    return np.array(capsule_coefficients((aero or record()).capsule, table, gas_record(), mach, rho, radians(angle_deg)))
 
 
 def wrench(table, vel, mach=5.0, rho=DENSE, rates=(0.0, 0.0, 0.0), aero=None):
-    return np.array(capsule_aero(aero or record(), table, 1.0, mach, rho, *vel, *rates))
+    return np.array(capsule_aero(aero or record(), table, gas_record(), 1.0, mach, rho, *vel, *rates))

@@ -5,7 +5,7 @@ from math import cos, log10, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from aero_capsule import AREA, DENSE, PARAMS, RARE, D, coefficients, record, table_of, velocity, wrench
+from aero_capsule import AREA, DENSE, PARAMS, RARE, D, coefficients, gas_record, record, table_of, velocity, wrench
 
 from edl6dof.vehicle.aerodynamics import free_molecular_weight
 from edl6dof.vehicle.aerotable import PACKAGED, capsule_rings, read_static_table, stagnation_pressure_coefficient, surface_integrals
@@ -68,8 +68,8 @@ def test_beyond_the_fade_it_is_newtonian(table):
     x_ref = -0.253 * D
     newton, _ = surface_integrals(capsule_rings(PARAMS.capsule), np.radians([40.0, 65.0, 120.0]), D, x_ref)
     for angle, row in zip((40.0, 65.0, 120.0), newton, strict=True):
-        assert coefficients(table, 5.0, angle)[:3] == pytest.approx(stagnation_pressure_coefficient(5.0) * row, rel=1e-9)
-    assert coefficients(table, 5.0, 28.0)[0] != pytest.approx(stagnation_pressure_coefficient(5.0) * newton[0, 0], rel=1e-3)
+        assert coefficients(table, 5.0, angle)[:3] == pytest.approx(stagnation_pressure_coefficient(5.0, 1.33) * row, rel=1e-9)
+    assert coefficients(table, 5.0, 28.0)[0] != pytest.approx(stagnation_pressure_coefficient(5.0, 1.33) * newton[0, 0], rel=1e-3)
 
 
 def test_stored_slopes_belong_to_the_values(table):
@@ -83,10 +83,10 @@ def test_bridging_limits_and_middle(table):
     capsule = record().capsule
     path = 7.308e-26 / (sqrt(2) * pi * 4.59e-10**2)  # mean free path times density
     for kn, weight in ((9e-4, 0.0), (1e-3, 0.0), (1e-1, 0.5), (10.0, 1.0), (11.0, 1.0)):
-        assert free_molecular_weight(capsule, path / (kn * D)) == pytest.approx(weight, abs=1e-9)
-    assert free_molecular_weight(capsule, 0.0) == 1.0
+        assert free_molecular_weight(capsule, gas_record(), path / (kn * D)) == pytest.approx(weight, abs=1e-9)
+    assert free_molecular_weight(capsule, gas_record(), 0.0) == 1.0
     for kn in (1.5e-3, 8.0, 0.03):
-        got = free_molecular_weight(capsule, path / (kn * D))
+        got = free_molecular_weight(capsule, gas_record(), path / (kn * D))
         assert got == pytest.approx(sin(pi / 8 * (3 + log10(kn))) ** 2, abs=1e-12)
     dense, rare = coefficients(table, 20.0, 30.0), coefficients(table, 20.0, 30.0, RARE)
     mixed = coefficients(table, 20.0, 30.0, path / (kn * D))

@@ -4,7 +4,7 @@ from math import cos, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from aero_capsule import AREA, DENSE, PARAMS, D, capsule_with, coefficients, record, table_of, velocity, wrench
+from aero_capsule import AREA, DENSE, PARAMS, D, capsule_with, coefficients, gas_record, record, table_of, velocity, wrench
 from pydantic import ValidationError
 
 from edl6dof.vehicle.aerodynamics import (
@@ -110,7 +110,7 @@ def test_bluff_body():
 @pytest.mark.parametrize("configuration, cg_x", [(CONFIG_BACKSHELL, -1.0), (CONFIG_LANDER, -0.9)])
 def test_bluff_bodies_are_statically_stable_about_a_forward_cg(configuration, cg_x):
     empty = np.zeros(1, AERO_TABLE).view(np.recarray)[0]  # not used by bluff bodies
-    got = aerodynamic_wrench(record(), empty, configuration, 1.0, 0.5, DENSE, *velocity(10.0), 0.0, 0.0, 0.0)
+    got = aerodynamic_wrench(record(), empty, gas_record(), configuration, 1.0, 0.5, DENSE, *velocity(10.0), 0.0, 0.0, 0.0)
     fx, fy, fz, mx, my, mz, x_ref = got
     bluff = PARAMS.backshell if configuration == CONFIG_BACKSHELL else PARAMS.lander
     assert x_ref == bluff.centre_of_pressure_x_m
@@ -130,11 +130,11 @@ def test_constant_aero_is_nesc_drag_and_rate_damping():
 
 def test_dispatch(table):
     arguments = (100.0, 5.0, DENSE, *velocity(8.0, 40.0, 900.0), 0.01, 0.02, 0.03)
-    got = aerodynamic_wrench(record(), table, CONFIG_CAPSULE, *arguments)
-    assert got[:6] == capsule_aero(record(), table, *arguments) and got[6] == pytest.approx(-0.253 * D)
-    assert aerodynamic_wrench(record(AeroParams(model="none")), table, CONFIG_CAPSULE, *arguments) == (0.0,) * 7
+    got = aerodynamic_wrench(record(), table, gas_record(), CONFIG_CAPSULE, *arguments)
+    assert got[:6] == capsule_aero(record(), table, gas_record(), *arguments) and got[6] == pytest.approx(-0.253 * D)
+    assert aerodynamic_wrench(record(AeroParams(model="none")), table, gas_record(), CONFIG_CAPSULE, *arguments) == (0.0,) * 7
     constant = record(AeroParams(model="constant", constant=ConstantAeroParams(drag_coefficient=1.0, moment_reference_x_m=-0.5)))
-    got = aerodynamic_wrench(constant, table, CONFIG_LANDER, *arguments)
+    got = aerodynamic_wrench(constant, table, gas_record(), CONFIG_LANDER, *arguments)
     assert sqrt(sum(f * f for f in got[:3])) == pytest.approx(100.0) and got[6] == -0.5
 
 

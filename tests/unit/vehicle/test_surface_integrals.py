@@ -15,8 +15,8 @@ def test_stagnation_pressure():
     g, m = 1.33, 4.0
     behind = sqrt((1 + 0.5 * (g - 1) * m**2) / (g * m**2 - 0.5 * (g - 1)))
     pressure = (1 + 2 * g / (g + 1) * (m**2 - 1)) * (1 + 0.5 * (g - 1) * behind**2) ** (g / (g - 1))
-    assert stagnation_pressure_coefficient(m) == pytest.approx((pressure - 1) / (0.5 * g * m**2), rel=1e-12)
-    below, above = stagnation_pressure_coefficient(np.array([1 - 1e-9, 1 + 1e-9]))
+    assert stagnation_pressure_coefficient(m, g) == pytest.approx((pressure - 1) / (0.5 * g * m**2), rel=1e-12)
+    below, above = stagnation_pressure_coefficient(np.array([1 - 1e-9, 1 + 1e-9]), g)
     assert below == pytest.approx(above, abs=1e-7)
 
 

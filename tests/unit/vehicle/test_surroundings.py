@@ -1,5 +1,6 @@
 """What is kept of a place while a body moves a few millimetres, against the place where the body is."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ PLANETS = Path(edl6dof.__file__).parent / "data" / "planets"
 @pytest.fixture(params=["mars", "earth"])
 def planet(request):
     record = np.zeros(1, PLANET)[0]
-    fill_planet(record, PlanetParams(**yaml.safe_load((PLANETS / f"{request.param}.yaml").read_text())))
+    fill_planet(record, PlanetParams.model_validate_json(json.dumps(yaml.safe_load((PLANETS / f"{request.param}.yaml").read_text()))))
     return record
 
 

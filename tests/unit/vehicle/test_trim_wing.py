@@ -4,11 +4,11 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
+from aero_capsule import gas_record, table_of
 from scipy.optimize import brentq
 
 from edl6dof.config.dtype import fill
 from edl6dof.vehicle.aerodynamics import AERO, AeroParams, capsule_aero
-from edl6dof.vehicle.aerotable import build_aero_table
 from edl6dof.vehicle.trim_wing import TRIM_WING, TrimWingParams, wing_force, wing_opening
 
 D, AREA = 3.4, pi / 4 * 3.4**2
@@ -26,14 +26,14 @@ def capsule():
     params = AeroParams()
     aero = np.zeros(1, AERO)
     fill(aero[0], params)
-    return aero.view(np.recarray)[0], build_aero_table(params.capsule).view(np.recarray)[0]
+    return aero.view(np.recarray)[0], table_of(params)
 
 
 def pitching_moment(capsule, mach, alpha_deg, deflection, cg=CG, **wing):
     """Cm about the CG of capsule and wing, from the kernels' wrenches by r x F."""
     u, w = cos(radians(alpha_deg)), sin(radians(alpha_deg))
     aero, table = capsule
-    body = np.array(capsule_aero(aero, table, 1.0, mach, 1e-3, u, 0.0, w, 0.0, 0.0, 0.0))
+    body = np.array(capsule_aero(aero, table, gas_record(), 1.0, mach, 1e-3, u, 0.0, w, 0.0, 0.0, 0.0))
     plate = np.array(wing_force(wing_record(**wing), deflection, 1.0, u, 0.0, w))
     moment = body[3:] + np.cross((table.moment_reference_x - cg[0], -cg[1], -cg[2]), body[:3])
     moment = moment + plate[3:] + np.cross((-cg[0], -cg[1], -cg[2]), plate[:3])

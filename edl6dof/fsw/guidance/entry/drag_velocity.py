@@ -76,7 +76,7 @@ def altitude_of(onboard, speed, drag):
     """Altitude (m) at which the believed density gives ``drag`` at ``speed``, by bisection."""
     vehicle = onboard.vehicle
     wanted = 2.0 * drag * vehicle.entry_mass / (vehicle.drag_area * speed * speed)
-    low, high = -8000.0, 150000.0
+    low, high = onboard.atmosphere.bottom, onboard.atmosphere.top
     for _ in range(40):
         middle = 0.5 * (low + high)
         density, _, _ = model_atmosphere(onboard.atmosphere, middle)

@@ -13,9 +13,6 @@ from math import inf, sqrt
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 
-#: Sutton-Graves constant for Mars, kg^0.5/m.
-SUTTON_GRAVES = 1.9027e-4
-
 
 class EntryLimitParams(Params):
     """What the vehicle stands during entry, as guidance knows it; every bound is met with the margin."""
@@ -32,7 +29,7 @@ def corridor(onboard, speed):
     """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure, and equilibrium glide."""
     limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
     area = vehicle.drag_area / vehicle.entry_mass
-    density = limits.nose_radius * (limits.heat_rate / (SUTTON_GRAVES * speed**3)) ** 2
+    density = limits.nose_radius * (limits.heat_rate / (planet.sutton_graves_constant * speed**3)) ** 2
     heat = 0.5 * density * speed * speed * area
     load = limits.load / sqrt(1.0 + vehicle.lift_to_drag**2)
     weight = planet.mu / planet.equatorial_radius**2 - speed * speed / planet.equatorial_radius
