@@ -24,10 +24,10 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.config.accepted import accept, is_accepted
+from edl6dof.config.document.locate import shown
+from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.locate import shown
 from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins, is_result
-from edl6dof.config.source import Document, parse_document
 from edl6dof.jit import outside_sources
 from edl6dof.registry import Member, is_built, join
 

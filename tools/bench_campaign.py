@@ -31,10 +31,10 @@ from rich.console import Console
 from rich.table import Table
 
 from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Threads
 from edl6dof.campaign.executor import Pilot, available_cores
-from edl6dof.campaign.plan import Plan, load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.store import Store
 from edl6dof.sim import flight
 
 CAMPAIGN = "tianwen1_mc"

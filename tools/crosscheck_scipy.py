@@ -26,8 +26,8 @@ from edl6dof.fsw.mission.roles import (
     SLOW_DESCENT,
     TRIM,
 )
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.sim.state import State
 from edl6dof.vehicle.integrate import advance
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 import edl6dof
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
-from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight

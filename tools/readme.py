@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 import edl6dof
-from edl6dof.post.tables import comparison
+from edl6dof.report.terminal import comparison
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 

@@ -62,8 +62,8 @@ def flown(scenario: str, overrides: tuple[str, ...]) -> dict[str, str]:
 
 def rows() -> dict[str, str]:
     """Hash of each column of the first cases of the campaign."""
+    from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.executor import fly_cases
-    from edl6dof.campaign.plan import load_plan
 
     plan = load_plan("tianwen1_mc")
     table = fly_cases(plan.loaded, plan.cases(0, CASES))

@@ -63,8 +63,8 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     from edl6dof.app.fly import write_files
     from edl6dof.campaign.refly import differences, reflown
     from edl6dof.campaign.run import resumed_plan
-    from edl6dof.campaign.store import Store
-    from edl6dof.post.folder import atomic_folder
+    from edl6dof.campaign.storage.store import Store
+    from edl6dof.runs.folder import atomic_folder
 
     target = out or Path("runs") / f"{folder.resolve().name}_case{number}"
     store = Store(folder)
@@ -82,7 +82,7 @@ def run_compare(first: Path, second: Path, as_json: bool) -> int:
     """Compare two campaigns on common random numbers; returns the exit status."""
     from edl6dof.app.campaign_show import show_comparison
     from edl6dof.campaign.compare import compare
-    from edl6dof.campaign.store import Store
+    from edl6dof.campaign.storage.store import Store
 
     result = compare(Store(first), Store(second))
     if as_json:

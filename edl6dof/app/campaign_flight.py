@@ -16,11 +16,11 @@ from edl6dof.app.campaign_show import show
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import INTERRUPTED, refuse
 from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
-from edl6dof.campaign.files import StoreError, refused
-from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.statistics import Until
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.files import StoreError, refused
+from edl6dof.campaign.storage.store import Store
 
 
 def fly_new(options: CampaignOptions) -> int:

@@ -10,8 +10,8 @@ from rich.table import Table
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.campaign.compare import Comparison
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.store import Store
-from edl6dof.post.numbers import significant
+from edl6dof.campaign.storage.store import Store
+from edl6dof.report.numbers import significant
 
 
 def show(store: Store, options: CampaignOptions) -> None:

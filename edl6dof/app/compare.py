@@ -10,10 +10,10 @@ from rich.markup import escape
 
 from edl6dof.app.report import write_page
 from edl6dof.config.errors import refusal
-from edl6dof.post.files import refuse_existing_file
-from edl6dof.post.report.document import Cell, Table, Text
-from edl6dof.post.run import Run
-from edl6dof.post.tables import open_table
+from edl6dof.report.document import Cell, Table, Text
+from edl6dof.report.terminal import open_table
+from edl6dof.runs.files import refuse_existing_file
+from edl6dof.runs.run import Run
 
 #: Differences of the scenarios that the terminal shows.
 MOST = 20
@@ -21,7 +21,7 @@ MOST = 20
 
 def run_compare(first: Path, second: Path, out: Path | None, force: bool) -> int:
     """Print the tables of two runs and write the page with their plots."""
-    from edl6dof.post.review.overlay import comparison_report
+    from edl6dof.report.flight.overlay import comparison_report
 
     if all((folder / "campaign.json").is_file() for folder in (first, second)):
         raise refusal(first, f"is a campaign; compare two by: edl6dof campaign --compare {first} {second}")

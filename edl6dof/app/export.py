@@ -12,8 +12,8 @@ import numpy as np
 
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import counted
-from edl6dof.post.files import atomic_file
-from edl6dof.post.run import Run
+from edl6dof.runs.files import atomic_file
+from edl6dof.runs.run import Run
 
 #: Forms that can be written, and the file each goes to inside the run folder.
 FILES = {
@@ -45,28 +45,28 @@ def run_export(folder: Path, form: str, target: Path | None, force: bool) -> int
 
 
 def _csv(run: Run, path: Path) -> int:
-    from edl6dof.interchange.tables import write_csv
+    from edl6dof.export.tables import write_csv
 
     write_csv(path, run)
     return len(run.t)
 
 
 def _mat(run: Run, path: Path) -> int:
-    from edl6dof.interchange.tables import write_mat
+    from edl6dof.export.tables import write_mat
 
     write_mat(path, run, _about(run))
     return len(run.t)
 
 
 def _netcdf(run: Run, path: Path) -> int:
-    from edl6dof.interchange.tables import write_netcdf
+    from edl6dof.export.tables import write_netcdf
 
     write_netcdf(path, run, _about(run))
     return len(run.t)
 
 
 def _about(run: Run) -> object:
-    from edl6dof.interchange.tables import Description
+    from edl6dof.export.tables import Description
 
     summary = run.summary
     words = {
@@ -80,7 +80,7 @@ def _about(run: Run) -> object:
 
 
 def _ccsds(kind: str, run: Run, path: Path) -> int:
-    from edl6dof.interchange import ccsds
+    from edl6dof.export import ccsds
 
     write = {"oem": ccsds.write_oem, "aem": ccsds.write_aem}[kind]
     summary = run.summary
@@ -94,7 +94,7 @@ def _ccsds(kind: str, run: Run, path: Path) -> int:
 
 
 def _nesc(run: Run, path: Path) -> int:
-    from edl6dof.interchange.nesc import write_table
+    from edl6dof.export.nesc import write_table
 
     table = nesc_table(run)
     with path.open("w", encoding="utf-8", newline="") as stream:
@@ -104,9 +104,9 @@ def _nesc(run: Run, path: Path) -> int:
 
 def nesc_table(run: Run) -> dict[str, np.ndarray]:
     """The check-case columns of a run."""
-    from edl6dof.interchange.nesc import check_case_table
-    from edl6dof.sim.records import build_case, build_tables
-    from edl6dof.sim.viewed import viewed_scenario
+    from edl6dof.export.nesc import check_case_table
+    from edl6dof.scenario.records import build_case, build_tables
+    from edl6dof.scenario.viewed import viewed_scenario
 
     truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
     tables = build_tables(truth)

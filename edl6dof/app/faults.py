@@ -21,12 +21,12 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
 from edl6dof.campaign.rows import Row, table_of
+from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.jsontext import json_text
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
-from edl6dof.post.folder import atomic_folder
-from edl6dof.sim.scenario import LoadedScenario, load_scenario
+from edl6dof.runs.folder import atomic_folder
+from edl6dof.scenario.schema import LoadedScenario, load_scenario
 
 _LEGEND = """\
 matrix: s from the fault to the verdict; a name: another thruster was named;

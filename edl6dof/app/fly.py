@@ -16,10 +16,10 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.manifest import listed
-from edl6dof.post.folder import atomic_folder
+from edl6dof.runs.folder import atomic_folder
+from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly
-from edl6dof.sim.scenario import LoadedScenario, load_scenario
-from edl6dof.sim.state import State
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,13 @@ UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
 @without(*UNUSED_BY_ARROW)
 def write_files(flight: Flight, folder: Path, replay: bool) -> None:
     """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a replay."""
-    from edl6dof.post.results import write_run
+    from edl6dof.runs.results import write_run
 
     write_run(flight, folder)
     if flight.saved is not None:
         flight.saved.save(folder / "state.npz")
     if replay:
-        from edl6dof.post.replay.recording import history, write_replay
+        from edl6dof.replay.recording import history, write_replay
 
         shown = history(flight)
         flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
@@ -85,7 +85,7 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
-    from edl6dof.post.tables import show_flight, verdict
+    from edl6dof.report.terminal import show_flight, verdict
 
     console = Console(highlight=False, soft_wrap=True)
     if options.as_json:

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from edl6dof.app.ending import BAD_INPUT
+from edl6dof.config.document.locate import shown
+from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.locate import shown
-from edl6dof.config.source import read_document, resolve_scenario
-from edl6dof.sim.scenario import CAMPAIGN_SECTIONS, Scenario, load_document
+from edl6dof.scenario.schema import CAMPAIGN_SECTIONS, Scenario, load_document
 
 
 def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
@@ -21,7 +21,7 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
         try:
             document = read_document(resolve_scenario(name))
             if any(document.data.get(section) is not None for section in CAMPAIGN_SECTIONS):
-                from edl6dof.campaign.plan import plan_of
+                from edl6dof.campaign.design.plan import plan_of
 
                 loaded = plan_of(document, tuple(sets)).loaded
             else:
@@ -42,8 +42,8 @@ def run_schema() -> int:
 
 def scenario_schema() -> dict[str, Any]:
     """Schema of scenario files, of those that extend another one, and of their campaign and sweep sections."""
-    from edl6dof.campaign.params import CampaignFile
-    from edl6dof.config.extends import EXTENDS
+    from edl6dof.campaign.design.params import CampaignFile
+    from edl6dof.config.document.extends import EXTENDS
     from edl6dof.config.schema import json_schema
 
     schema, campaign = json_schema(Scenario), json_schema(CampaignFile)

@@ -12,7 +12,7 @@ from rich.console import Console
 from edl6dof.app.ending import refuse
 from edl6dof.config.reference import Row, rows
 from edl6dof.config.wording import nearest
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.schema import Scenario
 
 #: Longest default that stands in the table; a longer one gets a line of its own.
 SHORT = 15

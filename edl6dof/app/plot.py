@@ -11,10 +11,10 @@ import numpy as np
 
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import nearest
-from edl6dof.post.files import atomic_file, refuse_existing_file
-from edl6dof.post.report.document import Report, Section
-from edl6dof.post.report.figure import Axis, Figure, Panel, Trace
-from edl6dof.post.run import Run
+from edl6dof.report.document import Report, Section
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.run import Run
 
 ENDINGS = (".html", ".png", ".pdf", ".svg")
 
@@ -77,13 +77,13 @@ def channel_plot(run: Run, channels: Sequence[str], x: str, rows: np.ndarray) ->
 
 def _write(run: Run, figure: Figure, path: Path) -> None:
     if path.suffix == ".html":
-        from edl6dof.post.report.page import page
-        from edl6dof.post.review.words import mood, verdict
+        from edl6dof.report.flight.words import mood, verdict
+        from edl6dof.report.page import page
 
         report = Report(run.name, verdict(run), mood(run.summary), str(run.folder), sections=[Section("plots", figure.title, [figure])])
         path.write_text(page(report), encoding="utf-8")
     else:
-        from edl6dof.post.report.paper import write_figure
+        from edl6dof.report.paper import write_figure
 
         write_figure(figure, path)
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.config.errors import refusal
-from edl6dof.post.files import atomic_file, refuse_existing_file
-from edl6dof.post.run import Run
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.run import Run
+from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.viewed import viewed_scenario
 from edl6dof.sim.flight import fly
-from edl6dof.sim.scenario import Scenario
-from edl6dof.sim.viewed import viewed_scenario
 
 RECORDING = "replay.rrd"
 
@@ -69,7 +69,7 @@ class FlownRun:
 
 def run_replay(options: ReplayOptions) -> int:
     """Do what the options ask for; returns the exit status."""
-    from edl6dof.post.replay.program import ViewerFailed
+    from edl6dof.replay.program import ViewerFailed
 
     targets = [path for path in (options.html, options.screenshot) if path is not None]
     for path in targets:
@@ -90,7 +90,7 @@ def run_replay(options: ReplayOptions) -> int:
 
 def _show(recording: Path, options: ReplayOptions) -> None:
     """Write what was asked for, or show the recording until the viewer is closed."""
-    from edl6dof.post.replay import page, server, viewer
+    from edl6dof.replay import page, server, viewer
 
     title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
     if options.screenshot is not None:
@@ -138,8 +138,8 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
     if len(options.runs) == 1 and (alone / RECORDING).is_file() and not options.page:
         yield Run(alone).file(RECORDING)
         return
-    from edl6dof.app.swarm import campaign_plan, is_campaign, trajectories
-    from edl6dof.post.replay.recording import history, write_replay
+    from edl6dof.app.ensemble import campaign_plan, is_campaign, trajectories
+    from edl6dof.replay.recording import history, write_replay
 
     plan = campaign_plan(alone) if is_campaign(alone) else None
     flights = [history(FlownRun(folder)) for folder in options.runs[1 if plan else 0 :]]

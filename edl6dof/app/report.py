@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from edl6dof.config.errors import refusal
-from edl6dof.post.files import atomic_file, refuse_existing_file
-from edl6dof.post.report.document import Report
-from edl6dof.post.run import TELEMETRY, Run
+from edl6dof.report.document import Report
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.run import TELEMETRY, Run
 
 
 def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> int:
@@ -20,7 +20,7 @@ def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool
     if png:
         _write_figures(report, target.with_suffix(""), force)
     if pdf:
-        from edl6dof.post.report.paper import write_pdf
+        from edl6dof.report.paper import write_pdf
 
         with atomic_file(print_out, force) as partial:
             write_pdf(report, partial)
@@ -38,11 +38,11 @@ def report_of(folder: Path) -> Report:
         ConfigError: nothing in it can be reported on.
     """
     if (folder / TELEMETRY).is_file():
-        from edl6dof.post.review.build import flight_report
+        from edl6dof.report.flight.build import flight_report
 
         return flight_report(Run(folder))
     if (folder / "campaign.json").is_file():
-        from edl6dof.post.dispersed.build import campaign_report
+        from edl6dof.report.campaign.build import campaign_report
 
         return campaign_report(folder)
     if not folder.is_dir():
@@ -52,14 +52,14 @@ def report_of(folder: Path) -> Report:
 
 def write_page(report: Report, path: Path, force: bool) -> None:
     """Write a report as one HTML file."""
-    from edl6dof.post.report.page import page
+    from edl6dof.report.page import page
 
     with atomic_file(path, force) as partial:
         partial.write_text(page(report), encoding="utf-8")
 
 
 def _write_figures(report: Report, folder: Path, force: bool) -> None:
-    from edl6dof.post.report.paper import write_figure
+    from edl6dof.report.paper import write_figure
 
     for figure in report.figures():
         path = folder / f"{figure.key}.png"

@@ -19,8 +19,8 @@ from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.ending import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
-from edl6dof.post.folder import atomic_folder
-from edl6dof.post.numbers import significant
+from edl6dof.report.numbers import significant
+from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study

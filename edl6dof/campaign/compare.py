@@ -15,9 +15,9 @@ import pyarrow.compute as pc
 from scipy.special import ndtri
 from scipy.stats import binomtest
 
-from edl6dof.campaign.files import refused
 from edl6dof.campaign.statistics import Proportion
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.files import refused
+from edl6dof.campaign.storage.store import Store
 
 #: Columns that say how a case ended and not what came out of it.
 _ENDS = {"case", "success", "cause", "outcome", "profile"}

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
+from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.executor import Pilot, available_cores
-from edl6dof.campaign.origin import Identity, changed_files, compared, differences, identity
-from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import Row
+from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -18,14 +18,14 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.campaign.readback import NotApplied, Place, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
-from edl6dof.campaign.variants import Variant, Variants
 from edl6dof.config.errors import ConfigError
-from edl6dof.sim.channels import BRIEF, TICK
+from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import fly, log_rows
-from edl6dof.sim.scenario import LoadedScenario
+from edl6dof.telemetry.channels import BRIEF, TICK
 
 #: Called with the number of cases done and the row of the last one.
 Progress = Callable[[int, Row], None]

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 from pydantic import BaseModel
 
-from edl6dof.campaign.variants import Variant
+from edl6dof.campaign.design.variants import Variant
 from edl6dof.config.dtype import in_record
 from edl6dof.config.units import split_unit
-from edl6dof.sim.records import CASE
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.records import CASE
+from edl6dof.scenario.schema import Scenario
 
 #: Names of fields and indices of list items, from a model inwards.
 Keys = tuple[str | int, ...]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from edl6dof.campaign.plan import Plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.storage.store import Store
+from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.overrides import apply_overrides
+from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.flight import Flight, fly
-from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
 
 
 def case_scenario(plan: Plan, number: int) -> LoadedScenario:

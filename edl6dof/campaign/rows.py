@@ -9,7 +9,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
 from edl6dof.sim.flight import Flight
 
 #: What a caller adds to a row from its flight, which must not be kept: the next case reuses its telemetry.

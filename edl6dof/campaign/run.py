@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 import pyarrow as pa
 
 import edl6dof
-from edl6dof.campaign.documents import Cause, Info, Summary
+from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.engines import Engine
-from edl6dof.campaign.files import refused
-from edl6dof.campaign.origin import Identity, changed_files, compared, differences, identity
-from edl6dof.campaign.parts import PART
-from edl6dof.campaign.plan import Plan, parse_plan
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.documents import Cause, Info, Summary
+from edl6dof.campaign.storage.files import refused
+from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
+from edl6dof.campaign.storage.parts import PART
+from edl6dof.campaign.storage.store import Store
 
 
 @dataclass

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import to_jsonable_python
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.config.scalars import write_flow, write_scalar
+from edl6dof.config.document.scalars import write_flow, write_scalar
 
 WIDTH = 110
 
@@ -28,7 +28,7 @@ def dump_resolved(
     Args:
         instance: validated model.
         header_lines: comment lines at the top (package version, source hash, ...).
-        status: dotted path to status name, as :class:`~edl6dof.config.source.Document` collects it from the file's marks.
+        status: dotted path to status name, as :class:`~edl6dof.config.document.source.Document` collects it from the file's marks.
         sources: dotted path to the text behind the mark.
 
     A value without a mark of its own is marked with its declared status only as long as it is the declared default: the claim

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from os.path import isfile, join
 from pathlib import Path
 
-from edl6dof.config.locate import find_shipped
+from edl6dof.config.document.locate import find_shipped
 
 #: Environment variable that names plugin files, separated as in PATH.
 VARIABLE = "EDL6DOF_PLUGINS"

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, get_args, get_origin
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
+from edl6dof.config.document.scalars import write_flow
 from edl6dof.config.introspect import Slot, field_slot, is_model, type_slot
-from edl6dof.config.scalars import write_flow
 from edl6dof.config.wording import in_bounds, in_length, kinds
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from edl6dof.config.source import INCLUDES
+from edl6dof.config.document.source import INCLUDES
 from edl6dof.config.units import split_unit
 
 DRAFT = "http://json-schema.org/draft-07/schema#"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from edl6dof.config.regular import read_regular_text
+from edl6dof.config.document.regular import read_regular_text
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell
 

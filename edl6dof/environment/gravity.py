@@ -18,8 +18,8 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param
+from edl6dof.config.document.regular import read_regular_text
 from edl6dof.config.dtype import fill
-from edl6dof.config.regular import read_regular_text
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import add, scale

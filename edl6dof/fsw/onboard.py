@@ -21,11 +21,11 @@ from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE
 from edl6dof.fsw.estimation.observe import EstimationParams
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.air_data import AirDataParams
-from edl6dof.fsw.guidance.entry.airframe import AIRFRAME
-from edl6dof.fsw.guidance.entry.entry_corridor import EntryLimitParams
-from edl6dof.fsw.guidance.entry.range_update import TrackingParams
-from edl6dof.fsw.guidance.entry.reference import REFERENCE, ReferenceBankParams
+from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
+from edl6dof.fsw.guidance.entry.prediction.airframe import AIRFRAME
+from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, ReferenceBankParams
+from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
+from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS

@@ -1,1 +1,1 @@
-"""Formats of other programs: DAVE-ML vehicle models in, NASA check-case tables out."""
+"""Vehicle models of other programs: DAVE-ML files, read safely."""

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.source import Document, Mark
 from edl6dof.interchange.daveml import UNITS, Model, Variable, read_daveml
 
 DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"

@@ -9,9 +9,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from edl6dof.config.document.locate import shown
+from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.locate import shown
-from edl6dof.config.regular import read_regular
 
 if TYPE_CHECKING:
     from lxml import etree

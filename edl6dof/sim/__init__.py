@@ -1,1 +1,1 @@
-"""From a scenario to a flight: records, the loop, telemetry, results."""
+"""The closed loop: plant, sensors and flight software flown cycle by cycle, how a flight ends, and checkpoints of it."""

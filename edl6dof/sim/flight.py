@@ -9,26 +9,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from edl6dof.config.document.source import parse_document
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
-from edl6dof.config.source import parse_document
 from edl6dof.fsw.mission.roles import during
 from edl6dof.fsw.onboard import FSW
-from edl6dof.sim import records
-from edl6dof.sim.channels import BRIEF, TICK
-from edl6dof.sim.deployment import deployment_figures
+from edl6dof.metrics.deployment import deployment_figures
+from edl6dof.metrics.diagnosis import Finding, diagnosis_figures, findings
+from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
+from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.ending import Ending, ending, goal_code
-from edl6dof.sim.events import Moment, first_times, moment, moments, timeline
-from edl6dof.sim.findings import Finding, diagnosis_figures, findings
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare, take_up
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
-from edl6dof.sim.scenario import LoadedScenario, Scenario, check_document
-from edl6dof.sim.state import State
-from edl6dof.sim.telemetry import Telemetry
-from edl6dof.sim.touchdown import touchdown_state
-from edl6dof.sim.verdict import Check, checks, metrics, peak_figures
+from edl6dof.telemetry.channels import BRIEF, TICK
+from edl6dof.telemetry.columns import Telemetry
+from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
 from edl6dof.vehicle.plant import NOT_BEGUN, PLANT
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class Flight:
 
     @cached_property
     def telemetry(self) -> Telemetry:
-        """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.sim.channels``."""
+        """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.telemetry.channels``."""
         return Telemetry(self.log, self.scenario.thruster_names)
 
     def release_log(self) -> None:
@@ -141,7 +141,14 @@ class Flight:
             figures = metrics(self.telemetry, when, self.scenario.phase_roles)
             figures |= peak_figures(self.plant[0], happened) | touchdown_state(self.case, self.plant)
             figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
-            return {**figures, **deployment_figures(self.scenario, self.telemetry, figures)}
+            return figures | self._deployment(figures)
+
+    def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
+        """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
+        if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in self.scenario.mission.phases):
+            return {}
+        aim, radius_m = self.scenario.aim_point, self.scenario.planet.equatorial_radius_m
+        return deployment_figures(self.telemetry, figures["parachute_s"], aim, radius_m)
 
     @cached_property
     def checks(self) -> list[Check]:
@@ -220,7 +227,7 @@ def resolved_text(loaded: LoadedScenario) -> str:
 
 def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenario:
     """The scenario a saved state belongs to."""
-    from edl6dof.config.overrides import apply_overrides
+    from edl6dof.config.document.overrides import apply_overrides
 
     return check_document(apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario))
 

@@ -9,7 +9,7 @@ from edl6dof.jit import kernel
 from edl6dof.sensors.perfect import sense
 from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
-from edl6dof.sim.record import record, record_brief
+from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.integrate import advance, go_back, refresh, retrace

@@ -14,7 +14,7 @@ from math import degrees, exp, pi
 
 import numpy as np
 
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.schema import Scenario
 
 #: States: angle, rate, last input of the plant, last measured rate, last two commands, disturbance estimate, the same smoothed, integral.
 _STATES = 9

@@ -13,9 +13,9 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation import NAV
 from edl6dof.jit import kernel
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import fly
-from edl6dof.sim.records import build_records
-from edl6dof.sim.scenario import LoadedScenario
 
 #: Flight times (s) at which calls are timed, and how often each.
 TIMED_AT = (90.0, 110.0, 130.0, 160.0, 200.0)

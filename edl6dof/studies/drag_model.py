@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.hinf import adapt, feedback, riccati
-from edl6dof.fsw.guidance.entry.uncertain_drag import uncertain_drag
+from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
+from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
 
 STEP_S = 0.05
 

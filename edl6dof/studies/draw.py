@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from edl6dof.post.report.figure import BLACK, Axis, Figure, Panel, Trace
-from edl6dof.post.report.paper import write_figure
+from edl6dof.report.figure import BLACK, Axis, Figure, Panel, Trace
+from edl6dof.report.paper import write_figure
 from edl6dof.studies import study
 
 

@@ -16,15 +16,15 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.campaign.readback import value_at
-from edl6dof.fsw.guidance.entry.reference import reference_bank
+from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.sim.records import build_records
-from edl6dof.sim.scenario import LoadedScenario, Scenario, load_scenario
 from edl6dof.studies.call_time import call_time
 from edl6dof.studies.cases import Spread, draw, values
 from edl6dof.studies.study import Curve, Drawing, Finding, Grid, Panel, Progress, Report, Study

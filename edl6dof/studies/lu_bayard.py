@@ -16,15 +16,15 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_continuous_are
 
-from edl6dof.fsw.guidance.entry.adaptive_hinf import MEMORY, begin
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
-from edl6dof.fsw.guidance.entry.drag_velocity import path_sine, profile_drag, profile_range
-from edl6dof.fsw.guidance.entry.entry_corridor import corridor
-from edl6dof.fsw.guidance.entry.hinf import feedback, riccati
+from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin
+from edl6dof.fsw.guidance.entry.laws.hinf import feedback, riccati
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag, profile_range
+from edl6dof.fsw.guidance.entry.profiles.entry_corridor import corridor
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
-from edl6dof.sim.records import build_onboard, build_tables
-from edl6dof.sim.scenario import load_scenario
 from edl6dof.studies.drag_model import Design, Response, respond
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
 

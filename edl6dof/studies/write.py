@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from edl6dof import __version__
-from edl6dof.config.jsontext import json_text
+from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.units import split_unit
 from edl6dof.studies.draw import save_drawing
 from edl6dof.studies.study import Report, Study

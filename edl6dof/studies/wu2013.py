@@ -12,12 +12,12 @@ from itertools import product
 import numpy as np
 import pyarrow as pa
 
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
-from edl6dof.sim.scenario import load_scenario
 from edl6dof.studies.cases import Spread, draw, values
 from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.regular import read_regular_text
+from edl6dof.config.document.regular import read_regular_text
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.vehicle.aerodynamics import CapsuleParams
 from edl6dof.vehicle.pchip import curve

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import edl6dof
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, UNIFORM, WEIGHTLESS
 
 _TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"

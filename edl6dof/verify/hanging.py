@@ -12,8 +12,8 @@ import numpy as np
 from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.sim.scenario import Scenario
 from edl6dof.verify.scene import BARE, ENDLESS, FLAT, ONE_BODY, UNIFORM, scenes, state_of, to_the_end, vectors
 
 GRAVITY = 3.72

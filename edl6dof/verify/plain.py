@@ -18,11 +18,11 @@ import numba
 import numpy as np
 
 from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sensors.perfect import SENSORS
-from edl6dof.sim import records
-from edl6dof.sim.channels import BRIEF, TICK
-from edl6dof.sim.scenario import LoadedScenario
-from edl6dof.sim.state import State
+from edl6dof.sim.checkpoint import State
+from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.plant import PLANT, STATES, STATES_VEHICLE
 from edl6dof.verify.attributes import Record, Records
 

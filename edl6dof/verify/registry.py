@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.verify import (
+from edl6dof.verify.cases import (
     allen_eggers,
     capsule_trim,
     damping,

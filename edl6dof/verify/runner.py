@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from edl6dof.verify.nesc import NotInstalledError
+from edl6dof.verify.cases.nesc import NotInstalledError
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.registry import CASES
 

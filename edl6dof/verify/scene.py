@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.sim import records
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.loop import prepare
 from edl6dof.sim.outcome import OUTCOMES
-from edl6dof.sim.scenario import LoadedScenario, Scenario, load_scenario
-from edl6dof.sim.state import State
 
 SCENARIO = "tianwen1"
 #: No flight software, wind, ground, rotation of the planet.

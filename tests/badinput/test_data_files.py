@@ -13,7 +13,7 @@ import pytest
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.xmlfile import read_xml
-from edl6dof.sim.state import State
+from edl6dof.sim.checkpoint import State
 
 ATMOSPHERE = "h_km,rho,T_K\n0.0,1.5e-2,210.0\n1.0,1.4e-2,209.0\n2.0,1.3e-2,208.0\n"
 AERO = "mach,alpha,CD,CL,Cm\n" + "".join(f"{m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in (1.0, 5.0) for a in (0, 2, 4))
@@ -53,7 +53,7 @@ BROKEN = {
 }
 
 
-def load(kind: str, path: Path) -> edl6dof.sim.scenario.LoadedScenario:
+def load(kind: str, path: Path) -> edl6dof.scenario.schema.LoadedScenario:
     overrides = [f"{KEYS[kind]}={path}"] + (["wind.model=none"] if kind == "atmosphere" else [])
     return edl6dof.load("tianwen1", overrides)
 
@@ -108,10 +108,10 @@ def test_table_that_does_not_fit_with_the_damping_is_refused_at_the_capsule(tmp_
 
 
 def test_resolved_scenario_and_saved_state_go_through_the_same_check(tmp_path):
-    from edl6dof.config.source import parse_document
+    from edl6dof.config.document.source import parse_document
     from edl6dof.config.validate import validate
+    from edl6dof.scenario.schema import Scenario
     from edl6dof.sim.flight import resolved_text
-    from edl6dof.sim.scenario import Scenario
 
     text = resolved_text(edl6dof.load("tianwen1")).replace("marsgram2010_jezero_feb2021_winds.csv", "gone.csv")
     with pytest.raises(ConfigError) as caught:

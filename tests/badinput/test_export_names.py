@@ -11,8 +11,8 @@ from scipy.io import loadmat, netcdf_file
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.ccsds import write_aem, write_oem
-from edl6dof.interchange.tables import Description, plain, write_mat, write_netcdf
+from edl6dof.export.ccsds import write_aem, write_oem
+from edl6dof.export.tables import Description, plain, write_mat, write_netcdf
 
 EPOCH = datetime(2021, 5, 14, tzinfo=UTC)
 EVIL = "lander\nREF_FRAME = EME2000\r\nMETA_STOP\x0b2021-05-14T00:00:00 1 2 3 4 5 6\x00\u2028é"

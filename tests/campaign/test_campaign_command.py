@@ -12,8 +12,8 @@ import pytest
 from campaign_run import write_drop
 
 from edl6dof import cli
-from edl6dof.campaign.documents import Info, Summary
-from edl6dof.campaign.files import file_sha256, read_sealed, write_sealed
+from edl6dof.campaign.storage.documents import Info, Summary
+from edl6dof.campaign.storage.files import file_sha256, read_sealed, write_sealed
 
 GRID = """\
 sweep:

@@ -132,7 +132,7 @@ def test_scheduler_is_killed(tmp_path, undisturbed):
 OTHER = """
 import sys
 import numpy
-from edl6dof.campaign import origin
+from edl6dof.campaign.storage import identity as origin
 origin.numpy = type("numpy", (), {"__name__": "numpy", "__version__": "0.7"})
 from distributed.cli.dask_worker import main
 main()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.campaign.case import Case
+from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import Pilot, fly_cases, in_threads
 from edl6dof.campaign.readback import NotApplied, applied
 

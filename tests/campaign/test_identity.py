@@ -11,12 +11,13 @@ import pytest
 from campaign_run import ROOT, write_drop
 
 import edl6dof
-from edl6dof.campaign import engines, origin, run
+from edl6dof.campaign import engines, run
+from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.files import StoreError
-from edl6dof.campaign.inputs import input_files
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage import identity as origin
+from edl6dof.campaign.storage.files import StoreError
+from edl6dof.campaign.storage.inputs import input_files
+from edl6dof.campaign.storage.store import Store
 from edl6dof.environment import atmosphere_table
 
 DATA = ROOT / "edl6dof" / "data"

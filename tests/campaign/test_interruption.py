@@ -13,9 +13,10 @@ from campaign_run import write_drop
 
 from edl6dof import cli
 from edl6dof.app import campaign_flight
-from edl6dof.campaign import executor, run, store
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign import executor, run
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.storage import store
+from edl6dof.campaign.storage.store import Store
 
 GO_ON = "interrupted; what has flown is kept; go on with: edl6dof campaign runs/drops --resume\n"
 NOTHING = "interrupted; nothing was written\n"

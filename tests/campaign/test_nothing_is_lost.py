@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 from campaign_run import finished, program, write_drop
 
-from edl6dof.campaign import origin, run
-from edl6dof.campaign.files import StoreError
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.storage import identity as origin
+from edl6dof.campaign.storage.files import StoreError
+from edl6dof.campaign.storage.store import Store
 from edl6dof.config.plugin_scan import files_naming_plugins
 
 FOLDER = Path("runs/drops")
@@ -126,8 +127,8 @@ import resource, tempfile
 from pathlib import Path
 from campaign_run import write_drop
 from edl6dof.campaign import run
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.storage.store import Store
 
 class NullPlant:
     def rows(self, plan, ranges):

@@ -8,9 +8,9 @@ import re
 import numpy as np
 import pytest
 
-from edl6dof.campaign.plan import load_plan, parse_plan
+from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.config.errors import ConfigError
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.schema import load_scenario
 
 HEAD = "extends: tianwen1\nname: test\ncampaign:\n  cases: 40\n  seed: 5\n"
 

@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
-from edl6dof.campaign.distributions import Discrete, LogNormal, Normal, TruncatedNormal, Uniform
-from edl6dof.campaign.sampling import unit_numbers
+from edl6dof.campaign.design.distributions import Discrete, LogNormal, Normal, TruncatedNormal, Uniform
+from edl6dof.campaign.design.sampling import unit_numbers
 
 PLANS = ("monte_carlo", "latin_hypercube", "sobol")
 NAMES = ["truth.a", "truth.b", "both.c"]

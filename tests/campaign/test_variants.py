@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.campaign import variants
-from edl6dof.campaign.case import Case
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.variants import Variants
+from edl6dof.campaign.design import variants
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.design.variants import Variants
+from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.overrides import apply_overrides
-from edl6dof.sim import records
-from edl6dof.sim.scenario import Scenario, check_document
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import Scenario, check_document
 
 CASES = {
     "truth only": {"truth": {"vehicle.mass.entry_kg": 1291.3, "atmosphere.density_factor": 1.07, "wind.scale": 1.4}},

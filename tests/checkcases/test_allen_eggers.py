@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import allen_eggers
+from edl6dof.verify.cases import allen_eggers
 
 PLANTED = [
     pytest.param(["atmosphere.exponential.scale_height_m=9354.001"], "speed", id="scale"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import capsule_trim
+from edl6dof.verify.cases import capsule_trim
 
 PLANTED = [
     pytest.param(["vehicle.mass.entry_centre_m=[-0.85, 0, -0.0391]"], "trim angle", id="offset"),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import damping
+from edl6dof.verify.cases import damping
 
 PLANTED = [
     pytest.param(["vehicle.aero.capsule.damping_factor=1.01"], "growth rate", id="factor"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import equilibrium_glide
+from edl6dof.verify.cases import equilibrium_glide
 
 PLANTED = [
     pytest.param(["vehicle.aero.capsule.axial_factor=1.03"], "range", id="drag"),

@@ -12,7 +12,7 @@ from math import hypot, pi
 import pytest
 
 from edl6dof.spatial import frames as kernels
-from edl6dof.verify import frames
+from edl6dof.verify.cases import frames
 
 geodetic, attitude, great_circle = kernels.geodetic, kernels.attitude_from_wind_angles, kernels.great_circle
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import gravity_field
+from edl6dof.verify.cases import gravity_field
 
 PLANTED = [
     pytest.param(["planet.gravity.degree=3"], "degree 4", id="degree"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import impulses
+from edl6dof.verify.cases import impulses
 
 PLANTED = [
     pytest.param(["vehicle.rcs.thrusters.0.rise_s=0.01212"], "propellant", id="rise"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import jettison
+from edl6dof.verify.cases import jettison
 
 PLANTED = [
     pytest.param(["vehicle.mass.heat_shield.mass_kg=150.00001"], "heat shield", id="mass"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import kepler
+from edl6dof.verify.cases import kepler
 
 PLANTED = [
     pytest.param(["planet.gravity.mu_m3_s2=4.28283732824714625e13"], "position", id="mu"),

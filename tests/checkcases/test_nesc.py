@@ -5,7 +5,7 @@ More planted errors, one for each model: ``tests/nesc/test_check_cases.py``.
 
 from __future__ import annotations
 
-from edl6dof.verify import nesc
+from edl6dof.verify.cases import nesc
 
 
 def test_passes():

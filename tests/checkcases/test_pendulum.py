@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import pendulum
+from edl6dof.verify.cases import pendulum
 
 PLANTED = [
     pytest.param(["vehicle.parachute.normal_slope=0.2525"], "pendulum", id="slope"),

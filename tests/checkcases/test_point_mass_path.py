@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import point_mass
+from edl6dof.verify.cases import point_mass
 
 PLANTED = [
     pytest.param(["initial.bank_deg=55.0001"], id="bank"),

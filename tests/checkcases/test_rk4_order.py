@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from edl6dof.verify import rk4_order
+from edl6dof.verify.cases import rk4_order
 
 
 def test_passes():

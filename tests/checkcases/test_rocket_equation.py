@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import rocket_equation
+from edl6dof.verify.cases import rocket_equation
 
 PLANTED = [
     pytest.param(["vehicle.engine.full_specific_impulse_s=300.001"], "speed", id="isp"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pytest
 
 from edl6dof.spatial import quaternion
-from edl6dof.verify import rotations
+from edl6dof.verify.cases import rotations
 
 multiply, to_frame = quaternion.multiply, quaternion.to_frame
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import symmetric_top
+from edl6dof.verify.cases import symmetric_top
 
 PLANTED = [
     pytest.param(["vehicle.mass.entry_inertia_kg_m2=[1150.01, 900, 900]"], "rate in the body", id="inertia"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import terminal_velocity
+from edl6dof.verify.cases import terminal_velocity
 
 PLANTED = [
     pytest.param(["vehicle.parachute.drag_factor=1.001"], "speed", id="drag"),

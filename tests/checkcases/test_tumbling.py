@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import tumbling
+from edl6dof.verify.cases import tumbling
 
 PLANTED = [
     pytest.param(["vehicle.mass.entry_inertia_kg_m2=[1150.001, 900, 1000]"], "body rates", id="inertia"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from edl6dof.verify import us76_table
+from edl6dof.verify.cases import us76_table
 
 PLANTED = [
     pytest.param(["atmosphere.density_factor=1.0001"], "density", id="density"),

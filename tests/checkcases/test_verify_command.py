@@ -8,7 +8,8 @@ import math
 import pytest
 
 from edl6dof.app.verify import run_verify
-from edl6dof.verify import nesc, registry
+from edl6dof.verify import registry
+from edl6dof.verify.cases import nesc
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.runner import run_case
 

@@ -11,11 +11,11 @@ import pytest
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 import edl6dof
-from edl6dof.campaign.params import CampaignParams, SweepParams
+from edl6dof.campaign.design.params import CampaignParams, SweepParams
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.introspect import Slot, bounds, field_slot, is_model
 from edl6dof.config.units import DIMENSIONLESS, UNITS
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
 
 

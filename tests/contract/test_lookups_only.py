@@ -3,7 +3,7 @@
 import pytest
 from source_rules import modules, whole_numbers_in_kernels
 
-FLYING = modules("environment", "fsw", "interface", "sensors", "sim", "spatial", "vehicle")
+FLYING = modules("environment", "fsw", "interface", "metrics", "scenario", "sensors", "sim", "spatial", "telemetry", "vehicle")
 LOOKUPS = "edl6dof.spatial.lookups"
 
 

@@ -7,7 +7,7 @@ import pytest
 from edl6dof.config.base import Status
 from edl6dof.config.reference import rows
 from edl6dof.config.units import UNITS, split_unit
-from edl6dof.sim.scenario import Scenario
+from edl6dof.scenario.schema import Scenario
 
 ROWS = rows(Scenario)
 #: Words that say a unit which the name does not carry.

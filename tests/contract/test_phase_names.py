@@ -9,27 +9,27 @@ import pytest
 from source_rules import modules
 
 import edl6dof
-from edl6dof.config.locate import shipped_names
+from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
     "edl6dof.app.faults": {"landed"},  # heading of a count
-    "edl6dof.fsw.guidance.entry.air_data": {"lift"},  # field of a record: a force, as in the next ones
-    "edl6dof.fsw.guidance.entry.airframe": {"lift"},
-    "edl6dof.fsw.guidance.entry.influence": {"lift"},
+    "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},  # field of a record: a force, as in the next ones
+    "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
+    "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
     "edl6dof.interface.parts": {"parachute"},  # what is jettisoned
-    "edl6dof.sim.belief": {"lift"},
-    "edl6dof.sim.believed_aero": {"lift"},
-    "edl6dof.post.replay.arrows": {"lift"},  # the arrow of the force
-    "edl6dof.post.review.descent": {"parachute"},  # key of a plot
-    "edl6dof.post.review.parts": {"parachute"},  # word at the mortar's mark, as in the next one
-    "edl6dof.post.review.site": {"parachute"},
+    "edl6dof.scenario.belief": {"lift"},
+    "edl6dof.scenario.believed_aero": {"lift"},
+    "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
+    "edl6dof.report.flight.descent": {"parachute"},  # key of a plot
+    "edl6dof.report.flight.parts": {"parachute"},  # word at the mortar's mark, as in the next one
+    "edl6dof.report.flight.site": {"parachute"},
     "edl6dof.sim.ending": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
     "edl6dof.studies.hu2022.rows": {"landed"},
     "edl6dof.vehicle.vehicle": {"parachute"},  # a part of the vehicle, as in the next ones
-    "edl6dof.verify.jettison": {"parachute"},
+    "edl6dof.verify.cases.jettison": {"parachute"},
     "edl6dof.verify.scene": {"parachute"},
 }
 #: The list of roles, which takes its words from what phases are usually called.

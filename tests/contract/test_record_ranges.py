@@ -8,10 +8,11 @@ from edl6dof.fsw.onboard import FSW, RateParams
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.records import FLAG, TIME_IF_EVER, first_not_finite, numbers, out_of_range, whole
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import SimulationParams
 from edl6dof.sensors.perfect import SENSORS
-from edl6dof.sim import records, state
+from edl6dof.sim import checkpoint as state
 from edl6dof.sim.flight import fly
-from edl6dof.sim.scenario import SimulationParams
 from edl6dof.vehicle.plant import PLANT
 
 FIELDS = [(name, field) for name, dtype in (("plant", PLANT), ("sensors", SENSORS), ("fsw", FSW)) for field in numbers(np.zeros(1, dtype))]

@@ -16,8 +16,8 @@ import numpy as np
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.errors import ConfigError
 from edl6dof.records import numbers
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
-from edl6dof.sim.state import State
 
 WHOLE = (-(2**63), -(10**6), -2, -1, 0, 1, 2, 3, 4, 7, 8, 15, 16, 31, 32, 33, 10**6, 2**31, 2**63 - 1)
 FLOATS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-300, -1e300, 1e300, 1e9, 1e99, 5e-324)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.plan import load_plan
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
 FLIGHTS = 8

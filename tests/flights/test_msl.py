@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.sim.records import build_records
+from edl6dof.scenario.records import build_records
 
 
 @pytest.fixture(scope="module")

@@ -19,10 +19,10 @@ from edl6dof.config.dtype import duplicate
 from edl6dof.fsw.cycle import run
 from edl6dof.interface.sensed import SENSED
 from edl6dof.records import numbers
-from edl6dof.sim import records
+from edl6dof.scenario import records
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.finiteness import first_cause, works_with_finite
 from edl6dof.sim.flight import fly
-from edl6dof.sim.state import State
 from edl6dof.vehicle.plant import STATE_NAMES, STATES_VEHICLE
 
 DISPERSED = ["seed=7", "atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "truth={atmosphere.density_factor: 0.95}"]
@@ -119,13 +119,13 @@ import edl6dof
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.terrain import ground
 from edl6dof.environment.wind import wind
-from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.drag_velocity import profile_range
-from edl6dof.fsw.guidance.entry.etpc import at_speed
-from edl6dof.fsw.guidance.entry.range_update import range_scale
-from edl6dof.fsw.guidance.entry.reference import node_of
+from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
+from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
+from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
+from edl6dof.fsw.guidance.entry.prediction.reference import node_of
 from edl6dof.fsw.navigation import model_atmosphere
-from edl6dof.sim import records
+from edl6dof.scenario import records
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 
 sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true", "flight_software.guidance.entry.law=" + sys.argv[1]]

@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.navigation import model_atmosphere
-from edl6dof.sim import records
+from edl6dof.scenario import records
 
 G0 = 9.80665
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.config.source import parse_document
+from edl6dof.config.document.source import parse_document
+from edl6dof.scenario.schema import check_document
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
-from edl6dof.sim.scenario import check_document
-from edl6dof.sim.state import State
 
 PERTURBED = ["seed=7", "atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 

@@ -15,8 +15,8 @@ import pytest
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.errors import ConfigError
 from edl6dof.records import numbers
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
-from edl6dof.sim.state import State
 from edl6dof.vehicle.plant import PLANT
 
 CORRUPTIONS = 240

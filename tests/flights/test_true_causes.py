@@ -10,9 +10,9 @@ import pytest
 
 import edl6dof
 from edl6dof.config.dtype import duplicate
-from edl6dof.sim.channels import BRIEF
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.sim.outcome import FLYING, LANDED, judge
+from edl6dof.telemetry.channels import BRIEF
 
 CUT_HIGH = "mission.phases.6.until.latest_s=3"
 SMALL_TANK = "vehicle.mass.propellant.mass_kg=80"

@@ -29,13 +29,13 @@ from edl6dof.app import campaign_flight
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.app.ending import INTERRUPTED
 from edl6dof.app.report import report_of
+from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import Pilot
-from edl6dof.campaign.origin import source_hash
-from edl6dof.campaign.plan import Plan, load_plan
 from edl6dof.campaign.rows import table_of
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.identity import source_hash
+from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import ConfigError
-from edl6dof.post.dispersed import build  # noqa: F401  loaded once, not in every child
+from edl6dof.report.campaign import build  # noqa: F401  loaded once, not in every child
 
 #: Two parts, the second not full.
 CASES = 70

@@ -18,9 +18,9 @@ from campaign_run import write_drop
 
 from edl6dof import cli
 from edl6dof.campaign import run
+from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.plan import load_plan
-from edl6dof.campaign.store import Store
+from edl6dof.campaign.storage.store import Store
 
 RUN, TWIN = "runs/drops", "runs/twin"
 CASES = 120  # three parts

@@ -1,7 +1,7 @@
 """NASA NESC check cases 1 to 10 against simulation 04.
 
 Verifies: equations of motion, quaternion, rotating ellipsoid, J2 and central gravity, US76, drag, rate damping, winds, initial state.
-Source and tolerances: see ``edl6dof/post/check_cases.py``.  Planted errors: rotation rate, J2, inertia, drag, attitude, radius,
+Source and tolerances: see ``edl6dof/verify/nesc_cases.py``.  Planted errors: rotation rate, J2, inertia, drag, attitude, radius,
 wind, damping.
 """
 
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.interchange.nesc import COLUMNS
-from edl6dof.post.check_cases import CASES, DATA, TOLERANCES, WHOLE, differences, flown, reference
+from edl6dof.export.nesc import COLUMNS
+from edl6dof.verify.nesc_cases import CASES, DATA, TOLERANCES, WHOLE, differences, flown, reference
 
 
 def require(number, found):

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from edl6dof import cli
-from edl6dof.interchange.nesc import COLUMNS
-from edl6dof.post.check_cases import TOLERANCES, differences, reference
+from edl6dof.export.nesc import COLUMNS
+from edl6dof.verify.nesc_cases import TOLERANCES, differences, reference
 
 
 def run(capsys, monkeypatch, *words):

@@ -6,7 +6,7 @@ from pyquaternion import Quaternion
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
-from edl6dof.sim.records import build_case, build_tables, initial_plant
+from edl6dof.scenario.records import build_case, build_tables, initial_plant
 
 
 def start(*overrides):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.events import HEAT_SHIELD_OFF, MORTAR, TRIM_WING
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
-from edl6dof.sim.scenario import load_scenario
 from edl6dof.verify.scene import state_of
 
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.

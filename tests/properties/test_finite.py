@@ -11,9 +11,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.sim import records
+from edl6dof.scenario import records
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.loop import prepare
-from edl6dof.sim.scenario import load_scenario
 from edl6dof.vehicle.body import derivatives
 
 LIMITS = settings(max_examples=25, deadline=None, derandomize=True)

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from edl6dof.sim.channels import CHANNELS
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.schema import load_scenario
+from edl6dof.telemetry.channels import CHANNELS
 
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
 FOUND = {"thruster": "D7", "finding": "D7 stuck off"}

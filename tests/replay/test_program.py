@@ -14,8 +14,8 @@ import pytest
 
 from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.app.replay import ReplayOptions, run_replay
-from edl6dof.post.replay import program, viewer
-from edl6dof.post.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
+from edl6dof.replay import program, viewer
+from edl6dof.replay.program import HOST, NoViewer, ViewerFailed, free_port, running
 
 ROOT = Path(__file__).parents[2]
 WEB = ("--serve-web", "--web-viewer-port")
@@ -43,7 +43,7 @@ def test_servers_listen_on_this_machine_only():
 def test_the_program_ends_with_its_parent(number):
     port, data = free_port(), free_port()
     text = (
-        "from edl6dof.post.replay.program import running\n"
+        "from edl6dof.replay.program import running\n"
         f"with running('--serve-web', '--web-viewer-port', '{port}', '--port', '{data}') as started:\n"
         f"    started.wait_for({port})\n    print('ready', flush=True)\n    input()\n"
     )

@@ -10,10 +10,10 @@ from live_page import opened, settled
 from made_up import synthetic_flight
 from PIL import Image
 
-from edl6dof.post.replay import page as html
-from edl6dof.post.replay.program import NoViewer
-from edl6dof.post.replay.recording import history, write_replay
-from edl6dof.post.replay.viewer import screenshot
+from edl6dof.replay import page as html
+from edl6dof.replay.program import NoViewer
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.viewer import screenshot
 
 SIZE = (1280, 800)
 

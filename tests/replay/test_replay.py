@@ -12,10 +12,10 @@ import pytest
 from made_up import DIAGNOSIS, FAILURE, SHELL, SHIELD, read, synthetic_flight
 from pyquaternion import Quaternion
 
-from edl6dof.post.replay.history import spans, thin
-from edl6dof.post.replay.motion import Motion
-from edl6dof.post.replay.recording import history, write_replay
-from edl6dof.post.replay.site import Site
+from edl6dof.replay.history import spans, thin
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.site import Site
 from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
 
 pytest.importorskip("rerun")
@@ -275,7 +275,7 @@ def test_thinning_keeps_both_ends():
 def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path):
     from rerun.chunk import RrdReader
 
-    from edl6dof.post.replay.swarm import CAUSES, SUCCESS, Trajectory
+    from edl6dof.replay.scene.ensemble import CAUSES, SUCCESS, Trajectory
 
     line = np.outer(np.arange(5.0), [100.0, 0.0, -50.0])
     cases = [Trajectory(line, ""), Trajectory(line + 1.0, ""), Trajectory(line, "crashed"), Trajectory(np.full((3, 3), np.nan), "lost")]

@@ -11,10 +11,10 @@ from edl6dof.app import replay as command
 from edl6dof.app.ending import UNAVAILABLE
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.post.replay import viewer
-from edl6dof.post.replay.program import NoViewer
-from edl6dof.post.replay.recording import history, write_replay
-from edl6dof.post.results import write_run
+from edl6dof.replay import viewer
+from edl6dof.replay.program import NoViewer
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.runs.results import write_run
 
 
 @pytest.fixture(scope="module")
@@ -84,9 +84,9 @@ def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys
 
 
 def test_trajectories_of_a_campaign_are_its_cases_flown_again(tmp_path):
-    from edl6dof.app.swarm import trajectories
-    from edl6dof.campaign.plan import plan_of
-    from edl6dof.config.source import read_document
+    from edl6dof.app.ensemble import trajectories
+    from edl6dof.campaign.design.plan import plan_of
+    from edl6dof.config.document.source import read_document
 
     text = "extends: tianwen1\nname: three\nsimulation: {time_limit_s: 12}\ncampaign: {cases: 3, seed: 4}\n"
     (tmp_path / "three.yaml").write_text(text, encoding="utf-8")

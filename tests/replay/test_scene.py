@@ -13,13 +13,13 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
-from edl6dof.post.ellipse import planned_ellipse
-from edl6dof.post.replay import craft
-from edl6dof.post.replay.globe import planet
-from edl6dof.post.replay.landscape import Landscape
-from edl6dof.post.replay.phase_plane import boundaries, squeeze
-from edl6dof.post.replay.site import Site
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.replay.scene import vehicle_shapes as craft
+from edl6dof.replay.scene.globe import planet
+from edl6dof.replay.scene.landscape import Landscape
+from edl6dof.replay.scene.site import Site
+from edl6dof.replay.views.phase_plane import boundaries, squeeze
+from edl6dof.scenario.landing_ellipse import planned_ellipse
+from edl6dof.scenario.schema import load_scenario
 
 
 @pytest.fixture(scope="module")

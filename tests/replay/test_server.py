@@ -18,8 +18,8 @@ from live_page import opened, settled
 from made_up import synthetic_flight
 from test_rendered import curves_are_drawn, ground_is_drawn
 
-from edl6dof.post.replay.recording import history, write_replay
-from edl6dof.post.replay.server import PageServer
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.server import PageServer
 
 ROOT = Path(__file__).parents[2]
 PAGE = b"<!doctype html><title>the page</title>"

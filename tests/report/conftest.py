@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from edl6dof.manifest import seal
-from edl6dof.post.results import write_run
-from edl6dof.post.run import Run
+from edl6dof.runs.results import write_run
+from edl6dof.runs.run import Run
 
 
 @pytest.fixture(scope="session")

@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from edl6dof.app.export import FILES, run_export
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.orientation import days_since_j2000, icrf_to_fixed
+from edl6dof.export.orientation import days_since_j2000, icrf_to_fixed
 from edl6dof.manifest import seal
-from edl6dof.post.run import Run
+from edl6dof.runs.run import Run
 
 #: Date of t = 0 in the scenario.
 EPOCH = "2021-05-14T23:08:55.100000"

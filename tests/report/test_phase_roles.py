@@ -9,18 +9,18 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.faults import phases_of
-from edl6dof.config.locate import resolve_scenario
+from edl6dof.config.document.locate import resolve_scenario
 from edl6dof.fsw.mission.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal
-from edl6dof.post.replay.recording import history, write_replay
-from edl6dof.post.report.page import page
-from edl6dof.post.results import write_run
-from edl6dof.post.review.build import flight_report
-from edl6dof.post.run import Run
-from edl6dof.sim.events import first_times
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.page import page
+from edl6dof.runs.results import write_run
+from edl6dof.runs.run import Run
 from edl6dof.studies import yan2016
 from edl6dof.studies.hu2022 import STUDY as HU2022
 from edl6dof.studies.hu2022 import rigs
+from edl6dof.telemetry.timeline import first_times
 
 
 def renamed_file(name, folder):

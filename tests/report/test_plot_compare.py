@@ -18,10 +18,10 @@ from edl6dof.app.compare import MOST
 from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.post.report.paper import write_pdf
-from edl6dof.post.review.build import flight_report
-from edl6dof.post.review.overlay import comparison_report, differences_table, figures_table
-from edl6dof.post.run import Run
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table
+from edl6dof.report.paper import write_pdf
+from edl6dof.runs.run import Run
 
 
 def command(capsys, monkeypatch, *words):

@@ -12,13 +12,13 @@ import plotly.graph_objects as go
 import pytest
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.post.files import atomic_file
-from edl6dof.post.numbers import significant
-from edl6dof.post.report.document import Report, Section, Table, Text
-from edl6dof.post.report.drawing import drawing
-from edl6dof.post.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
-from edl6dof.post.report.page import page
-from edl6dof.post.review.build import flight_report
+from edl6dof.report.document import Report, Section, Table, Text
+from edl6dof.report.drawing import drawing
+from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.numbers import significant
+from edl6dof.report.page import page
+from edl6dof.runs.files import atomic_file
 
 
 @pytest.fixture(scope="module")

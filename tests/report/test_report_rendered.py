@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from browser import browser, print_out, share, show
 
-from edl6dof.post.report.document import Report, Section
-from edl6dof.post.report.figure import BLUE, GOOD, GREEN, PURPLE, VERMILION, Axis, Figure, Panel, Trace
-from edl6dof.post.report.page import page
-from edl6dof.post.review.build import flight_report
-from edl6dof.post.review.overlay import comparison_report, darker
+from edl6dof.report.document import Report, Section
+from edl6dof.report.figure import BLUE, GOOD, GREEN, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.overlay import comparison_report, darker
+from edl6dof.report.page import page
 
 
 @pytest.fixture(scope="module")

@@ -12,11 +12,11 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
-from edl6dof.post.report.drawing import drawing
-from edl6dof.post.results import write_run
-from edl6dof.post.review import actuators, phase_planes, site, trajectory
-from edl6dof.post.review.build import flight_report
-from edl6dof.post.run import Run
+from edl6dof.report.drawing import drawing
+from edl6dof.report.flight import actuators, phase_planes, site, trajectory
+from edl6dof.report.flight.build import flight_report
+from edl6dof.runs.results import write_run
+from edl6dof.runs.run import Run
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.control import bank_to_steer, rate_damping, thrust_vector
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.fsw.estimation.disturbance import DISTURBANCE, DisturbanceParams, estimate
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies.attitude_loops import Loop, flown_loops, margins
 
 FINE = {"cycle": 1e-4, "valve_lag": 0.0, "sensor_delay": 0.0}
@@ -124,7 +124,7 @@ def test_pid_zone_follows_a_sine_with_its_analytic_bandwidth(onboard_control, zo
 
 @pytest.fixture(scope="module")
 def onboard_control():
-    from edl6dof.sim.records import build_onboard, build_tables
+    from edl6dof.scenario.records import build_onboard, build_tables
 
     scenario = load_scenario("tianwen1").scenario
     return build_onboard(scenario, build_tables(scenario))[0]["control"]

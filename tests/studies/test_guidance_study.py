@@ -8,13 +8,13 @@ import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
 import edl6dof
-from edl6dof.campaign.case import Case
-from edl6dof.campaign.variants import Variants
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import Variants
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
 from edl6dof.fsw.navigation import NAV
 from edl6dof.jit import kernel
-from edl6dof.sim.records import build_records
+from edl6dof.scenario.records import build_records
 from edl6dof.studies import call_time, guidance
 from edl6dof.studies.cases import draw
 

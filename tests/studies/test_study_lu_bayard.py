@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from edl6dof.sim.records import build_onboard, build_tables
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies import lu_bayard
 from edl6dof.studies.drag_model import respond
 

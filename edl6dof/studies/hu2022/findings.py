@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
-from edl6dof.sim.figures import Comparison, FigureOfMerit, figure_of_merit
+from edl6dof.metrics.figures import Comparison, FigureOfMerit, figure_of_merit
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM

@@ -11,11 +11,11 @@ import numpy as np
 
 from edl6dof.fsw.control.frames import goal_attitude
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
-from edl6dof.sim.events import first_times
+from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, continue_from, fly
-from edl6dof.sim.scenario import LoadedScenario, load_scenario
-from edl6dof.sim.state import State
 from edl6dof.spatial.quaternion import about_axis, multiply
+from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO = "tianwen1"

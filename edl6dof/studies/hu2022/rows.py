@@ -8,8 +8,8 @@ import numpy as np
 
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
-from edl6dof.sim.state import State
 from edl6dof.studies.hu2022.rigs import Entry, from_entry, thrust_error_deg
 
 #: Thrust-direction error below which a commanded direction counts as found, and the time in which it is looked for.

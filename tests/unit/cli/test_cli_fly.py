@@ -157,7 +157,7 @@ def test_place_that_cannot_be_written(place, here, capsys, monkeypatch):
 
 
 def test_full_disk_leaves_nothing(here, capsys, monkeypatch):
-    from edl6dof.post import results
+    from edl6dof.runs import results
 
     def full(flight, path):
         path.write_bytes(b"half")
@@ -173,7 +173,7 @@ def test_full_disk_leaves_nothing(here, capsys, monkeypatch):
 
 
 def test_full_disk_keeps_the_former_run(here, capsys, monkeypatch):
-    from edl6dof.post import results
+    from edl6dof.runs import results
 
     run(capsys, monkeypatch, "fly", "drop.yaml", *QUICK)
     before = Path("runs/drop/summary.json").read_text()

@@ -12,8 +12,8 @@ from cli_run import SHORT, hidden, run, spawn
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.post import folder as run_folder
-from edl6dof.post.folder import atomic_folder
+from edl6dof.runs import folder as run_folder
+from edl6dof.runs.folder import atomic_folder
 
 #: About ten seconds of computing, in chunks of a fraction of a second.
 SLOW = ["fly", "tianwen1", "--set", "simulation.step_s=0.0002", "--set", "simulation.log_every=1000", "--no-replay", "-q"]

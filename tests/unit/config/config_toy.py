@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, Vec3, group, param, section
-from edl6dof.config.source import Document, parse_document
+from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.validate import validate
 
 

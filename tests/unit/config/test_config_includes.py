@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from config_toy import Toy, write
 
-from edl6dof.config import locate
+from edl6dof.config.document import locate
+from edl6dof.config.document.source import LONGEST_CHAIN, find_shipped, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.source import LONGEST_CHAIN, find_shipped, read_document, resolve_scenario
 from edl6dof.config.validate import validate
 
 VEHICLE = "# a vehicle\nmass:\n  entry_mass_kg: 1000.0  # [P] S1\n"

@@ -10,11 +10,11 @@ from config_toy import GOOD, LEAST, Toy, document, load
 from pydantic import ValidationError
 
 from edl6dof.config.base import Params, param
+from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.source import parse_document
 from edl6dof.config.dump import dump_resolved
-from edl6dof.config.overrides import apply_overrides
 from edl6dof.config.reference import rows
 from edl6dof.config.schema import json_schema
-from edl6dof.config.source import parse_document
 from edl6dof.config.validate import validate
 
 TRICKY = LEAST + (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from config_toy import GOOD, LEAST, Toy, document, write
 
+from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.overrides import apply_overrides
-from edl6dof.config.source import read_document
 from edl6dof.config.validate import validate
 
 

@@ -6,10 +6,10 @@ import pytest
 import yaml
 from config_toy import GOOD, document, write
 
-from edl6dof.config import yamltree
+from edl6dof.config.document import yamltree
+from edl6dof.config.document.scalars import read_scalar, write_flow
+from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.scalars import read_scalar, write_flow
-from edl6dof.config.source import read_document
 
 
 @pytest.fixture(params=["libyaml", "pure python"])

@@ -2,8 +2,8 @@
 
 import pytest
 
-from edl6dof.sim.records import build_onboard, build_tables
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.schema import load_scenario
 
 
 @pytest.fixture(scope="session")

@@ -15,7 +15,7 @@ from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.interface.parts import LANDER
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.schema import load_scenario
 
 NAMES = load_scenario("tianwen1").scenario.thruster_names
 DT = 0.04

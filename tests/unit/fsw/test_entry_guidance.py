@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.airframe import mach_nodes
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.geometry import to_target
-from edl6dof.fsw.guidance.entry.range_update import range_scale
-from edl6dof.fsw.guidance.entry.reference import REFERENCE, STEPS, fly, reference_bank, solve_shift
+from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, STEPS, fly, reference_bank, solve_shift
+from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation import NAV
 

@@ -8,11 +8,11 @@ from scipy.integrate import solve_ivp
 
 import edl6dof
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.air_data import AIR_DATA, measure_air
-from edl6dof.fsw.guidance.entry.airframe import FIRST_MACH, LAST_MACH, NODES, believed_aero, mach_nodes
-from edl6dof.fsw.guidance.entry.npc import MEMORY as NPC_MEMORY
-from edl6dof.fsw.guidance.entry.npc import miss_of, solve
-from edl6dof.fsw.guidance.entry.predictor import predict
+from edl6dof.fsw.guidance.entry.laws.npc import MEMORY as NPC_MEMORY
+from edl6dof.fsw.guidance.entry.laws.npc import miss_of, solve
+from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
+from edl6dof.fsw.guidance.entry.prediction.airframe import FIRST_MACH, LAST_MACH, NODES, believed_aero, mach_nodes
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation import NAV
 
 

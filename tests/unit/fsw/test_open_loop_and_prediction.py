@@ -8,11 +8,11 @@ import pytest
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.predictor import predict
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.navigation import NAV
-from edl6dof.sim.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard, build_tables
 
 ENTRY = "flight_software.guidance.entry"
 

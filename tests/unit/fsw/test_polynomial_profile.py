@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import quad
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.polynomial_profile import PROFILE, evaluate, polynomial_goal, refit
-from edl6dof.fsw.guidance.entry.reference import REFERENCE
+from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
+from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, evaluate, polynomial_goal, refit
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.navigation import NAV
+from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
-from edl6dof.sim.scenario import load_scenario
 
 FIRST, LAST = 450.0, 4900.0
 

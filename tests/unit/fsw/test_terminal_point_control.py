@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.etpc import guide, plan
-from edl6dof.fsw.guidance.entry.influence import INFLUENCE, fill_influence
+from edl6dof.fsw.guidance.entry.laws.etpc import guide, plan
+from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, fill_influence
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation import NAV
 

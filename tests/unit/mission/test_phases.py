@@ -10,7 +10,7 @@ from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.events import EVENTS
-from edl6dof.sim.scenario import load_scenario
+from edl6dof.scenario.schema import load_scenario
 
 DT = 0.02
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.sim.channels import BRIEF, BRIEF_CHANNELS, TICK
-from edl6dof.sim.extremes import fastest_turns, largest, longest, nearest
 from edl6dof.sim.flight import fly, log_rows
-from edl6dof.sim.telemetry import Telemetry
+from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, TICK
+from edl6dof.telemetry.columns import Telemetry
+from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest
 
 
 @pytest.fixture(scope="module")

@@ -7,16 +7,16 @@ from math import nan
 import pytest
 
 import edl6dof
-from edl6dof.config.locate import shipped_names
+from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
-from edl6dof.post.results import summary
-from edl6dof.post.review.words import mood
-from edl6dof.post.tables import comparison, published_table, verdict
-from edl6dof.sim.figures import FIGURES, figure_of_merit
-from edl6dof.sim.findings import diagnosis_figures
-from edl6dof.sim.scenario import LimitParams
-from edl6dof.sim.touchdown import touchdown_state
-from edl6dof.sim.verdict import LIMITS, checks, peak_figures
+from edl6dof.metrics.diagnosis import diagnosis_figures
+from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
+from edl6dof.metrics.figures import FIGURES, figure_of_merit
+from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.report.flight.words import mood
+from edl6dof.report.terminal import comparison, published_table, verdict
+from edl6dof.runs.results import summary
+from edl6dof.scenario.schema import LimitParams
 
 DECLARED = {figure.name for figure in FIGURES}
 FAULT = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 2}}]"

@@ -7,7 +7,7 @@ import pytest
 from pyquaternion import Quaternion
 
 import edl6dof
-from edl6dof.sim.channels import CHANNELS
+from edl6dof.telemetry.channels import CHANNELS
 
 
 def test_telemetry_has_every_channel_and_thruster(nominal):

@@ -8,12 +8,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.source import read_document
 from edl6dof.manifest import seal
-from edl6dof.post.folder import atomic_folder
-from edl6dof.post.results import write_run
-from edl6dof.sim.scenario import Scenario, check_document
+from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.results import write_run
+from edl6dof.scenario.schema import Scenario, check_document
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import edl6dof
-from edl6dof.sim import records
+from edl6dof.scenario import records
 from edl6dof.vehicle.debris import LOOSE, RESTING, step_part
 from edl6dof.vehicle.surroundings import KEPT, surroundings
 

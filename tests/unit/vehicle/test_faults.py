@@ -10,7 +10,7 @@ import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.events import IGNITION, MORTAR
-from edl6dof.sim.records import build_case, build_tables, initial_plant
+from edl6dof.scenario.records import build_case, build_tables, initial_plant
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.faults import FAULT_KINDS, THRUSTER_KINDS
 from edl6dof.vehicle.plant import THRUST

@@ -11,8 +11,8 @@ from __future__ import annotations
 from math import cos
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.predictor import predict
-from edl6dof.fsw.guidance.entry.reference import reference_bank
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp

@@ -1,0 +1,198 @@
+"""The dispersions of a campaign as a list of draws, checked before anything flies."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from edl6dof.campaign.design.distributions import Normal
+from edl6dof.campaign.design.params import CampaignParams, Correlated, Of
+from edl6dof.campaign.readback import value_at
+from edl6dof.config.base import Params
+from edl6dof.config.document.overrides import make_room
+from edl6dof.config.document.source import Document
+from edl6dof.config.document.yamltree import Path
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.introspect import Slot, bounds, root_slot
+from edl6dof.config.wording import in_bounds
+from edl6dof.scenario.schema import LoadedScenario, Scenario, truth_problem
+from edl6dof.vehicle.faults import FaultParams, fault_problems
+
+_STANDARD = Normal(kind="normal", sigma=1.0)
+
+
+@dataclass(frozen=True)
+class Target:
+    """A parameter that differs from case to case.
+
+    Attributes:
+        of: who knows of it: truth, belief or both.
+        path: dotted path, without wildcards.
+        nominal: its value in the scenario.
+        slot: its place in the parameter model.
+        place: where the file speaks of it.
+    """
+
+    of: Of
+    path: str
+    nominal: Any
+    slot: Slot
+    place: Path
+
+
+@dataclass(frozen=True)
+class Draw:
+    """Parameters that are drawn together from as many unit numbers."""
+
+    targets: tuple[Target, ...]
+    distribution: Params
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the unit numbers."""
+        return [f"{target.of}.{target.path}" for target in self.targets]
+
+    def values(self, unit: np.ndarray) -> list[np.ndarray]:
+        """Values of each target; ``unit`` has shape (cases, targets)."""
+        if not isinstance(self.distribution, Correlated):
+            return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
+        mean = np.array([target.nominal for target in self.targets], dtype=float)
+        return list((mean + _STANDARD.values(unit, 0.0) @ np.linalg.cholesky(self.distribution.matrix).T).T)
+
+
+class Locator:
+    """Finds the parameters that the dotted paths of a campaign mean, and collects what is wrong with them."""
+
+    def __init__(self, loaded: LoadedScenario, document: Document):
+        """``document``: the file with its campaign section, for places; ``loaded``: the scenario in it."""
+        self.loaded, self.document = loaded, document
+        self.problems: list[Problem] = []
+        self._template = copy.deepcopy(loaded.document)
+
+    def targets(self, of: Of, path: str, place: Path) -> Iterator[Target]:
+        """Every parameter that a path means; more than one where it has a ``*``."""
+        model = self.loaded.scenario if of == "belief" else self.loaded.truth
+        try:
+            if of == "truth" and (words := truth_problem(path)):
+                raise ValueError(words)
+            for found in _expanded(model, path):
+                keys = make_room(self._template, found, Scenario)
+                yield Target(of, found, value_at(model, found), _slot(keys), place)
+        except (ValueError, AttributeError, LookupError) as error:
+            self.refuse(place, str(error))
+
+    def refuse(self, place: Path, message: str) -> None:
+        """Note a problem."""
+        self.problems.append(self.document.problem(place, message))
+
+    def finish(self) -> None:
+        """Raise what was found.
+
+        Raises:
+            ConfigError: there were problems.
+        """
+        if self.problems:
+            raise ConfigError(self.problems)
+
+
+def _expanded(model: BaseModel, path: str) -> list[str]:
+    """Dotted paths with every ``*`` replaced by the names, or else the numbers, of the list's items."""
+    before, star, after = path.partition("*")
+    if not star:
+        return [path]
+    parent = value_at(model, before.rstrip(".")) if before else model
+    if not isinstance(parent, list | tuple) or not before.endswith(".") or (after and not after.startswith(".")):
+        raise ValueError("* must stand for the items of a list, between dots")
+    keys = [getattr(item, "name", None) or str(index) for index, item in enumerate(parent)]
+    return [found for key in keys for found in _expanded(model, f"{before}{key}{after}")]
+
+
+def _slot(keys: Path) -> Slot:
+    slot = root_slot(Scenario)
+    for key in keys:
+        slot = slot.child(key)
+    return slot
+
+
+def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
+    """All draws of a campaign; problems go to the locator."""
+    draws = [
+        Draw((target,), distribution)
+        for of in get_args(Of)
+        for path, distribution in getattr(params, of).items()
+        for target in locator.targets(of, path, ("campaign", of, path))
+    ]
+    for index, group in enumerate(params.correlated):
+        place = ("campaign", "correlated", index)
+        found = [list(locator.targets(group.of, path, (*place, "paths", k))) for k, path in enumerate(group.paths)]
+        if all(len(targets) == 1 for targets in found):
+            draws.append(Draw(tuple(targets[0] for targets in found), group))
+        elif all(found):
+            locator.refuse(place, "a correlated group cannot hold wildcards")
+    _check_twice(draws, locator)
+    return [draw for draw in draws if _check_kind(draw, locator)]
+
+
+def _check_twice(draws: list[Draw], locator: Locator) -> None:
+    seen: dict[str, Target] = {}
+    for target in (target for draw in draws for target in draw.targets):
+        if target.path in seen:
+            locator.refuse(target.place, f"{target.path} is dispersed twice")
+        seen[target.path] = target
+
+
+def _check_kind(draw: Draw, locator: Locator) -> bool:
+    """Whether the distribution can be drawn from at all."""
+    for target in draw.targets:
+        if getattr(draw.distribution, "kind", "") == "discrete":
+            continue
+        if target.slot.options and float not in target.slot.options:
+            locator.refuse(target.place, f"{target.path} is not a number with a fraction: use kind discrete")
+            return False
+        if isinstance(target.nominal, bool) or not isinstance(target.nominal, int | float):
+            locator.refuse(target.place, f"{target.path} has no nominal value in the scenario: set it there")
+            return False
+    try:
+        draw.values(np.full((1, len(draw.targets)), 0.5))
+    except ValueError as error:
+        locator.refuse(draw.targets[0].place, str(error))
+        return False
+    return True
+
+
+def check_values(target: Target, values: np.ndarray, first: int, locator: Locator) -> bool:
+    """Whether all numbers drawn for a parameter are within its bounds; a violation goes to the locator."""
+    if values.dtype == object:
+        return True
+    limits = bounds(target.slot)
+    bad = ~np.isfinite(values)
+    for name, outside in (("gt", np.less_equal), ("ge", np.less), ("lt", np.greater_equal), ("le", np.greater)):
+        if name in limits:
+            bad |= outside(values, limits[name])
+    if not bad.any():
+        return True
+    index = int(np.argmax(bad))
+    worst = f"case {first + index} would get {values[index]:.6g}"
+    locator.refuse(target.place, f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a smaller width")
+    return False
+
+
+def check_faults(params: CampaignParams, locator: Locator) -> None:
+    """Problems of the faults that may be drawn."""
+    scenario = locator.loaded.scenario
+    for k, draw in enumerate(params.faults):
+        for j, data in enumerate(draw.one_of):
+            place = ("campaign", "faults", k, "one_of", j)
+            try:
+                fault = FaultParams.model_validate(data)
+            except ValidationError as error:
+                for item in error.errors(include_url=False):
+                    locator.refuse((*place, *item["loc"]), item["msg"])
+                continue
+            for key, message in fault_problems([fault], scenario.thruster_names, scenario.phase_names).items():
+                locator.refuse((*place, *key.split(".")[2:]), message)

@@ -1,0 +1,119 @@
+"""The ``campaign:`` and ``sweep:`` sections of a scenario file."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from edl6dof.campaign.design.distributions import Distribution
+from edl6dof.config.base import REQUIRED, Params, param
+
+#: Who knows of a change: nature alone, the flight computer alone, or both.
+Of = Literal["truth", "belief", "both"]
+
+
+class Correlated(Params):
+    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance matrix."""
+
+    of: Of = param("truth", "whose values differ: truth, belief or both")
+    paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
+    three_sigma: list[float] | None = param(None, "three standard deviations of each, with correlation")
+    correlation: list[list[float]] | None = param(None, "correlation matrix")
+    covariance: list[list[float]] | None = param(None, "covariance matrix, instead of three_sigma and correlation")
+
+    @model_validator(mode="after")
+    def _a_covariance(self) -> Self:
+        given = (self.three_sigma is not None, self.correlation is not None, self.covariance is not None)
+        if given not in ((True, True, False), (False, False, True)):
+            raise ValueError("must give three_sigma and correlation, or covariance")
+        size = len(self.paths)
+        matrix = self.covariance or self.correlation
+        if len(matrix) != size or any(len(row) != size for row in matrix):
+            raise ValueError(f"the matrix must have {size} rows of {size} numbers, one for each path")
+        if self.three_sigma is not None and (len(self.three_sigma) != size or min(self.three_sigma) <= 0.0):
+            raise ValueError(f"three_sigma must be {size} positive numbers")
+        if self.correlation is not None and any(self.correlation[i][i] != 1.0 for i in range(size)):
+            raise ValueError("the diagonal of the correlation matrix must be 1")
+        if not np.array_equal(matrix, np.transpose(matrix)):
+            raise ValueError("the matrix must be symmetric")
+        if np.linalg.eigvalsh(self.matrix)[0] <= 0.0:
+            raise ValueError("the matrix must be positive definite: no parameters correlate like this")
+        return self
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """Covariance matrix."""
+        if self.covariance is not None:
+            return np.asarray(self.covariance)
+        sigma = np.asarray(self.three_sigma) / 3.0
+        return np.asarray(self.correlation) * np.outer(sigma, sigma)
+
+
+class FaultDraw(Params):
+    """Something that breaks in some of the flights."""
+
+    chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
+    one_of: list[dict[str, Any]] = param(REQUIRED, "faults as under faults:, one of which happens, each as likely", min_length=1)
+    later_s: float = param(0.0, "up to this much later than the fault says, uniformly", ge=0.0)
+
+
+class CampaignParams(Params):
+    """How many flights, and how each differs from the scenario."""
+
+    cases: int = param(1000, "number of flights", ge=1, le=10_000_000)
+    seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)
+    sampling: Literal["monte_carlo", "latin_hypercube", "sobol"] = param(
+        "monte_carlo", "independent random cases, one in each of as many strata of every parameter, or a scrambled Sobol sequence"
+    )
+    profiles: bool = param(True, "whether each case meets random profiles (density, gusts) of its own")
+    truth: dict[str, Distribution] = param(
+        None, "dispersions of which the flight computer is not told, by dotted path; * stands for every item of a list", factory=dict
+    )
+    belief: dict[str, Distribution] = param(None, "dispersions of what the flight computer is told, the truth staying", factory=dict)
+    both: dict[str, Distribution] = param(None, "dispersions that are known to the flight computer", factory=dict)
+    correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
+    faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
+
+
+class Axis(Params):
+    """One axis of a grid."""
+
+    path: str = param(REQUIRED, "dotted path")
+    of: Of = param("both", "whose value it is: truth, belief or both")
+    values: list[Any] | None = param(None, "the values", min_length=1)
+    first: float | None = param(None, "instead of values: the first")
+    last: float | None = param(None, "and the last")
+    count: int | None = param(None, "and how many, evenly spaced", ge=2, le=10_000)
+
+    @model_validator(mode="after")
+    def _values_or_range(self) -> Self:
+        given = [item is not None for item in (self.values, self.first, self.last, self.count)]
+        if given not in ([True, False, False, False], [False, True, True, True]):
+            raise ValueError("must give values, or first, last and count")
+        return self
+
+    @property
+    def points(self) -> list[Any]:
+        """The values along the axis."""
+        return list(self.values) if self.values is not None else [float(v) for v in np.linspace(self.first, self.last, self.count)]
+
+
+class SweepParams(Params):
+    """A grid over some parameters; with a campaign section, its cases are flown at every point of the grid."""
+
+    axes: list[Axis] = param(REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6)
+
+    @model_validator(mode="after")
+    def _axes_differ(self) -> Self:
+        if len({axis.path for axis in self.axes}) < len(self.axes):
+            raise ValueError("the axes must have different paths")
+        return self
+
+
+class CampaignFile(Params):
+    """What a scenario file says about flying it many times."""
+
+    campaign: CampaignParams | None = param(None, "dispersed flights")
+    sweep: SweepParams | None = param(None, "flights on a grid")

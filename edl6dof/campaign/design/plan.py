@@ -1,0 +1,217 @@
+"""A campaign ready to fly: the scenario, and every case as a function of its number."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
+from edl6dof.campaign.design.params import CampaignFile, CampaignParams, SweepParams
+from edl6dof.campaign.design.sampling import unit_numbers
+from edl6dof.campaign.readback import value_at
+from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.scalars import write_flow, write_scalar
+from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
+from edl6dof.config.errors import ConfigError
+from edl6dof.config.validate import validate
+from edl6dof.scenario.schema import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document, truth_problem
+from edl6dof.sim.flight import resolved_text
+
+#: Cases that are drawn at a time when all values are checked in advance.
+_CHECKED_AT_ONCE = 8192
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that the cases of a campaign follow from.
+
+    Attributes:
+        loaded: the scenario that the cases change.
+        campaign: number of cases, seed, sampling plan and faults; one nominal flight at each point of a sweep when ``None``.
+        draws: the dispersions.
+        axes: the parameters of the sweep, with their values.
+    """
+
+    loaded: LoadedScenario
+    campaign: CampaignParams | None
+    sweep: SweepParams | None = None
+    draws: tuple[Draw, ...] = ()
+    axes: tuple[tuple[Target, tuple[Any, ...]], ...] = ()
+    _points: tuple[tuple[Any, ...], ...] = field(default=((),), repr=False)
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+        return self.loaded.scenario.name
+
+    @property
+    def per_point(self) -> int:
+        """Cases at each point of the sweep; all cases without one."""
+        return self.campaign.cases if self.campaign is not None else 1
+
+    @property
+    def count(self) -> int:
+        """Number of cases."""
+        return self.per_point * len(self._points)
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of the results that were drawn or swept, in the order of the file."""
+        targets = [target for draw in self.draws for target in draw.targets] + [target for target, _ in self.axes]
+        return [("truth." if target.of == "truth" else "belief.") + target.path for target in targets]
+
+    @property
+    def text(self) -> str:
+        """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
+        return resolved_text(self.loaded) + _sections_text(CampaignFile(campaign=self.campaign, sweep=self.sweep))
+
+    def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
+        """Cases ``first .. last - 1``."""
+        last = self.count if last is None else min(last, self.count)
+        while first < last:
+            point, start = divmod(first, self.per_point)
+            stop = min(start + last - first, self.per_point)
+            yield from self._at_point(point, start, stop)
+            first += stop - start
+
+    def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
+        swept = list(zip((target for target, _ in self.axes), self._points[point], strict=True))
+        drawn = list(self.values(start, stop))
+        faults = self._faults(start, stop)
+        for offset in range(stop - start):
+            changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
+            for target, value in [*((target, values[offset]) for target, values in drawn), *swept]:
+                changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
+            if faults[offset]:
+                changes["truth"]["faults"] = [*self._base_faults, *faults[offset]]
+            profile = start + offset if self.campaign is not None and self.campaign.profiles else None
+            yield Case(point * self.per_point + start + offset, **changes, profile=profile)
+
+    def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
+        """Values drawn for cases ``start .. stop - 1`` of a point."""
+        if self.campaign is None:
+            return
+        names = [name for draw in self.draws for name in draw.names]
+        unit = unit_numbers(self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop)
+        column = 0
+        for draw in self.draws:
+            width = len(draw.targets)
+            yield from zip(draw.targets, draw.values(unit[:, column : column + width]), strict=True)
+            column += width
+
+    @property
+    def _base_faults(self) -> list[dict[str, Any]]:
+        return [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
+
+    def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
+        """Faults that happen in each case; independent of the sampling plan, as they are rare."""
+        found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
+        for k, draw in enumerate(self.campaign.faults if self.campaign is not None else ()):
+            names = [f"faults.{k}.{what}" for what in ("happens", "which", "later")]
+            unit = unit_numbers("monte_carlo", self.campaign.seed, names, self.campaign.cases, start, stop)
+            for offset in np.flatnonzero(unit[:, 0] < draw.chance):
+                fault = json.loads(json.dumps(draw.one_of[int(unit[offset, 1] * len(draw.one_of))]))
+                key = "plus_s" if fault["at"].get("phase") is not None else "time_s"
+                fault["at"][key] = fault["at"].get(key, 0.0) + float(unit[offset, 2]) * draw.later_s
+                found[offset].append(fault)
+        return found
+
+
+def _plain(value: Any) -> Any:
+    """A number of Python's own, which JSON and Arrow know."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def load_plan(name_or_path: str, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None) -> Plan:
+    """Read and check a campaign file: nothing flies before all of it is right.
+
+    Raises:
+        ConfigError: every problem, with file and line.
+    """
+    return plan_of(read_document(resolve_scenario(name_or_path)), sets, cases, seed)
+
+
+def parse_plan(text: str, file: str) -> Plan:
+    """The plan that :attr:`Plan.text` describes; ``file`` is the name shown in messages."""
+    return plan_of(parse_document(text, file))
+
+
+def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None) -> Plan:
+    """Check a document that has a campaign or sweep section.
+
+    Raises:
+        ConfigError: every problem, with file and line.
+    """
+    own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
+    if not own:
+        raise ConfigError([document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")])
+    marks = dict(document.marks)
+    for key, value in (("cases", cases), ("seed", seed)):
+        if value is not None and isinstance(section := own.get("campaign"), dict):
+            own["campaign"] = {**section, key: value}
+            marks["campaign", key] = Mark(f"--{key}")
+    file = validate(CampaignFile, Document(own, marks, files=document.files))
+    places = Document({}, dict(document.marks), files=document.files)
+    return _checked(load_document(document, sets), file.campaign, file.sweep, places)
+
+
+def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document) -> Plan:
+    locator = Locator(loaded, places)
+    draws = dispersions(campaign, locator) if campaign is not None else []
+    axes = []
+    for index, axis in enumerate(sweep.axes if sweep is not None else ()):
+        targets = list(locator.targets(axis.of, axis.path, ("sweep", "axes", index, "path")))
+        axes += [(target, tuple(axis.points)) for target in targets]
+        if any(target.path == axis.path for draw in draws for target in draw.targets):
+            locator.refuse(("sweep", "axes", index, "path"), f"{axis.path} is dispersed too")
+    if campaign is not None:
+        check_faults(campaign, locator)
+    locator.finish()
+    points = tuple(product(*(values for _, values in axes)))
+    plan = Plan(_with_pins(loaded, draws, axes), campaign, sweep, tuple(draws), tuple(axes), points)
+    _check_draws(plan, locator)
+    return plan
+
+
+def _with_pins(loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]) -> LoadedScenario:
+    """The scenario with the true values written out of those parameters that have one and of which only the belief will differ."""
+    targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
+    believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
+    if not believed:
+        return loaded
+    truth = {**loaded.scenario.truth, **{path: value_at(loaded.truth, path) for path in believed}}
+    return check_document(apply_overrides(loaded.document, [f"truth={json.dumps(truth)}"], Scenario))
+
+
+def _check_draws(plan: Plan, locator: Locator) -> None:
+    """Every value of every case against the bounds of its parameter, before the first flight."""
+    refused: set[str] = set()
+    for first in range(0, plan.per_point, _CHECKED_AT_ONCE):
+        for target, values in plan.values(first, min(first + _CHECKED_AT_ONCE, plan.per_point)):
+            if target.path not in refused and not check_values(target, values, first, locator):
+                refused.add(target.path)
+    for target, points in plan.axes:
+        if all(isinstance(point, int | float) for point in points):
+            check_values(target, np.asarray(points, dtype=float), 0, locator)
+    locator.finish()
+
+
+def _sections_text(file: CampaignFile) -> str:
+    """The campaign and sweep sections as YAML: one line for each distribution, axis, group and fault draw."""
+    lines = []
+    for name, section in file.model_dump(mode="json", exclude_none=True).items():
+        lines.append(f"{name}:")
+        for key, value in section.items():
+            if isinstance(value, dict) and value:
+                lines += [f"  {key}:", *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items())]
+            elif isinstance(value, list) and value:
+                lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
+            else:
+                lines.append(f"  {key}: {write_flow(value)}")
+    return "\n".join(lines) + "\n"

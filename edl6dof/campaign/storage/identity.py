@@ -1,0 +1,119 @@
+"""What the rows of a campaign follow from: the plan, the program and every file that it reads.
+
+Two programs with the same identity give the same table, bit for bit; rows of two that differ never stand in one table.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+
+import numba
+import numpy
+import scipy
+
+import edl6dof
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.storage.files import Sealed, digest, sha256
+from edl6dof.campaign.storage.inputs import input_files
+from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.jit import outside_sources
+
+_PACKAGE = Path(edl6dof.__file__).resolve().parent
+
+#: In the place of a hash: there is no such file, or this process has not loaded the plugin.
+_GONE, _NOT_LOADED = "gone", f"not loaded in this process: set {VARIABLE} to it"
+
+
+class Identity(Sealed):
+    """What the rows of a campaign follow from.
+
+    Attributes:
+        plan: SHA-256 of the plan.
+        sources: SHA-256 of every source file of the package.
+        versions: of the package, of Python and of the libraries that compute, by name.
+        plugins: SHA-256 of each plugin by its path.
+        files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package from its folder on.
+    """
+
+    plan: str
+    sources: str
+    versions: dict[str, str]
+    plugins: dict[str, str]
+    files: dict[str, str]
+
+    @property
+    def digest(self) -> str:
+        """One hash of it all."""
+        return digest(self.model_dump())
+
+    def items(self) -> Iterator[tuple[str, str]]:
+        """Each item by the name that messages give it."""
+        yield from (("plan", self.plan), ("sources of edl6dof", self.sources), *self.versions.items())
+        yield from ((f"plugin {name}", value) for name, value in self.plugins.items())
+        yield from ((f"file {name}", value) for name, value in self.files.items())
+
+
+def identity(plan: Plan) -> Identity:
+    """Identity of a plan that this process flies."""
+    return _present(plan.text, outside_sources, map(_label, input_files(plan)))
+
+
+def differences(recorded: Identity, plan_text: str) -> list[str]:
+    """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this, is that``."""
+    return compared(recorded, _present(plan_text, [*recorded.plugins, *outside_sources], recorded.files))
+
+
+def compared(recorded: Identity, present: Identity) -> list[str]:
+    """As :func:`differences`, between two identities: a plan that is read again may find other files by the same names."""
+    was, now = dict(recorded.items()), dict(present.items())
+    changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
+    return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]
+
+
+def changed_files(recorded: Identity) -> list[str]:
+    """Tables, vehicle and planet files that are no longer those of ``recorded``."""
+    return [name for name, value in recorded.files.items() if _hash(_PACKAGE.parent / name) != value]
+
+
+def _present(plan_text: str, plugins: Iterator[str] | list[str], files: Iterator[str] | Mapping[str, str]) -> Identity:
+    return Identity(
+        plan=sha256(plan_text.encode()),
+        sources=source_hash(),
+        versions={
+            "edl6dof": edl6dof.__version__,
+            "Python": platform.python_version(),
+            **{library.__name__: library.__version__ for library in (numpy, scipy, numba)},
+        },
+        plugins={name: _hash(Path(name)) if name in outside_sources else _absent(name) for name in sorted(set(plugins))},
+        files={name: _hash(_PACKAGE.parent / name) for name in files},
+    )
+
+
+@cache
+def source_hash() -> str:
+    """Hash of every source file of the package."""
+    return digest({file.relative_to(_PACKAGE).as_posix(): _hash(file) for file in _PACKAGE.rglob("*.py")})
+
+
+def _absent(plugin: str) -> str:
+    return _NOT_LOADED if Path(plugin).is_file() else _GONE
+
+
+def _hash(path: Path) -> str:
+    try:
+        return sha256(path.read_bytes())
+    except OSError:
+        return _GONE
+
+
+def _label(path: Path) -> str:
+    """Name of a file in an identity: for those of the package without the place where it is installed."""
+    return path.relative_to(_PACKAGE.parent).as_posix() if path.is_relative_to(_PACKAGE) else str(path)
+
+
+def _shown(value: str | None) -> str:
+    """A hash shortened, anything else as it is."""
+    return "not there" if value is None else value[:12] if len(value) == 64 else value

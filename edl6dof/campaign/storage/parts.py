@@ -1,0 +1,140 @@
+"""The rows of a campaign in parts, which appear whole or not at all, and count only as they were written.
+
+Beside each part stands its SHA-256, as ``sha256sum`` writes it; it is in place before the part is.  A part also carries the identity of
+the campaign that it belongs to.  One that is damaged or of another campaign is flown again.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from edl6dof.campaign.storage.files import StoreError, content, refused, sha256
+from edl6dof.durable import make_folder, write_atomic
+
+#: Cases in one part: a few seconds of flying.
+PART = 50
+
+#: Rows in memory while the parts are put together.
+_ROW_GROUP = 4096
+
+#: Names of files in the folder of the parts.
+NAMES = re.compile(r"(\d{6,})\.(?:parquet|sha256)")
+
+_OPTIONS = {"compression": "zstd", "use_dictionary": ["cause", "outcome"], "write_statistics": False, "write_page_checksum": True}
+_IDENTITY = b"edl6dof.campaign"
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts of one campaign; part ``k`` holds the cases from ``k * PART`` on."""
+
+    folder: Path
+    identity: str
+
+    def path(self, index: int) -> Path:
+        """File of a part."""
+        return self.folder / f"{index:06d}.parquet"
+
+    def indices(self) -> list[int]:
+        """Numbers of the parts in place, in order."""
+        found = map(NAMES.fullmatch, (path.name for path in self.folder.glob("*.parquet")))
+        return sorted(int(match[1]) for match in found if match)
+
+    def write(self, index: int, table: pa.Table) -> None:
+        """Put a part in place.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        sink = pa.BufferOutputStream()
+        pq.write_table(table.replace_schema_metadata({_IDENTITY: self.identity}), sink, **_OPTIONS)
+        path, written = self.path(index), sink.getvalue()
+        make_folder(self.folder)
+        write_atomic(path.with_suffix(".sha256"), f"{sha256(written)}  {path.name}\n".encode())
+        write_atomic(path, written)
+
+    def read(self, index: int) -> pq.ParquetFile:
+        """A part, when it is as it was written by this campaign.
+
+        Raises:
+            StoreError: it is not, or it cannot be read.
+        """
+        path = self.path(index)
+        written = content(path)
+        if content(path.with_suffix(".sha256")) != f"{sha256(written)}  {path.name}\n".encode():
+            raise refused(path, "is damaged: it is not as it was written; campaign --resume flies it again")
+        file = open_parquet(path, pa.BufferReader(written))
+        if (file.schema_arrow.metadata or {}).get(_IDENTITY) != self.identity.encode():
+            raise refused(path, "belongs to another campaign; campaign --resume flies it again")
+        return file
+
+    def successes(self, index: int, first: int, last: int) -> int | None:
+        """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its cases."""
+        with suppress(StoreError):
+            table = self.read(index).read(["case", "success"])
+            if table["case"].to_pylist() == list(range(first, last)):
+                return pc.sum(table["success"]).as_py()
+        return None
+
+    def table(self, indices: Iterable[int], columns: Iterable[str] | None = None) -> pa.Table:
+        """The rows of some parts; columns that no case has are left out.
+
+        Raises:
+            StoreError: a part does not count.
+        """
+        indices = list(indices)
+        schema = self._schema(indices)
+        names = [name for name in schema.names if columns is None or name in columns]
+        return pa.concat_tables(_columns(self.read(index), schema, names) for index in indices)
+
+    def concatenate(self, count: int, target: Path) -> None:
+        """Write the first ``count`` parts as one file, some row groups at a time.
+
+        Raises:
+            StoreError: a part does not count.
+            OSError: it cannot be written.
+        """
+        schema = self._schema(range(count))
+        with target.open("wb") as file, pq.ParquetWriter(file, schema, **_OPTIONS) as writer:
+            waiting: list[pa.Table] = []
+            for index in range(count):
+                waiting.append(_columns(self.read(index), schema, schema.names))
+                if sum(map(len, waiting)) >= _ROW_GROUP:
+                    writer.write_table(pa.concat_tables(waiting))
+                    waiting = []
+            if waiting:
+                writer.write_table(pa.concat_tables(waiting))
+
+    def _schema(self, indices: Iterable[int]) -> pa.Schema:
+        """Columns of parts, in the order in which they first appear; an all-empty column takes the type of a later part."""
+        found = [self.read(index).schema_arrow.remove_metadata() for index in indices]
+        return pa.unify_schemas(found, promote_options="permissive")
+
+
+def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
+    """A Parquet file whose pages are checked as they are read; ``path`` is its name in messages.
+
+    Raises:
+        StoreError: it cannot be read.
+    """
+    try:
+        return pq.ParquetFile(source, page_checksum_verification=True)
+    except (OSError, pa.ArrowException) as error:
+        raise refused(path, f"cannot be read: {error}") from None
+
+
+def _columns(file: pq.ParquetFile, schema: pa.Schema, names: list[str]) -> pa.Table:
+    """Columns of a part; those it lacks are empty."""
+    known = set(file.schema_arrow.names)
+    table = file.read([name for name in names if name in known], use_threads=False)
+    kinds = {name: schema.field(name).type for name in names}
+    columns = [table[name].cast(kind) if name in known else pa.nulls(len(table), kind) for name, kind in kinds.items()]
+    return pa.table(columns, schema=pa.schema([schema.field(name) for name in names]))

@@ -1,0 +1,247 @@
+"""The folder of a campaign: its plan, and the rows in parts that appear whole or not at all.
+
+::
+
+    runs/tianwen1_mc/
+      campaign.json     what the rows follow from: hashes of plan, sources, plugins and tables, versions
+      campaign.yaml     the plan, every default written out
+      parts/000000.parquet ...   while it flies; each holds a fixed range of cases, its SHA-256 beside it
+      cases.parquet     all rows, when it is complete
+      summary.json      success probability, causes, speed, and the SHA-256 of the rows
+
+Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place, and going on gives the same
+table, byte for byte.  That rests on the order in which files appear: a campaign is begun when ``campaign.yaml`` is there, complete when
+``summary.json`` is; the parts go after it.  Replacing a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import pyarrow as pa
+
+from edl6dof.campaign.storage.documents import Info, Summary
+from edl6dof.campaign.storage.files import content, file_sha256, read_sealed, refused, sha256, write_sealed
+from edl6dof.campaign.storage.parts import NAMES, Parts, open_parquet
+from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
+
+#: Name of a file that a killed program was writing, with the name that it was to get.
+_LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
+
+_FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|report\.(?:html|pdf)")
+_FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
+
+
+@dataclass(frozen=True)
+class Store:
+    """A campaign's folder.  What reads it raises :class:`~edl6dof.campaign.storage.files.StoreError` for anything that is not as it was written."""
+
+    folder: Path
+
+    @property
+    def info(self) -> Info:
+        """What ``campaign.json`` says."""
+        if not self.folder.is_dir() or not os.path.lexists(self._info):
+            raise refused(self.folder, "is not the folder of a campaign (no campaign.json)")
+        return read_sealed(self._info, Info)
+
+    @property
+    def plan_text(self) -> str:
+        """The plan that the folder was begun with."""
+        info = self.info
+        if self.is_half_begun:
+            raise refused(
+                self.folder,
+                "has no campaign.yaml: the program was stopped while it began or replaced the campaign; begin it anew with --force",
+            )
+        plan = content(self._plan)
+        if sha256(plan) != info.identity.plan:
+            raise refused(self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force")
+        return plan.decode()
+
+    @property
+    def is_half_begun(self) -> bool:
+        """Whether a program was stopped while it put a plan here: whatever else lies here, nothing counts."""
+        return os.path.lexists(self._info) and not os.path.lexists(self._plan)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all rows are together in one table."""
+        return os.path.lexists(self._summary)
+
+    @property
+    def summary(self) -> Summary:
+        """How the campaign ended, after its table was found to be as it was written."""
+        found, campaign = read_sealed(self._summary, Summary), self.info.identity.digest
+        if found.campaign != campaign:
+            raise refused(self._summary, "belongs to another campaign; fly this one anew with --force")
+        if file_sha256(self._cases) != found.cases_sha256:
+            raise refused(self._cases, "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force")
+        return found
+
+    @property
+    def parts(self) -> Parts:
+        """The parts of this campaign."""
+        return Parts(self.folder / "parts", self.info.identity.digest)
+
+    @property
+    def _plan(self) -> Path:
+        return self.folder / "campaign.yaml"
+
+    @property
+    def _info(self) -> Path:
+        return self.folder / "campaign.json"
+
+    @property
+    def _cases(self) -> Path:
+        return self.folder / "cases.parquet"
+
+    @property
+    def _summary(self) -> Path:
+        return self.folder / "summary.json"
+
+    @contextmanager
+    def lock(self, make: bool = False) -> Iterator[None]:
+        """Keep other processes out; the system lifts the lock when the process ends, however it ends.
+
+        Args:
+            make: make the folder when there is none; it goes again when nothing was put into it.
+
+        Raises:
+            StoreError: another process works here, or there is no folder.
+        """
+        made = [path for path in (self.folder, *self.folder.parents) if not path.exists()] if make else []
+        if make and not self.folder.exists():
+            make_folder(self.folder)
+        if not self.folder.is_dir():
+            raise refused(self.folder, "is not a folder" if self.folder.exists() else "no such folder")
+        handle = os.open(self.folder, os.O_RDONLY)
+        try:
+            self._seize(handle)
+            yield
+        finally:
+            with suppress(OSError):
+                for folder in made:
+                    folder.rmdir()
+            os.close(handle)
+
+    def _seize(self, handle: int) -> None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            taken = not os.path.samestat(os.fstat(handle), self.folder.stat())
+        except (BlockingIOError, FileNotFoundError):  # or its owner has just removed it
+            taken = True
+        if taken:
+            raise refused(self.folder, "another process flies this campaign")
+
+    def check_new(self, force: bool) -> None:
+        """See that a campaign may begin here.
+
+        Raises:
+            StoreError: there is something already; with ``force``, something that is no campaign's.
+        """
+        if not any(self.folder.iterdir()):
+            return
+        if not force:
+            raise refused(self.folder, "exists; go on with --resume, replace it with --force, or choose another with --out")
+        if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in self.folder.iterdir()):
+            raise refused(self.folder, "is not the folder of a campaign; it is not replaced even with --force")
+        list(self._own())
+
+    def begin(self, plan_text: str, info: Info, force: bool = False) -> None:
+        """Put a plan into the folder; with ``force``, in place of the campaign that it holds.
+
+        Raises:
+            StoreError: as :meth:`check_new`.
+        """
+        make_folder(self.folder)
+        self.check_new(force)
+        self._clear()
+        write_sealed(self._info, info)
+        write_atomic(self._plan, plan_text.encode())
+
+    def _clear(self) -> None:
+        """Remove everything but ``campaign.json``, the plan first: without it nothing that is left counts."""
+        own = list(self._own())
+        self._plan.unlink(missing_ok=True)
+        sync(self.folder)
+        for file in own:
+            if file not in (self._plan, self._info):
+                file.unlink()
+        for name in _FOLDERS:
+            with suppress(FileNotFoundError):
+                (self.folder / name).rmdir()
+        sync(self.folder)
+
+    def _own(self) -> Iterator[Path]:
+        """Every file in the folder.
+
+        Raises:
+            StoreError: one of them is none that this program writes into the folder of a campaign.
+        """
+        for entry in sorted(self.folder.iterdir()):
+            names = _FOLDERS.get(entry.name)
+            if names is not None and entry.is_dir() and not entry.is_symlink():
+                yield from (_required(file, names) for file in sorted(entry.iterdir()))
+            else:
+                yield _required(entry, _FILES)
+
+    def tidy(self) -> None:
+        """Remove what killed programs left: files half written, and the parts of a complete campaign."""
+        for entry in (*self.folder.glob(".*.part"), *self.folder.glob("parts/.*.part")):
+            if _LEFT.fullmatch(entry.name):
+                entry.unlink()
+        if self.complete:
+            self._remove_parts()
+
+    def finish(self, count: int, summary: Summary) -> None:
+        """Put the first ``count`` parts together, and remove all.
+
+        Raises:
+            StoreError: a part does not count.
+            OSError: the table cannot be written.
+        """
+        partial = self.folder / f".cases.parquet.{os.getpid()}.part"
+        try:
+            self.parts.concatenate(count, partial)
+            cases = file_sha256(partial)
+            put_in_place(partial, self._cases)
+        finally:
+            partial.unlink(missing_ok=True)
+        write_sealed(self._summary, summary.model_copy(update={"campaign": self.info.identity.digest, "cases_sha256": cases}))
+        self._remove_parts()
+
+    def _remove_parts(self) -> None:
+        folder = self.folder / "parts"
+        for file in folder.glob("*"):
+            if NAMES.fullmatch(file.name):
+                file.unlink()
+        with suppress(OSError):
+            folder.rmdir()
+
+    def table(self, columns: list[str] | None = None) -> pa.Table:
+        """All rows so far; columns that no case has are left out."""
+        _ = self.plan_text  # without it nothing counts
+        if self.complete:
+            _ = self.summary  # which checks the table
+            file = open_parquet(self._cases, self._cases)
+            names = [name for name in file.schema_arrow.names if columns is None or name in columns]
+            return file.read(names).replace_schema_metadata()
+        if indices := self.parts.indices():
+            return self.parts.table(indices, columns)
+        raise refused(self.folder, "no case has flown yet")
+
+
+def _required(path: Path, names: re.Pattern[str]) -> Path:
+    """The path, when it is a file of one of the names, or one half written."""
+    left = _LEFT.fullmatch(path.name)
+    name = (left["name"] or left["other"]) if left else path.name
+    if path.is_file() and names.fullmatch(name):
+        return path
+    raise refused(path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere")

@@ -1,0 +1,1 @@
+"""YAML documents as plain data with places: found, read, extended, overridden, written."""

@@ -1,0 +1,101 @@
+"""Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the installed package."""
+
+from __future__ import annotations
+
+import difflib
+from os.path import exists, isdir, isfile, normpath  # unlike pathlib's, these take names that the system cannot look up
+from pathlib import Path
+
+from edl6dof.config.errors import ConfigError, Problem
+
+PACKAGE = Path(__file__).resolve().parents[2]
+KINDS = ("scenarios", "vehicles", "planets")
+SUFFIX = ".yaml"
+
+
+def shipped_folders(kind: str) -> list[Path]:
+    """Folders that may hold the shipped files of one kind, whether or not they exist."""
+    if kind not in KINDS:
+        raise ValueError(f"unknown kind {kind!r}: {', '.join(KINDS)}")
+    repository = PACKAGE.parent
+    # A folder called "scenarios" beside an installed package belongs to somebody else.
+    beside = [repository / kind] if (repository / "pyproject.toml").is_file() else []
+    return [*beside, PACKAGE / "share" / kind, PACKAGE / "data" / kind]
+
+
+def shipped_names(kind: str) -> list[str]:
+    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called ``folder/name``."""
+    found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
+    return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
+
+
+def find_shipped(kind: str, name: str) -> Path | None:
+    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or ``None``."""
+    stem = name.removesuffix(SUFFIX)
+    if not stem or Path(stem).is_absolute() or Path(stem).as_posix() != stem or ".." in Path(stem).parts:
+        return None
+    candidates = (folder / (stem + SUFFIX) for folder in shipped_folders(kind))
+    return next((path for path in candidates if isfile(path)), None)
+
+
+def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list[Path]]:
+    """The file that an include key names, and the places searched.
+
+    A bare name is looked for among the files of its kind first, so that scenario and vehicle may share a name.
+
+    Args:
+        value: name or path as written in the YAML file.
+        kind: ``vehicles`` or ``planets``.
+        folder: folder of the including file.
+    """
+    stem = value.removesuffix(SUFFIX)
+    of_kind = [folder.parent / kind / (stem + SUFFIX), *(shipped / (stem + SUFFIX) for shipped in shipped_folders(kind))]
+    beside = [folder / value, folder / (stem + SUFFIX)]
+    is_path = value.endswith(SUFFIX) or Path(value).name != value
+    places = list(dict.fromkeys([*beside, *of_kind] if is_path else [*of_kind, *beside]))
+    return next((path for path in places if isfile(path)), None), places
+
+
+def near_names(value: str, kind: str, folders: list[Path]) -> list[str]:
+    """Names of existing files of one kind that resemble ``value``."""
+    names = set(shipped_names(kind))
+    for folder in folders:
+        names.update(file.stem for file in folder.glob("*" + SUFFIX))
+    return difflib.get_close_matches(Path(value).stem, sorted(names), n=3, cutoff=0.5)
+
+
+def resolve_scenario(name_or_path: str | Path) -> Path:
+    """The scenario file meant by a path, by ``scenarios/NAME.yaml`` from any directory, or by a shipped name.
+
+    Raises:
+        ConfigError: no such file; names the shipped scenarios that resemble it.
+    """
+    text = str(name_or_path)
+    path = Path(text)
+    for candidate in (path, Path(text + SUFFIX)):
+        if text and isfile(candidate):
+            return candidate
+    name = path.relative_to("scenarios") if path.parts[:1] == ("scenarios",) else path
+    if shipped := find_shipped("scenarios", str(name)):
+        return shipped
+    raise ConfigError([Problem(text or "(no name)", 0, 0, "", _no_scenario(path))])
+
+
+def _no_scenario(path: Path) -> str:
+    if isdir(path) and str(path) != ".":
+        inside = path / "scenario.yaml"
+        return f"is a folder; did you mean {inside}?" if isfile(inside) else "is a folder, not a scenario file"
+    if exists(path) and not isdir(path):
+        return "is not a regular file"
+    names = shipped_names("scenarios")
+    near = near_names(str(path), "scenarios", [])
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
+    return f"no such scenario file{hint} (shipped scenarios: {', '.join(names) or 'none'})"
+
+
+def shown(path: Path) -> str:
+    """A path as it is printed: relative when it lies below the current directory."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return normpath(path)

@@ -1,0 +1,165 @@
+"""``--set vehicle.mass.entry_kg=1300``: change single values of a document before it is checked."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Mapping
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined, to_jsonable_python
+
+from edl6dof.config.document.source import INCLUDES, Document, Mark, include
+from edl6dof.config.document.yamltree import Path, parse_yaml
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.introspect import Slot, root_slot
+from edl6dof.config.wording import got, nearest, unknown_key
+
+
+class _Refused(Exception):
+    """Why one override cannot be applied."""
+
+
+def apply_overrides(
+    document: Document, overrides: Iterable[str], model: type[BaseModel], includes: Mapping[str, str] = INCLUDES
+) -> Document:
+    """A copy of ``document`` with every ``dotted.path=value`` applied, in the order given.
+
+    Args:
+        document: what was read from the files.
+        overrides: texts ``path=value``; a list item is chosen by its index (from 0) or by its ``name``; the value is YAML.
+        model: root parameter model; it decides which paths exist, so a default that the file leaves out can be set too.
+        includes: top-level keys whose text value is the name of a file.
+
+    Raises:
+        ConfigError: every override that is malformed or names a path that does not exist.
+    """
+    result = copy.deepcopy(document)
+    problems: list[Problem] = []
+    for text in overrides:
+        path, equals, value = text.partition("=")
+        path = path.strip()
+        mark = Mark(f"--set {text}")
+        try:
+            if not equals or not all(path.split(".")):
+                raise _Refused("must have the form path.to.key=value")
+            _set(result, path.split("."), _parse(value), mark, model, includes)
+        except _Refused as error:
+            problems.append(Problem(*mark, path, str(error)))
+        except ConfigError as error:
+            problems += error.problems
+    if problems:
+        raise ConfigError(problems)
+    return result
+
+
+def _parse(text: str) -> Any:
+    if not text.strip():
+        raise _Refused("no value after '='; write null for none")
+    try:
+        return parse_yaml(text, "").data
+    except ConfigError as error:
+        raise _Refused("; ".join(problem.message for problem in error.problems)) from None
+
+
+def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel], includes: Mapping[str, str]) -> None:
+    node, parent, path = _reach(document, parts, mark, model)
+    key = path[-1]
+    _forget(document, path)
+    document.marks[path] = mark
+    if isinstance(node, dict):
+        _drop_foreign(node, parent, key, value)
+    node[key] = value
+    if len(path) == 1 and key in includes and isinstance(value, str):
+        include(document, key, value, includes[key])
+
+
+def _reach(document: Document, parts: list[str], mark: Mark, model: type[BaseModel]) -> tuple[Any, Slot, Path]:
+    """Container that holds the value at a path, its place in the model, and the path as keys and indices.
+
+    Containers on the way that the file leaves out are filled with their defaults.
+    """
+    node, slot, path = document.data, root_slot(model), ()
+    for part in parts[:-1]:
+        key, slot = _step(node, slot, part)
+        path = (*path, key)
+        if isinstance(node, dict) and node.get(key) is None:
+            node[key] = _default(slot)
+            document.marks[path] = mark
+        node = node[key]
+    key, _ = _step(node, slot, parts[-1])
+    return node, slot, (*path, key)
+
+
+def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Path:
+    """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it leaves out.
+
+    Raises:
+        ValueError: no such path; the text says why, without a place.
+    """
+    parts = dotted_path.split(".")
+    try:
+        if not all(parts):
+            raise _Refused("must have the form path.to.key")
+        return _reach(document, parts, Mark("(default)"), model)[2]
+    except _Refused as error:
+        raise ValueError(str(error)) from None
+
+
+def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
+    """Key or index meant by one part of a path, and its place in the model."""
+    if isinstance(node, list):
+        key: str | int = _index(node, part)
+    elif isinstance(node, dict):
+        key = part
+    elif slot.keys:
+        raise _Refused(f"cannot set {part!r} inside {got(node)}")
+    else:
+        raise _Refused(f"{slot.name} is a single value: it has no {part!r} inside")
+    child = slot.child(key)
+    if child is None:
+        raise _Refused(unknown_key(part, slot) + ("" if not slot.name else f" (in {slot.name})"))
+    return key, child
+
+
+def _index(items: list[Any], part: str) -> int:
+    names = [item.get("name") if isinstance(item, dict) else None for item in items]
+    if part in names:
+        return names.index(part)
+    if part.isdecimal():
+        if int(part) < len(items):
+            return int(part)
+        raise _Refused(f"no entry {part}: the list has {len(items)}, counted from 0")
+    known = [str(name) for name in names if name is not None]
+    near = nearest(part, known)
+    hint = f"; did you mean {near!r}?" if near else f"; names: {', '.join(known)}" if known else "; use its index, from 0"
+    raise _Refused(f"no entry named {part!r}{hint}")
+
+
+def _default(slot: Slot) -> Any:
+    """Plain data of what the model would put where the file says nothing."""
+    default = slot.info.get_default(call_default_factory=True) if slot.info is not None else None
+    if default is None or default is PydanticUndefined:
+        holds_keys = slot.models or any(option is Any or get_origin(option) is dict for option in slot.options)
+        if not holds_keys:
+            raise _Refused(f"{slot.name} is not in the file: set all of it, not a part")
+        return {}
+    return to_jsonable_python(default)
+
+
+def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> None:
+    """When ``key`` chooses another alternative (``guidance.law=...``), drop the parameters that only the old one knows."""
+    kinds = [model for model in slot.models if key in model.model_fields]
+    chosen = [model for model in kinds if value in get_args(model.model_fields[key].annotation)]
+    if len(kinds) > 1 and len(chosen) == 1:
+        for name in [name for name in node if name not in chosen[0].model_fields]:
+            del node[name]
+
+
+def _forget(document: Document, path: Path) -> None:
+    """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its source says."""
+    document.forget(path)
+    for length in range(1, len(path)):
+        whole = ".".join(str(part) for part in path[:length])
+        document.status.pop(whole, None)
+        document.sources.pop(whole, None)

@@ -1,0 +1,175 @@
+"""A configuration document: YAML files, with the vehicle and planet files they name, read into plain data with places.
+
+>>> document = read_document(resolve_scenario("tianwen1"))
+>>> document.data["vehicle"]["mass"]["entry_kg"], document.marks["vehicle", "mass", "entry_kg"].line
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from edl6dof.config.document import yamltree
+from edl6dof.config.document.extends import EXTENDS, lay_over
+from edl6dof.config.document.locate import find_include, find_shipped, near_names, resolve_scenario, shown
+from edl6dof.config.document.regular import read_regular
+from edl6dof.config.document.yamltree import Mark, dotted, parse_yaml
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.plugin_scan import LARGEST
+from edl6dof.config.wording import got
+
+__all__ = [
+    "INCLUDES",
+    "Document",
+    "Mark",
+    "find_shipped",
+    "include",
+    "parse_document",
+    "read_document",
+    "resolve_scenario",
+]
+
+#: Scenarios that may extend one another.
+LONGEST_CHAIN = 20
+
+#: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that file.
+INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
+
+
+@dataclass
+class Document:
+    """Plain data of a scenario, and for error messages and provenance: where each value stands and what kind of claim it is.
+
+    Attributes:
+        data: nested dicts and lists of str, int, float, bool and None.
+        marks: place of every key and list item; ``()`` is the document itself.
+        status: dotted path to status name, where a mark such as ``# [P] S1 section 7`` stands.
+        sources: dotted path to the text behind that mark.
+        files: every file read, the scenario first.
+    """
+
+    data: dict[str, Any]
+    marks: dict[yamltree.Path, Mark] = field(default_factory=dict)
+    status: dict[str, str] = field(default_factory=dict)
+    sources: dict[str, str] = field(default_factory=dict)
+    files: tuple[Path, ...] = ()
+
+    def mark(self, path: yamltree.Path) -> Mark:
+        """Place of a value, or of the nearest parent that has one."""
+        for length in range(len(path), -1, -1):
+            if path[:length] in self.marks:
+                return self.marks[path[:length]]
+        return Mark("(configuration)")
+
+    def problem(self, path: yamltree.Path, message: str, at: yamltree.Path | None = None) -> Problem:
+        """A problem of the value at ``path``, shown at the place of ``at`` (by default the same)."""
+        return Problem(*self.mark(path if at is None else at), dotted(path), message)
+
+    def forget(self, path: yamltree.Path) -> None:
+        """Drop places and provenance of a value that is being replaced, and of everything inside it."""
+        self.marks = {known: mark for known, mark in self.marks.items() if known[: len(path)] != path}
+        inside = dotted(path) + "."
+        for claims in (self.status, self.sources):
+            for known in [known for known in claims if f"{known}.".startswith(inside)]:
+                del claims[known]
+
+
+def read_document(path: str | Path, includes: Mapping[str, str] = INCLUDES) -> Document:
+    """Read a YAML file, the files it includes, and the scenario it extends.
+
+    Raises:
+        ConfigError: every mistake of all files that can be seen without knowing the parameters.
+    """
+    return _read(Path(path), includes, ())
+
+
+def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]) -> Document:
+    document = parse_document(_read_text(path), shown(path))
+    document.files = (path,)
+    base = _base(document, includes, (*extended_by, path.resolve())) if EXTENDS in document.data else None
+    problems: list[Problem] = []
+    for key, kind in includes.items():
+        value = document.data.get(key)
+        if isinstance(value, str):
+            if base is not None:
+                base.data.pop(key, None)  # another vehicle or planet, not changes of the one there
+            try:
+                include(document, key, value, kind)
+            except ConfigError as error:
+                problems += error.problems
+    if problems:
+        raise ConfigError(problems)
+    if base is None:
+        return document
+    lay_over(base, document)
+    return base
+
+
+def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ...]) -> Document:
+    """The scenario that ``document`` extends."""
+    name = document.data.pop(EXTENDS)
+    if not isinstance(name, str):
+        raise ConfigError([document.problem((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")])
+    beside = chain[-1].parent / name
+    try:
+        found = resolve_scenario(beside if beside.is_file() else name)
+    except ConfigError as error:
+        raise ConfigError([document.problem((EXTENDS,), error.problems[0].message)]) from None
+    if len(chain) > LONGEST_CHAIN:
+        message = f"is number {len(chain)} in a chain of scenarios; at most {LONGEST_CHAIN} are allowed"
+        raise ConfigError([document.problem((EXTENDS,), message)])
+    if found.resolve() in chain:
+        raise ConfigError([document.problem((EXTENDS,), f"leads back to {shown(found)}")])
+    return _read(found, includes, chain)
+
+
+def parse_document(text: str, file: str) -> Document:
+    """Read a document without includes from text; ``file`` is the name shown in messages."""
+    tree = parse_yaml(text, file)
+    if tree.data is None:
+        raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])
+    if not isinstance(tree.data, dict):
+        raise ConfigError([Problem(file, 1, 1, "", "must be a mapping of keys (lines of the form 'key: value')")])
+    return Document(tree.data, tree.marks, tree.status, tree.sources)
+
+
+def include(document: Document, key: str, value: str, kind: str) -> None:
+    """Put the mapping of the file called ``value`` in the place of ``document.data[key]``, with the marks of its own file."""
+    folder = document.files[0].resolve().parent if document.files else Path.cwd()
+    found, places = find_include(value, kind, folder)
+    if found is None:
+        looked = ", ".join(shown(place) for place in places)
+        near = near_names(value, kind, [folder, folder.parent / kind])
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise ConfigError([document.problem((key,), f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})")])
+    _adopt(document, key, parse_document(_read_text(found), shown(found)))
+    document.files += (found,)
+
+
+def _adopt(document: Document, key: str, part: Document) -> None:
+    document.forget((key,))
+    document.data[key] = part.data
+    document.marks.update({(key, *path): mark for path, mark in part.marks.items()})
+    document.status.update({f"{key}.{path}": status for path, status in part.status.items()})
+    document.sources.update({f"{key}.{path}": source for path, source in part.sources.items()})
+
+
+def _read_text(path: Path) -> str:
+    file = shown(path)
+    try:
+        content = read_regular(path, LARGEST)
+    except FileNotFoundError:
+        raise ConfigError([Problem(file, 0, 0, "", "no such file")]) from None
+    except IsADirectoryError:
+        raise ConfigError([Problem(file, 0, 0, "", "is a folder, not a file")]) from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise ConfigError([Problem(file, 0, 0, "", f"cannot be read: {reason}")]) from None
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        column = error.start - content.rfind(b"\n", 0, error.start)
+        raise ConfigError([Problem(file, line, column, "", "is not UTF-8 text")]) from None

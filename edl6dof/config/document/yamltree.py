@@ -1,0 +1,199 @@
+"""YAML text to plain data plus the place and the provenance mark of every key.
+
+The parser's events are walked here instead of loading a dict, because only they know lines, duplicate keys, aliases and tags.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import yaml
+
+from edl6dof.config.base import STATUS_MARKS
+from edl6dof.config.document.scalars import read_scalar
+from edl6dof.config.errors import ConfigError, Problem
+
+Path = tuple[str | int, ...]
+
+LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+DEEPEST = 40
+
+_UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
+
+
+class Mark(NamedTuple):
+    """A place in a file, counted from 1; line 0 stands for a place without lines, such as a command line option."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+
+@dataclass
+class Tree:
+    """Plain data of one text with the place of every key, and status and source of values with a ``# [P] source`` mark."""
+
+    data: Any = None
+    marks: dict[Path, Mark] = field(default_factory=dict)
+    status: dict[str, str] = field(default_factory=dict)
+    sources: dict[str, str] = field(default_factory=dict)
+
+
+def dotted(path: Path) -> str:
+    """``("thrusters", 2, "thrust_n")`` as ``thrusters.2.thrust_n``."""
+    return ".".join(str(part) for part in path)
+
+
+def parse_yaml(text: str, file: str) -> Tree:
+    """Read one YAML document; an empty one gives ``None``.
+
+    Raises:
+        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags, several documents, NaN, ...).
+    """
+    if bad := _UNPRINTABLE.search(text):
+        line = text.count("\n", 0, bad.start()) + 1
+        column = bad.start() - text.rfind("\n", 0, bad.start())
+        raise ConfigError([Problem(file, line, column, "", f"character {bad.group()!r} is not allowed in YAML")])
+    builder = _Builder(text, file)
+    try:
+        builder.run()
+    except yaml.MarkedYAMLError as error:
+        builder.problems.append(_syntax_problem(error, text, file))
+    except _TooDeep:
+        pass
+    if builder.problems:
+        raise ConfigError(builder.problems)
+    return builder.tree
+
+
+def _syntax_problem(error: yaml.MarkedYAMLError, text: str, file: str) -> Problem:
+    mark = error.problem_mark or error.context_mark
+    line, column = (mark.line, mark.column) if mark else (0, 0)
+    lines = text.splitlines()
+    content = lines[line] if line < len(lines) else ""
+    if "\t" in content[: len(content) - len(content.lstrip())]:
+        message = "a tab cannot indent a line; use spaces"
+    else:
+        message = "not valid YAML: " + ", ".join(part for part in (error.problem, error.context) if part)
+    return Problem(file, line + 1, column + 1, "", message)
+
+
+class _TooDeep(Exception):
+    """Nesting that no configuration needs; ends the walk before the stack does."""
+
+
+class _Builder:
+    """Walks the events of one text into a :class:`Tree`."""
+
+    def __init__(self, text: str, file: str):
+        self.file = file
+        self.lines = text.splitlines()
+        self.events = yaml.parse(text, Loader=LOADER)
+        self.ends: dict[int, int] = {}  # line -> column behind the last token: a comment can only follow there
+        self.claim_lines: dict[Path, tuple[int, ...]] = {}
+        self.plain: dict[Path, bool] = {}  # whether a value holds no mapping: only such values carry a status
+        self.problems: list[Problem] = []
+        self.tree = Tree(marks={(): Mark(file, 1, 1)})
+
+    def run(self) -> None:
+        """Read the one document."""
+        while not isinstance(event := self._take(), yaml.StreamEndEvent):
+            if isinstance(event, yaml.DocumentStartEvent):
+                if self.plain:
+                    self._problem(event, (), "only one YAML document per file is allowed")
+                self.tree.data = self._value((), self._take(), ())
+        self._collect_claims()
+
+    def _take(self) -> yaml.Event:
+        event = next(self.events)
+        end = event.end_mark
+        if end.index != event.start_mark.index:
+            self.ends[end.line] = max(end.column, self.ends.get(end.line, 0))
+        return event
+
+    def _problem(self, event: yaml.Event, path: Path, message: str) -> None:
+        mark = event.start_mark
+        self.problems.append(Problem(self.file, mark.line + 1, mark.column + 1, dotted(path), message))
+
+    def _value(self, path: Path, event: yaml.Event, key_lines: tuple[int, ...]) -> Any:
+        """Value that begins with ``event``; ``key_lines`` is the line of its key, where a mark may stand."""
+        if len(path) > DEEPEST:
+            self._problem(event, path[:4], f"nested more than {DEEPEST} levels deep")
+            raise _TooDeep
+        self.plain[path] = True
+        if isinstance(event, yaml.AliasEvent):
+            self._problem(event, path, "aliases (*name) are not supported; write the value out")
+            return None
+        if event.tag:
+            self._problem(event, path, f"tags ({event.tag}) are not supported")
+        flow = isinstance(event, yaml.ScalarEvent) or event.flow_style
+        self.claim_lines[path] = (event.end_mark.line, *key_lines) if flow else key_lines
+        if isinstance(event, yaml.MappingStartEvent):
+            return self._mapping(path, flow, key_lines)
+        if isinstance(event, yaml.SequenceStartEvent):
+            return self._sequence(path, flow, key_lines)
+        return self._scalar(path, event)
+
+    def _scalar(self, path: Path, event: yaml.ScalarEvent) -> Any:
+        if any(0xD800 <= ord(ch) <= 0xDFFF for ch in event.value):
+            self._problem(event, path, "half of a surrogate pair is not text")
+        if not event.implicit[0]:
+            return event.value
+        try:
+            return read_scalar(event.value)
+        except ValueError as error:
+            shown = event.value if len(event.value) <= 40 else event.value[:37] + "..."
+            self._problem(event, path, f"{error} (got {shown})")
+            return None
+
+    def _sequence(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> list[Any]:
+        items: list[Any] = []
+        while not isinstance(event := self._take(), yaml.SequenceEndEvent):
+            item_path = (*path, len(items))
+            self.tree.marks[item_path] = Mark(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+            items.append(self._value(item_path, event, ()))
+            self.plain[path] &= self.plain[item_path]
+        if flow:
+            self.claim_lines[path] = (event.end_mark.line, *key_lines)
+        return items
+
+    def _mapping(self, path: Path, flow: bool, key_lines: tuple[int, ...]) -> dict[str, Any]:
+        self.plain[path] = False
+        items: dict[str, Any] = {}
+        while not isinstance(event := self._take(), yaml.MappingEndEvent):
+            if not isinstance(event, yaml.ScalarEvent) or not event.value:
+                self._problem(event, path, "a key must be a name")
+                if not isinstance(event, yaml.AliasEvent):
+                    self._value((*path, "?"), event, ())
+                self._value((*path, "?"), self._take(), ())
+                continue
+            key, line = event.value, event.start_mark.line
+            if key in items:
+                first = self.tree.marks[(*path, key)].line
+                self._problem(event, (*path, key), f"key is given twice (first on line {first})")
+            self.tree.marks[(*path, key)] = Mark(self.file, line + 1, event.start_mark.column + 1)
+            items[key] = self._value((*path, key), self._take(), (line,))
+        if flow:
+            self.claim_lines[path] = (event.end_mark.line, *key_lines)
+        return items
+
+    def _collect_claims(self) -> None:
+        """Give every value the mark of its own line, of its key's line, or of the nearest parent that has one."""
+        found: dict[Path, tuple[str, str] | None] = {}
+        for path, lines in self.claim_lines.items():
+            own = next((claim for line in lines if (claim := self._claim(line))), None)
+            found[path] = claim = own or found.get(path[:-1])
+            inside_plain = bool(path) and self.plain[path[:-1]]
+            if claim and self.plain[path] and not (inside_plain and claim == found[path[:-1]]):
+                self.tree.status[dotted(path)], self.tree.sources[dotted(path)] = claim
+
+    def _claim(self, line: int) -> tuple[str, str] | None:
+        """Status and source in the comment at the end of a line."""
+        text = self.lines[line] if line < len(self.lines) else ""
+        match = _CLAIM.fullmatch(text, self.ends.get(line, 0))
+        if match is None or match[1] not in STATUS_MARKS:
+            return None
+        return STATUS_MARKS[match[1]], match[2]

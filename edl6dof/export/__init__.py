@@ -1,0 +1,1 @@
+"""Results for other programs: CCSDS messages, NESC tables, csv, MATLAB and netCDF files."""

@@ -1,0 +1,50 @@
+"""Feedback linearisation of the drag: the comparison law of the extended high-gain observer.
+
+Drag rate comes from the analytic expression with the measured drag; D'' = b + a cos(bank) is inverted with the believed L/D and scale
+height.  Source: Wu, Cui & Cui 2013, section 3.3, eqs. 16-19.
+
+Differences from the print: K = [0.4 0.04] belongs to [rate, error], not to [error, rate]: as printed the error would oscillate with 3 % of
+critical damping.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
+from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
+from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class FlParams(Params):
+    """Feedback linearisation of the drag."""
+
+    error_gain: float = param(0.0064, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
+    rate_gain: float = param(0.144, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
+    profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
+
+
+MEMORY = np.dtype([("profile", PROFILE)], align=True)
+
+
+@kernel
+def guide(onboard, nav, mem, out):
+    """Wanted bank angle from measured drag, its modelled rate, and the range to the aim point."""
+    if not tracking(onboard, nav):
+        return reference_bank(onboard, onboard.reference.shift, nav.speed)
+    p = onboard.guidance.entry.fl
+    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
+    lift = nav.drag * onboard.vehicle.lift_to_drag
+    rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    out.drag_estimate, out.drag_rate = nav.drag, rate
+    goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out)
+    wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
+    return bank_for(wanted, b, a)
+
+
+MEMBER = Member("fl", FlParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY)

@@ -1,0 +1,85 @@
+"""Fully numerical predictor-corrector: the bank magnitude whose predicted flight ends at the aim point.
+
+Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's cos(bank), by Newton's method
+with a finite-difference slope (Gauss-Newton for one unknown), from the last call's solution.  Density and lift-to-drag errors enter as
+measured ratios.  Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter
+bank profile, terminal range error as a function of it, Gauss-Newton iteration.
+
+Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in energy; the unknown is added to
+cos(bank), in which range is nearly linear, instead of to the bank angle; the prediction ends at the parachute's Mach number, which the
+mission table watches, instead of a final energy.
+"""
+
+from __future__ import annotations
+
+from math import acos, cos
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+#: Change of cos(bank) by which the slope of the miss is measured.
+NUDGE = 0.02
+
+
+class NpcParams(Params):
+    """Fully numerical predictor-corrector."""
+
+    tolerance_m: float = param(50.0, "predicted miss at which the iteration stops", gt=0.0, le=10e3)
+    iterations: int = param(4, "most Newton steps in one call", ge=1, le=20)
+    start_drag_m_s2: float = param(0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0)
+
+
+MEMORY = np.dtype([("shift", "f8"), ("started", FLAG), ("miss", "f8"), ("iterations", COUNT)], align=True)
+
+
+@kernel
+def miss_of(onboard, nav, out, shift):
+    """Predicted downrange miss (m), reversals cancelling."""
+    miss, _, _, _ = predict(onboard, nav, out, shift, 0.0)
+    return miss
+
+
+@kernel
+def solve(onboard, nav, out, low, high, memory):
+    """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound nearest to that."""
+    p = onboard.guidance.entry.npc
+    memory.shift = clamp(memory.shift, low, high)
+    memory.iterations = 0
+    memory.miss = miss_of(onboard, nav, out, memory.shift)
+    while abs(memory.miss) > p.tolerance and memory.iterations < p.iterations:
+        nudge = NUDGE if memory.shift + NUDGE <= high else -NUDGE
+        slope = (miss_of(onboard, nav, out, memory.shift + nudge) - memory.miss) / nudge
+        if slope <= 0.0:
+            return
+        better = clamp(memory.shift - memory.miss / slope, low, high)
+        memory.iterations += 1
+        if better == memory.shift:
+            return
+        memory.shift = better
+        memory.miss = miss_of(onboard, nav, out, better)
+
+
+@kernel
+def guide(onboard, nav, mem, out):
+    """Wanted bank angle: the one predicted to end at the aim point."""
+    p, entry = onboard.guidance.entry.npc, onboard.guidance.entry
+    memory = mem.npc
+    if memory.started == 0:
+        memory.shift = onboard.reference.shift
+        if nav.drag >= p.start_drag:
+            memory.started = 1
+    if memory.started != 0 and nav.speed > max(entry.align_speed, entry.heading.speed):
+        # the shift may not leave what the present bank angle can follow
+        own = cos(reference_bank(onboard, 0.0, nav.speed))
+        solve(onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)
+    return acos(clamp(cos(reference_bank(onboard, memory.shift, nav.speed)), -1.0, 1.0))
+
+
+MEMBER = Member("npc", NpcParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3), section IV", MEMORY)

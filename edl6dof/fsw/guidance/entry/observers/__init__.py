@@ -1,0 +1,1 @@
+"""What the laws estimate in flight: air, drag, disturbance of the flight path."""

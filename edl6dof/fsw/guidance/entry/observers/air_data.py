@@ -1,0 +1,49 @@
+"""How much more drag and lift than believed is measured: one number each, low-pass filtered, for every law that predicts.
+
+The accelerometer feels density, mass, wind and aerodynamic errors together; so does the trajectory, and the ratio of measured to
+believed drag carries them into a prediction without telling them apart.  Source: the density and lift-to-drag estimates of fully
+numerical entry guidance (Lu 2014, section V.C; Brunner & Lu 2008, eqs. 33-34), first-order fading-memory filters.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp
+
+
+class AirDataParams(Params):
+    """Filtered ratio of measured to believed drag, and of measured to believed lift-to-drag ratio."""
+
+    time_constant_s: float = param(8.0, "memory of the filters", gt=0.0, le=1000.0)
+    least_drag_m_s2: float = param(0.5, "drag below which nothing is learnt", gt=0.0)
+    limit: float = param(0.5, "largest departure of a ratio from one", gt=0.0, lt=1.0)
+
+
+AIR_DATA = np.dtype([("drag", "f8"), ("lift", "f8"), ("t", "f8")], align=True)
+
+
+@kernel
+def measure_air(onboard, nav, mem):
+    """Update ``mem`` (``AIR_DATA``) with this cycle's accelerometer reading."""
+    p = onboard.guidance.entry.air_data
+    if mem.drag == 0.0:
+        mem.drag, mem.lift, mem.t = 1.0, 1.0, nav.t
+    density, _, _ = model_atmosphere(onboard.atmosphere, nav.altitude)
+    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    believed = 0.5 * density * nav.speed * nav.speed * area / onboard.vehicle.entry_mass
+    share = 1.0 - exp(-max(nav.t - mem.t, 0.0) / p.time_constant)
+    mem.t = nav.t
+    if nav.drag < p.least_drag or believed < p.least_drag:
+        return
+    mem.drag += share * (clamp(nav.drag / believed, 1.0 - p.limit, 1.0 + p.limit) - mem.drag)
+    if lift_to_drag > 0.0:
+        f = nav.specific_force_B
+        lift = sqrt(max(f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - nav.drag * nav.drag, 0.0))
+        mem.lift += share * (clamp(lift / nav.drag / lift_to_drag, 1.0 - p.limit, 1.0 + p.limit) - mem.lift)

@@ -1,0 +1,1 @@
+"""What the flight computer expects of the entry: its models of vehicle and drag, and trajectories predicted with them."""

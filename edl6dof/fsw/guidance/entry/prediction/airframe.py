@@ -1,0 +1,45 @@
+"""The drag and lift that the flight computer expects of its vehicle at trim, over Mach number.
+
+One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of the Mach number.  Below the
+Mach number at which the mission table opens the trim wing the vehicle trims at zero angle of attack: no lift, and the drag of that
+attitude.  Where no table was made the factors are one.  Source: the nominal aerodynamic database, trimmed on the ground
+(:mod:`edl6dof.scenario.believed_aero`).
+"""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import between, held_cell
+
+NODES = 64
+FIRST_MACH, LAST_MACH = 0.5, 30.0
+SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
+
+AIRFRAME = np.dtype(
+    [
+        ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 without one
+        ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
+        ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
+        ("drag_with_wing", "f8", (NODES,)),  # drag area over the vehicle's one, wing open, zero angle of attack
+    ],
+    align=True,
+)
+
+
+def mach_nodes() -> np.ndarray:
+    """Mach numbers of the table, shape (NODES,)."""
+    return FIRST_MACH * np.exp(SPACING * np.arange(NODES))
+
+
+@kernel
+def believed_aero(vehicle, mach):
+    """Drag area (m2) and lift-to-drag ratio of the ``onboard.vehicle`` at trim."""
+    table = vehicle.airframe
+    i, f = held_cell(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, NODES - 1)
+    if mach < table.wing_mach:
+        return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
+    return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)

@@ -1,0 +1,1 @@
+"""Drag profiles that laws follow, and the corridor they lie in."""

@@ -1,0 +1,42 @@
+"""Where the parachute opens relative to the point that entry guidance steered to."""
+
+from __future__ import annotations
+
+from math import asin, atan2, cos, pi, sin
+
+import numpy as np
+
+from edl6dof.spatial.frames import great_circle
+from edl6dof.telemetry.columns import Telemetry
+
+
+def deployment_figures(
+    telemetry: Telemetry, mortar_fire_s: float, aim_point: tuple[float, float], radius_m: float
+) -> dict[str, float]:
+    """Miss of the aim point (latitude and longitude, rad) at mortar fire, m on a sphere of ``radius_m``.
+
+    Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great circle on which the
+    flight began towards it.
+    """
+    first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
+    start = tuple(float(angle[0]) for angle in _track(first))
+    here = tuple(float(np.interp(mortar_fire_s, near["t_s"], angle)) for angle in _track(near))
+    arc, azimuth = _arc(start, here)
+    goal, along = _arc(start, aim_point)
+    turn = azimuth - along
+    return {
+        "parachute_miss_m": radius_m * _arc(here, aim_point)[0],
+        "parachute_downrange_m": radius_m * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
+        "parachute_crossrange_m": radius_m * asin(sin(arc) * sin(turn)),
+        "parachute_speed_m_s": float(np.interp(mortar_fire_s, near["t_s"], near["truth.speed_m_s"])),
+    }
+
+
+def _track(rows: Telemetry) -> list[np.ndarray]:
+    """Latitude and longitude, rad, of one or two rows, without jumps."""
+    latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
+    return [latitude, np.unwrap(longitude) if np.ptp(longitude) > pi else longitude]
+
+
+def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
+    return great_circle(sin(a[0]), cos(a[0]), a[1], sin(b[0]), cos(b[0]), b[1])

@@ -1,0 +1,193 @@
+"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep; ``edl6dof.metrics.figures`` declares them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from edl6dof.config.units import split_unit
+from edl6dof.fsw.mission.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
+from edl6dof.metrics.figures import FIGURES
+from edl6dof.telemetry.columns import Telemetry
+from edl6dof.vehicle.plant import HEAT
+
+_RATES = ("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s")
+
+#: Seconds after the trim wing opens that count as its transient.
+WING_TRANSIENT_S = 10.0
+#: Last seconds of the trim phase, in which its limit cycle is looked at.
+LIMIT_CYCLE_S = 30.0
+#: Seconds after engine ignition that count as the initial transient of roll.
+ROLL_TRANSIENT_S = 8.0
+
+
+@dataclass(frozen=True)
+class Check:
+    """One limit: its name, this flight's value and the largest value allowed, in ``unit``."""
+
+    label: str
+    value: float
+    limit: float
+    unit: str
+
+    @property
+    def ok(self) -> bool:
+        """Whether the limit is kept; a value that could not be formed does not keep it."""
+        return bool(self.value <= self.limit)
+
+
+#: Figures that have a limit, in the order in which they are told of.
+LIMITS = tuple(figure for figure in FIGURES if figure.limit)
+
+
+def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
+    """Every limit that is set and that this flight reached the point to be judged by."""
+    return [
+        Check(figure.meaning, figures[figure.name], limit, figure.unit.label)
+        for figure in LIMITS
+        if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
+    ]
+
+
+def metrics(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    """Figures that telemetry tells of what the flight went through.
+
+    Args:
+        telemetry: its rows.
+        when: time (s) of its events by key, see :func:`edl6dof.telemetry.timeline.first_times`.
+        roles: role of each phase.
+    """
+    figures: dict[str, float] = {}
+    figures.update(_event_figures(telemetry, when))
+    figures.update(_trim_figures(telemetry, roles))
+    figures.update(_entry_figures(telemetry, when, roles))
+    figures.update(_descent_figures(telemetry, when, roles))
+    propellant = telemetry["truth.propellant_kg"]
+    figures["propellant_used_kg"] = float(propellant[0] - propellant[-1])
+    return figures
+
+
+def _row(rising: np.ndarray, value: float) -> int:
+    """Index of the first element that is not below ``value``."""
+    return int(np.searchsorted(rising, value))
+
+
+def _beyond(rising: np.ndarray, value: float) -> int:
+    """Index of the first element above ``value``."""
+    return int(np.searchsorted(rising, value, side="right"))
+
+
+def _role(telemetry: Telemetry, roles: list[str], role: str) -> tuple[int, int]:
+    """First row of the phases of a role, none of which comes twice, and the row after their last."""
+    first, end = span(roles, role)
+    return _row(telemetry["guide.phase"], first), _row(telemetry["guide.phase"], end)
+
+
+def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
+    figures: dict[str, float] = {}
+    if (t := when.get(begun(LIFT))) is not None:
+        figures["lift_start_s"] = t
+    if (t := when.get("trim_wing")) is not None:
+        figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
+    if (t := when.get("mortar")) is not None:
+        figures["parachute_s"] = t
+        names = ("mach", "dynamic_pressure_pa", "total_alpha_deg", "altitude_m", "height_m")
+        values = telemetry.at(t, *(f"truth.{name}" for name in names))
+        figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})
+    if (t := when.get("heat_shield")) is not None:
+        figures["heat_shield_s"] = t
+    if (t := when.get("backshell")) is not None:
+        figures["backshell_s"] = t
+        figures["backshell_height_m"], figures["backshell_speed_m_s"] = telemetry.at(t, "truth.height_m", "truth.speed_m_s")
+    if "mortar" in when and "backshell" in when:
+        figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
+    if "backshell" in when and "touchdown" in when:
+        figures["powered_duration_s"] = when["touchdown"] - when["backshell"]
+    if "backshell" in when and begun(HOVER_IMAGING) in when:
+        figures["powered_deceleration_s"] = when[begun(HOVER_IMAGING)] - when["backshell"]
+    return figures
+
+
+def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
+    """Limit cycle and propellant of the trim phase; S1 asks for a deadband below 5 deg."""
+    first, last = _role(telemetry, roles, TRIM)
+    if last - first < 2 or last == len(telemetry["t_s"]):
+        return {}
+    phase = telemetry.rows(first, last)
+    times, propellant = phase["t_s"], phase["truth.propellant_kg"]
+    late = phase.rows(_beyond(times, times[-1] - LIMIT_CYCLE_S), None)
+    errors = (f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
+    return {"trim_aoa_limit_cycle_deg": _largest(late, *errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
+
+
+def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    first, last = _role(telemetry, roles, LIFT)
+    if first == last:
+        return {}
+    lift = telemetry.rows(first, last)
+    t = lift["t_s"]
+    wing = when.get("trim_wing", np.inf)
+    calm = (lift.rows(0, _row(t, wing)), lift.rows(_row(t, wing + WING_TRANSIENT_S), None))
+    pitch, yaw = np.fmax(*(rows.fastest_swings() for rows in calm)).tolist()
+    before = min(first, 1)
+    with_entry = telemetry.rows(first - before, last)["guide.bank_deg"]
+    figures = {
+        "bank_reversals": float(np.count_nonzero(with_entry[1:] * with_entry[:-1] < 0.0)),
+        "max_bank_rate_deg_s": _largest(lift, "truth.rate_p_deg_s"),
+        "max_pitch_rate_lift_deg_s": pitch,
+        "max_yaw_rate_lift_deg_s": yaw,
+    }
+    zero = with_entry[before:] == 0.0
+    if zero[first_zero := zero.argmax()]:
+        figures["bank_zero_s"] = float(t[first_zero])
+    return figures
+
+
+def _largest(telemetry: Telemetry, *names: str) -> float:
+    """Largest magnitude among all rows of some channels of one unit."""
+    return float(np.max(telemetry.largest(*names)))
+
+
+def _descent_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:
+    figures: dict[str, float] = {}
+    if PARACHUTE in roles and "mortar" in when:
+        hanging = telemetry.rows(*_role(telemetry, roles, PARACHUTE))
+        figures["max_rate_parachute_deg_s"] = _largest(hanging, *_RATES)
+    if "ignition" in when:
+        figures.update(_powered_figures(telemetry, when["ignition"], when.get("touchdown", np.inf)))
+    return figures
+
+
+def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str, float]:
+    """Figures between the times of ignition and of touchdown."""
+    times = telemetry["t_s"]
+    first, last = _row(times, start), _row(times, end)
+    powered = telemetry.rows(first, last)
+    settled = telemetry.rows(_beyond(times, start + ROLL_TRANSIENT_S), last)
+    figures = {
+        "max_rate_powered_deg_s": _largest(powered, *_RATES),
+        "max_attitude_error_powered_deg": powered.longest("control.error_pitch_deg", "control.error_yaw_deg"),
+        "roll_error_at_ignition_deg": telemetry.at(start, "control.error_roll_deg")[0],
+        "max_roll_error_powered_deg": _largest(settled, "control.error_roll_deg"),
+        "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
+    }
+    separated = telemetry.rows(_beyond(times, start + 5.0), last)
+    if len(separated["t_s"]):
+        figures["min_backshell_distance_m"] = separated.nearest("site", "backshell")
+    return figures
+
+
+def peak_figures(plant: np.void, when: dict[str, float]) -> dict[str, float]:
+    """Largest loads since the initial state, and the heat load, in the units of their names."""
+    peaks = plant["peaks"]
+    found = {
+        "peak_load_g0": peaks["load"],
+        "peak_dynamic_pressure_pa": peaks["dynamic_pressure"],
+        "peak_heat_flux_w_cm2": peaks["heat_flux"],
+        "heat_load_j_cm2": plant["y"][HEAT],
+    }
+    if "mortar" in when:
+        found["max_riser_tension_n"] = peaks["riser_tension"]
+    return {name: float(value) / split_unit(name)[1].to_si for name, value in found.items()}

@@ -1,1 +1,0 @@
-"""What becomes of a finished flight: files, tables, replay.  Nothing here knows physics."""

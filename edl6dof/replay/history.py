@@ -1,0 +1,150 @@
+"""What a replay is made of: the rows of a flight that can be drawn, thinned, and nothing else of its telemetry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from edl6dof.telemetry.timeline import first_times
+
+if TYPE_CHECKING:
+    from edl6dof.scenario.schema import Scenario
+
+#: Rows kept per second.
+POSE_HZ = 25.0
+
+#: Columns that say where everything is.
+POSES = (
+    *(f"truth.{body}_{axis}_m" for body in ("site", "canopy", "heat_shield", "backshell") for axis in ("east", "north", "up")),
+    *(f"truth.q_I2B_{axis}" for axis in "wxyz"),
+    *(f"truth.centre_{axis}_m" for axis in "xyz"),
+    *(f"truth.v_{axis}_m_s" for axis in ("north", "east", "down")),
+    *("t_s", "truth.height_m", "truth.altitude_m", "truth.heat_flux_w_cm2", "truth.engine_thrust_n", "truth.footpads", "guide.phase"),
+    *("truth.trim_wing", *(f"truth.aero_force_{axis}_n" for axis in "xyz"), *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
+)
+
+
+class Flown(Protocol):
+    """A flight, or a run read back."""
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario."""
+
+    @property
+    def outcome(self) -> str:
+        """How it ended."""
+
+    @property
+    def success(self) -> bool:
+        """Whether it reached its goal within all limits."""
+
+    @property
+    def scenario(self) -> Scenario:
+        """What was flown."""
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases."""
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """The timeline."""
+
+    @property
+    def telemetry(self) -> Mapping[str, np.ndarray]:
+        """Columns by name."""
+
+
+class Known(NamedTuple):
+    """What the flight software found out about a thruster, and when."""
+
+    t_s: float
+    text: str
+
+
+class History:
+    """One flight, thinned for the eye.
+
+    Attributes:
+        t: time of the rows, s.
+        columns: telemetry columns by name at these rows, those that the flight has.
+        duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
+        jets: names of the thrusters.
+        failures: true state of the thrusters that fail, by name, at these rows; 0 works.
+        diagnosed: what the flight software found out, by thruster.
+        when: time (s) of the first event of each key, and of the first phase of each role.
+    """
+
+    def __init__(self, flight: Flown, names: Iterable[str]) -> None:
+        """Take the columns ``names`` besides the poses."""
+        table = flight.telemetry
+        self.name, self.outcome, self.success, self.scenario = flight.name, flight.outcome, flight.success, flight.scenario
+        self.phase_names, self.events = flight.phase_names, flight.events
+        self.when = first_times(flight.events)
+        rows = _drawable(table)
+        rows = rows[thin(table["t_s"][rows], POSE_HZ)]
+        wanted = dict.fromkeys([*POSES, *names])
+        self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in wanted if name in table}
+        self.t = self.columns["t_s"]
+        self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
+        self.duty = np.zeros((len(rows), len(self.jets)), np.float32)
+        for k, jet in enumerate(self.jets if len(rows) else ()):
+            self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
+
+        states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
+        self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
+        self.diagnosed = _diagnosed(flight.events, self.jets)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.columns[name]
+
+    def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
+        """Mean duty of some thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
+        own = self.duty[:, [self.jets.index(name) for name in names]]
+        return _mean_between(own, rows)
+
+
+def _drawable(table: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Rows with a finite place and attitude."""
+    good = np.ones(len(table["t_s"]), bool)
+    for axis in ("east", "north", "up"):
+        good &= np.isfinite(table[f"truth.site_{axis}_m"])
+    size = sum(table[f"truth.q_I2B_{axis}"] ** 2 for axis in "wxyz")
+    return np.flatnonzero(good & np.isfinite(size) & (size > 0.25))
+
+
+def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    counts = np.diff(np.append(rows, len(values)))
+    return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
+
+
+def _diagnosed(events: Iterable[dict[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
+    """First finding about each thruster; a run that was written before events told the thruster has none."""
+    found: dict[str, Known] = {}
+    for event in events:
+        if event["key"] == "diagnosis" and event.get("thruster") in jets:
+            found.setdefault(event["thruster"], Known(event["t_s"], event.get("finding", event["name"])))
+    return found
+
+
+def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str = "") -> np.ndarray:
+    """Columns ``stem_axis_suffix`` side by side, shape (rows, axes)."""
+    return np.stack([columns[f"{stem}_{axis}{suffix}"] for axis in axes.split()], axis=-1)
+
+
+def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
+    """Rows of about ``rate_hz``, the first and the last row among them."""
+    if len(t) < 2:
+        return np.arange(len(t))
+    step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))
+    rows = np.arange(0, len(t), step)
+    return rows if rows[-1] == len(t) - 1 else np.append(rows, len(t) - 1)
+
+
+def spans(present: np.ndarray) -> list[tuple[int, int]]:
+    """First and one-past-last row of each run of ``True``."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -1,0 +1,80 @@
+"""What everything that writes into the recording shares: the flight, its poses, and short ways to log."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from edl6dof.replay.history import History
+from edl6dof.replay.scene.mesh import Mesh
+from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.views.layout import PHASES, TIMELINE
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+#: Rate of everything that is not a pose.
+SCALAR_HZ = 12.5
+#: Rate of what is drawn as a line, or is a mean.
+SLOW_HZ = 6.25
+
+
+class Recorder:
+    """Writes one part of one flight.
+
+    Attributes:
+        number: of this flight in the recording; 0 owns the camera and the ground.
+        label: tells this flight from others in the recording; empty when it is alone.
+        root: entity under which lies what belongs to this flight alone.
+    """
+
+    def __init__(self, flight: History, motion: Motion, recording: rr.RecordingStream, number: int = 0, label: str = "") -> None:
+        import rerun as rr
+
+        self.rr, self.rec = rr, recording
+        self.flight, self.vehicle = flight, flight.scenario.vehicle
+        self.motion, self.t, self.when = motion, flight.t, flight.when
+        self.number, self.label, self.root = number, label, f"site/flight_{number}" if number else "site"
+        self.names = flight.phase_names or ["free flight"]
+        self.phase = np.clip(np.nan_to_num(flight["guide.phase"]).astype(int), 0, len(self.names) - 1)
+        self.colours = np.array([PHASES[i % len(PHASES)] for i in range(len(self.names))], np.uint8)
+
+    def statics(self) -> None:
+        """What holds for all time; logged first, so that a slow viewer has it from the beginning."""
+
+    def motions(self) -> None:
+        """What changes with time."""
+
+    def static(self, entity: str, *what: Any) -> None:
+        """Log what holds for all time."""
+        self.rec.log(entity, *what, static=True)
+
+    def columns(self, entity: str, t: np.ndarray, columns: Any) -> None:
+        """Log a series, one row for each time (s)."""
+        self.rec.send_columns(entity, [self.rr.TimeColumn(TIMELINE, duration=t)], columns)
+
+    def at(self, t: float, entity: str, *what: Any) -> None:
+        """Log what holds from time ``t`` (s) on."""
+        self.rec.set_time(TIMELINE, duration=float(t))
+        self.rec.log(entity, *what)
+        self.rec.reset_time()
+
+    def gone(self, t: float, entity: str) -> None:
+        """Take an entity away at time ``t`` (s)."""
+        self.at(t, entity, self.rr.Clear(recursive=False))
+
+    def mesh(self, mesh: Mesh, **more: Any) -> rr.Mesh3D:
+        """The mesh as rerun takes it."""
+        return self.rr.Mesh3D(
+            vertex_positions=mesh.positions,
+            triangle_indices=mesh.triangles,
+            vertex_normals=mesh.normals,
+            vertex_colors=mesh.colours,
+            **more,
+        )
+
+    def marker(self, name: str, place: np.ndarray, colour: tuple[int, int, int], size: float = 4.0) -> None:
+        """A labelled point that is seen from afar."""
+        point = self.rr.Points3D([place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True)
+        self.static(f"{self.root}/labels/{name}", point)

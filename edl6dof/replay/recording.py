@@ -1,0 +1,96 @@
+"""The 3D replay of flights, as a rerun recording with its own arrangement of views.
+
+Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle lands.
+``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and grows under the
+parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1`` and so on.
+Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase planes, ``/phase``,
+``/configuration``, ``/engine`` and ``/rcs`` the lanes, ``/events`` the timeline.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from edl6dof.replay.history import Flown, History
+from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.arrows import Arrows
+from edl6dof.replay.scene.descent import Descent
+from edl6dof.replay.scene.ensemble import Trajectory, write_swarm
+from edl6dof.replay.scene.flames import Flames
+from edl6dof.replay.scene.globe import Globe
+from edl6dof.replay.scene.ground import Ground
+from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.track import Track
+from edl6dof.replay.scene.vehicle import Vehicle
+from edl6dof.replay.views import charts, lanes
+from edl6dof.replay.views.layout import Layout, Shown
+from edl6dof.replay.views.panels import GROUPS, PLOTS
+from edl6dof.replay.views.phase_plane import PhasePlanes
+
+#: What writes the recording.
+PARTS: tuple[type[Recorder], ...] = (Ground, Globe, Track, Vehicle, Flames, Arrows, Descent, charts.Charts, PhasePlanes, lanes.Lanes)
+
+
+def history(flight: Flown) -> History:
+    """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
+    return History(flight, (*charts.COLUMNS, *lanes.READOUT))
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
+def write_replay(
+    flights: Sequence[History],
+    path: Path,
+    labels: Sequence[str] = (),
+    page: str = "Flight",
+    swarm: Sequence[Trajectory] = (),
+) -> None:
+    """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
+
+    ``labels`` tell several flights apart; a single one needs none.  ``swarm`` are the trajectories of a campaign.
+    """
+    import pyarrow as pa
+    import rerun as rr
+
+    first = flights[0]
+    motions = [Motion(flight) for flight in flights]
+    name = first.name if len(flights) == 1 else " and ".join(labels)
+    with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
+        recording.save(str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(swarm))).blueprint(page))
+        recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
+        drawable = [(k, flight, motion) for k, (flight, motion) in enumerate(zip(flights, motions, strict=True)) if len(flight.t)]
+        parts = [part(flight, motion, recording, k, labels[k] if labels else "") for k, flight, motion in drawable for part in PARTS]
+        for part in parts:
+            part.statics()
+        if swarm:
+            write_swarm(recording, swarm)
+        recording.flush()  # or the viewer would find them at the end of the file
+        for part in parts:
+            part.motions()
+        recording.flush()
+    pa.default_memory_pool().release_unused()
+
+
+def _shown(flights: Sequence[History], motion: Motion, swarm: bool) -> Shown:
+    first = flights[0]
+    span = (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t))) if len(first.t) else (0.0, 1.0)
+    places = motion.centre if len(motion.t) else np.zeros((1, 3))
+    deploy = motion.released(motion.canopy)
+    middle = motion.site.in_F(0.5 * (places[0] + places[-1])) / 1e3
+    jets = {jet.group for jet in first.scenario.vehicle.rcs.thrusters if jet.name in first.jets}
+    return Shown(
+        span=span,
+        when=first.when,
+        start=places[0],
+        end=places[-1],
+        deploy=None if deploy is None else places[deploy],
+        plots=frozenset(plot.entity for plot in PLOTS if set(plot.series) <= set(first.columns)),
+        groups=tuple(group for group in GROUPS if group in jets),
+        jets=tuple(first.jets),
+        flights=len(flights),
+        swarm=swarm,
+        globe_eye=2.3 * middle,
+        globe_target=0.0 * middle,
+    )

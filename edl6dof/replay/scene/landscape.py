@@ -1,0 +1,144 @@
+"""The ground as the eye sees it: the simulation's relief, and on it craters, ripples and rocks that are decoration.
+
+The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up.  The decoration is the same for
+every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.config.base import Vec3
+from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles
+from edl6dof.replay.scene.site import Site
+
+RINGS, SPOKES = 190, 180
+#: Direction to the sun, east north up: low in the west-south-west, so that relief throws light and dark.
+SUN = np.array([-0.72, -0.42, 0.55])
+#: Share of the surface that craters of each size class cover.
+_COVER = 0.055
+
+
+class Rocks(NamedTuple):
+    """Boulders: places (n, 3) in L, sizes (n, 3) in m, headings (n,) in rad."""
+
+    places: np.ndarray
+    sizes: np.ndarray
+    headings: np.ndarray
+
+
+class Landscape:
+    """Ground around ``touchdown`` out to ``reach`` (m)."""
+
+    def __init__(self, site: Site, touchdown: np.ndarray, reach: float) -> None:
+        seed = np.abs([site.origin[0], site.origin[1], site.origin[2]]).astype(np.int64)
+        self._random = np.random.default_rng(seed)
+        self._site = site
+        self._centre = np.asarray(touchdown, float)[:2]
+        self._radius = np.geomspace(1.5, reach, RINGS)
+        turn = np.linspace(0.0, 2.0 * pi, SPOKES, endpoint=False)
+        self._cos, self._sin = np.cos(turn), np.sin(turn)
+        self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin  # from the touchdown
+        spacing = self._radius * 2.0 * pi / SPOKES
+        shade, ripples = _waves(self._random, self._east, self._north, spacing[:, None])
+        calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
+        self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
+        self._elevation, self._up = site.ground(self._east + self._centre[0], self._north + self._centre[1])
+        self._middle = float(site.ground(*self._centre)[1])
+        self._shade = shade
+
+    def mesh(self) -> Mesh:
+        """The surface, coloured and shaded."""
+        light = self._sunlight(self._elevation + self._decoration)
+        tone = np.clip(self._shade, 0.0, 1.0)[..., None]
+        look = self._site.appearance
+        dark, light_ground, far = np.array(look.ground_dark), np.array(look.ground_light), np.array(look.haze)
+        colours = (dark + (light_ground - dark) * tone) * light[..., None]
+        haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
+        colours += (far - colours) * haze
+        place = np.stack([self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration], axis=-1)
+        middle = [*self._centre, self._middle]
+        positions = np.append(place.reshape(-1, 3), [middle], axis=0)
+        colours = np.append(colours.reshape(-1, 3), [colours[0].mean(axis=0)], axis=0)
+        j = np.arange(SPOKES)
+        fan = np.stack([np.full(SPOKES, RINGS * SPOKES), j, (j + 1) % SPOKES], axis=-1)
+        return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), fan]), colours)
+
+    def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
+        """Up coordinate (m) of the drawn ground at places in L: the true ground, and the decoration of the nearest vertex."""
+        x, y = east - self._centre[0], north - self._centre[1]
+        i = np.searchsorted(self._radius, np.hypot(x, y)).clip(0, RINGS - 1)
+        j = np.round(np.arctan2(y, x) * SPOKES / (2.0 * pi)).astype(int) % SPOKES
+        return np.asarray(self._site.ground(east, north)[1] + self._decoration[i, j])
+
+    def rocks(self, count: int = 700) -> Rocks:
+        """Boulders around the touchdown, more small ones than large ones, none under the lander."""
+        random = self._random
+        distance, turn = np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count), random.uniform(0.0, 2.0 * pi, count)
+        size = np.minimum(0.12 + random.exponential(0.12, count), 1.2) * (1.0 + distance / 80.0)
+        east, north = self._centre[0] + distance * np.cos(turn), self._centre[1] + distance * np.sin(turn)
+        height = self.height(east, north)
+        sizes = size[:, None] * random.uniform(0.7, 1.3, (count, 3)) * [1.0, 1.0, 0.7]
+        return Rocks(np.column_stack([east, north, height + 0.12 * size]), sizes, random.uniform(0.0, 2.0 * pi, count))
+
+    def _craters(self) -> np.ndarray:
+        """Height (m) of crater bowls and rims at the vertices: in each size class, as many as the mesh can show."""
+        height = np.zeros_like(self._east)
+        for diameter in np.geomspace(1.2, 3e4, 40):
+            outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
+            count = min(int(_COVER * outer**2 / (0.25 * diameter**2)), 90)
+            distance = outer * np.sqrt(self._random.uniform(0.0, 1.0, count))
+            turn = self._random.uniform(0.0, 2.0 * pi, count)
+            freshness = self._random.uniform(0.15, 1.0, count) * min(1.0, (300.0 / diameter) ** 0.25)
+            for d, phi, fresh in zip(distance.tolist(), turn.tolist(), freshness.tolist(), strict=True):
+                if d > 0.8 * diameter + 4.0:  # nobody lands in one
+                    self._dig(height, d * np.cos(phi), d * np.sin(phi), 0.5 * diameter, fresh)
+        return height
+
+    def _dig(self, height: np.ndarray, east: float, north: float, radius: float, fresh: float) -> None:
+        """One bowl with its rim and a blanket that thins out to 2.5 radii."""
+        distance, reach = float(np.hypot(east, north)), 2.5 * radius
+        rows = slice(*np.searchsorted(self._radius, [distance - reach, distance + reach]))
+        rho = np.hypot(self._east[rows] - east, self._north[rows] - north) / radius
+        bowl = 0.32 * (rho**2 - 1.0) + 0.07
+        blanket = 0.07 * np.clip((2.5 - rho) / 1.5, 0.0, 1.0) ** 2 / np.maximum(rho, 1.0)
+        height[rows] += fresh * radius * np.where(rho < 1.0, bowl, blanket)
+
+    def _sunlight(self, height: np.ndarray) -> np.ndarray:
+        """Brightness of the slopes, 1 for level ground."""
+        outward = np.gradient(height, self._radius, axis=0)
+        around = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (2.0 * self._radius[:, None] * 2.0 * pi / SPOKES)
+        east, north = outward * self._cos - around * self._sin, outward * self._sin + around * self._cos
+        towards = SUN / np.linalg.norm(SUN)
+        cosine = (towards[2] - towards[0] * east - towards[1] * north) / np.sqrt(1.0 + east**2 + north**2)
+        return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
+
+
+def _waves(random: np.random.Generator, east: np.ndarray, north: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry."""
+    tone, weight, height = np.zeros_like(east), np.full_like(east, 1e-9), np.zeros_like(east)
+    for wavelength in np.geomspace(1.5, 4e5, 34):
+        fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(60.0 * spacing / wavelength, 0.0, 1.0)
+        for _ in range(3):
+            heading, phase = random.uniform(0.0, 2.0 * pi, 2)
+            along = (east * np.cos(heading) + north * np.sin(heading)) / wavelength
+            across = (north * np.cos(heading) - east * np.sin(heading)) / wavelength
+            wave = fits * np.sin(2.0 * pi * along + phase + 2.0 * np.sin(3.1 * across + phase))
+            tone += wave
+            weight += fits**2
+            height += 0.004 * min(wavelength, 400.0) * wave
+    return 0.5 + 0.17 * tone / np.sqrt(0.5 * weight), height
+
+
+def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
+    """A dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
+    rows, columns = 24, 48
+    polar = np.linspace(0.0, pi, rows)[:, None]
+    around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
+    place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0.0 * around], axis=-1)
+    rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
+    colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
+    return bright(place.reshape(-1, 3), grid_triangles(rows, columns)[:, ::-1], colours.reshape(-1, 3))

@@ -1,0 +1,117 @@
+"""Where everything is during the replay: telemetry turned into poses in landing-site axes (east, north, up)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from edl6dof.replay.history import History, vector
+from edl6dof.replay.scene import rotations as turns
+from edl6dof.replay.scene.site import Site
+
+
+class Motion:
+    """Poses of one flight, at the rows of its history."""
+
+    def __init__(self, flight: History) -> None:
+        self.site = Site(flight.scenario)
+        self.vehicle = flight.scenario.vehicle
+        self.t = flight.t
+        self.centre = vector(flight.columns, "truth.site", "east north up", "_m")  #: centre of mass, m
+        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))  #: B to L
+        self.nose = self.centre - turns.rotate(self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m"))  #: origin of B
+        self.height = flight["truth.height_m"]
+        self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
+        self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
+        self.backshell = vector(flight.columns, "truth.backshell", "east north up", "_m")
+
+    @property
+    def last(self) -> np.ndarray:
+        """Last position of the centre of mass, m in L."""
+        return self.centre[-1]
+
+    def released(self, place: np.ndarray) -> int | None:
+        """Row at which a discarded part is first on its own."""
+        rows = np.flatnonzero(np.isfinite(place[:, 0]))
+        return int(rows[0]) if len(rows) else None
+
+    def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Rows, confluence points, quaternions and scales of the canopy: x from the confluence to the canopy.
+
+        After release the backshell hangs under the canopy, whose own position is no longer computed: it is drawn above.
+        """
+        model = self.vehicle.parachute
+        length = model.line_length_m
+        first = self.released(self.canopy)
+        if first is None or model.diameter_m <= 0.0:
+            return np.empty(0, int), np.empty((0, 3)), np.empty((0, 4)), np.empty((0, 3))
+        alone = self.released(self.backshell)
+        with_vehicle = np.flatnonzero(np.isfinite(self.canopy[:, 0]))
+        after = np.arange(alone, len(self.t)) if alone is not None else np.empty(0, int)
+        rows = np.union1d(with_vehicle, after)
+        confluence = self.nose[rows] + turns.rotate(self.rotation[rows], np.array(model.confluence_m))
+        line = self.canopy[rows] - confluence
+        free = ~np.isfinite(line[:, 0])
+        if free.any():
+            place, turn = self.discarded(self.backshell, self.vehicle.mass.backshell.centre_m)
+            confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
+            hang = np.array([0.0, 0.0, length])
+            held = line[~free][-1] if (~free).any() else hang
+            fade = np.exp(-(self.t[rows[free]] - self.t[rows[free][0]]) / 4.0)[:, None]
+            line[free] = held * fade + hang * (1.0 - fade)
+        reach = np.linalg.norm(line, axis=-1)
+        line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
+        spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
+        ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
+        fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
+        spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if len(fallen) else 1.0
+        scale = np.stack([reach / length, spread, spread], axis=-1)
+        return rows, confluence, turns.from_x_to(line), scale
+
+    def _spread(self, rows: np.ndarray, reach: np.ndarray, length: float, duration: float) -> np.ndarray:
+        taut = np.flatnonzero(reach >= 0.97 * length)
+        start = self.t[rows[taut[0]]] if len(taut) else np.inf
+        grown = np.clip((self.t[rows] - start) / max(duration, 1e-3), 0.0, 1.0)
+        return 0.08 + 0.92 * grown**2
+
+    def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+        """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""
+        turn = self.rotation[self.released(place) or 0]
+        return place - turns.rotate(turn, np.asarray(own_centre)), turn
+
+    def camera(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The chase camera's axes: origin, quaternion and scale, 1 close to the vehicle, larger under the parachute.
+
+        x points horizontally along the flight, z up from the planet where the vehicle is.
+        """
+        under = np.isfinite(self.canopy[:, 0])
+        line = self.vehicle.parachute.line_length_m
+        wide = np.log(max(line / 6.0, 1.5))
+        alone = self.released(self.backshell)
+        middle = np.where(under[:, None], np.nan_to_num(self.canopy - self.centre), 0.0)
+        if alone is not None and under[:alone].any():  # stay for the separation
+            leaving = (self.t >= self.t[alone]) & (self.t < self.t[alone] + 7.0)
+            middle[leaving] = middle[:alone][under[:alone]][-1]
+            under = under | leaving
+        step = (self.t[-1] - self.t[0]) / max(len(self.t) - 1, 1)
+        ahead, width = (round(s / step) if step > 0.0 else 0 for s in (2.0, 4.0))
+        zoom = _smooth(np.where(under, wide, 0.0), width, ahead)
+        shift = np.stack([_smooth(0.55 * middle[:, k], width, ahead) for k in range(3)], axis=-1)
+        up = self.centre + self.site.axes @ self.site.origin
+        up /= np.linalg.norm(up, axis=-1, keepdims=True)
+        along = self.last - self.centre[0]
+        side = np.cross(up, along if np.linalg.norm(along[:2]) > 100.0 else [0.0, 1.0, 0.0])
+        side /= np.linalg.norm(side, axis=-1, keepdims=True)
+        axes = np.stack([np.cross(side, up), side, up], axis=-1)
+        return self.centre + shift, turns.from_axes(axes), np.exp(zoom)
+
+
+def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
+    """Two running means over ``width`` rows, centred ``ahead`` rows later: the change has begun when its cause shows."""
+    if width < 2:
+        return values
+    box = np.ones(width) / width
+    padded = np.concatenate([np.full(2 * width, values[0]), values, np.full(2 * width + ahead, values[-1])])
+    smooth = np.convolve(np.convolve(padded, box, "same"), box, "same")
+    return smooth[2 * width + ahead : 2 * width + ahead + len(values)]

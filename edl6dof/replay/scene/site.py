@@ -1,0 +1,67 @@
+"""The landing-site frame L (east, north, up; m) and the true ground around it."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from edl6dof.replay.scene import rotations as turns
+from edl6dof.scenario.relief import Relief
+
+if TYPE_CHECKING:
+    from edl6dof.scenario.schema import Scenario
+
+
+class Site:
+    """The landing-site frame L and the shape of the ground around it."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        terrain, planet = scenario.terrain, scenario.planet
+        lat, lon = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+        east = (-sin(lon), cos(lon), 0.0)
+        north = (-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat))
+        up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
+        self.axes = np.array([east, north, up])  #: turns components in F into components in L
+        self.elevation = terrain.site_elevation_m
+        self.appearance = planet.appearance
+        self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
+        self.spin = planet.rotation_rate_rad_s
+        e2 = self.flattening * (2.0 - self.flattening)
+        prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
+        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
+        self.relief = Relief(terrain, planet.mean_radius_m)
+
+    def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
+        """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
+
+        F and I coincide at t = 0.
+        """
+        to_F = turns.about_z(-self.spin * np.asarray(t))
+        return turns.multiply(turns.from_axes(self.axes), turns.multiply(to_F, q_I2B))
+
+    def in_F(self, place: np.ndarray) -> np.ndarray:
+        """Planet-fixed position (m) of points in L."""
+        return self.origin + place @ self.axes
+
+    def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
+        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the limb."""
+        a = self.radius + np.asarray(elevation)
+        squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
+        place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
+        up = self.axes[2]
+        k2 = up[0] ** 2 + up[1] ** 2 + squash * up[2] ** 2
+        k1 = place[..., 0] * up[0] + place[..., 1] * up[1] + squash * place[..., 2] * up[2]
+        k0 = place[..., 0] ** 2 + place[..., 1] ** 2 + squash * place[..., 2] ** 2 - a**2
+        return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
+
+    def ground(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Elevation (m) of the simulation's own ground, and its up coordinate in L (m)."""
+        east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
+        level = np.stack([east, north, self.surface(east, north, self.elevation)], axis=-1)
+        x, y, z = np.moveaxis(self.in_F(level), -1, 0)
+        lat = np.arctan2(z, (1.0 - self.flattening) ** 2 * np.hypot(x, y))  # exact on the ellipsoid; 5 km off it, to 1e-5 rad
+        lon = np.arctan2(y, x)
+        elevation = self.relief.elevation(lat, lon)
+        return elevation, self.surface(east, north, elevation)

@@ -1,0 +1,96 @@
+"""The replay in the browser: one page, served to this machine by this process for as long as it runs, and to nobody else.
+
+Only requests that name this machine as their host are answered: a web site that has its own name resolve to 127.0.0.1 (DNS rebinding)
+gets nothing, and no other site may read or frame the page.
+"""
+
+from __future__ import annotations
+
+import os
+import socketserver
+import sys
+import threading
+import webbrowser
+from contextlib import suppress
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler
+from typing import Any
+
+from edl6dof.replay.program import HOST
+
+_HEADERS = {
+    "Content-Type": "text/html; charset=utf-8",
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+
+
+class PageServer(socketserver.ThreadingTCPServer):
+    """Serves one page on a free port of this machine."""
+
+    daemon_threads = True
+
+    def __init__(self, page: bytes) -> None:
+        super().__init__((HOST, 0), _Request)
+        self.page = page
+        self.url = f"http://{HOST}:{self.server_address[1]}/"
+
+    def knows_host(self, hosts: list[str]) -> bool:
+        """Whether a request names this machine and port, once."""
+        port = self.server_address[1]
+        return len(hosts) == 1 and hosts[0].lower() in (f"{HOST}:{port}", f"localhost:{port}", f"[::1]:{port}")
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that hangs up is no error."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+
+class _Request(BaseHTTPRequestHandler):
+    """Answers GET and HEAD of ``/``; 403 to a request for another host, 404 to one for another path."""
+
+    server: PageServer
+    timeout = 30.0
+
+    def do_GET(self) -> None:
+        """The page."""
+        if self._answer():
+            self.wfile.write(self.server.page)
+
+    def do_HEAD(self) -> None:
+        """Its headers."""
+        self._answer()
+
+    def _answer(self) -> bool:
+        """Send the headers; returns whether the page may follow."""
+        if not self.server.knows_host(self.headers.get_all("Host", [])):
+            self.send_error(HTTPStatus.FORBIDDEN)
+            return False
+        if self.path != "/":
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return False
+        self.send_response(HTTPStatus.OK)
+        for name, value in {**_HEADERS, "Content-Length": str(len(self.server.page))}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        return True
+
+    def log_message(self, *_: Any) -> None:
+        """Say nothing for each request."""
+
+
+def serve(page: bytes) -> None:
+    """Serve the page, tell where, open a browser if there is one, and go on until interrupted (Ctrl-C)."""
+    with PageServer(page) as server:
+        print(f"{server.url} shows the replay, to this machine only; Ctrl-C ends it", flush=True)
+        if _has_display():
+            threading.Thread(target=webbrowser.open, args=(server.url,), daemon=True).start()
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()
+
+
+def _has_display() -> bool:
+    """Whether a browser can open a window; without one, Python would start a browser for terminals."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

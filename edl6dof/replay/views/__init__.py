@@ -1,0 +1,1 @@
+"""The arrangement of the replay: pages, plots, lanes, phase planes."""

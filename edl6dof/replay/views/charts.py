@@ -1,0 +1,63 @@
+"""The plots over time, and the thrusters' duty."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from edl6dof.replay.history import thin
+from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
+from edl6dof.replay.views.panels import GROUPS, PLOTS, SERIES, Plot
+
+if TYPE_CHECKING:
+    import rerun as rr
+
+#: Telemetry columns that the plots show.
+COLUMNS = tuple(dict.fromkeys(name for plot in PLOTS for name in plot.series))
+
+
+class Charts(Recorder):
+    """Writes ``/plots``."""
+
+    def statics(self) -> None:
+        """Names and colours of the series."""
+        for plot in PLOTS:
+            self.static(self._entity(plot.entity), self._lines(list(plot.series.values())))
+        for group, names in self._groups():
+            self.static(self._entity(f"thruster_duty/{group}"), self._lines(names))
+
+    def motions(self) -> None:
+        """The series, where they mean something."""
+        rows = thin(self.t, SCALAR_HZ)
+        for plot in PLOTS:
+            self._plot(plot, rows)
+        rows = thin(self.t, SLOW_HZ)
+        for group, names in self._groups():
+            self._scalars(f"thruster_duty/{group}", self.t[rows], self.flight.mean_duty(rows, names))
+
+    def _entity(self, name: str) -> str:
+        return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
+
+    def _groups(self) -> list[tuple[str, list[str]]]:
+        by_group = {group: [jet.name for jet in self.vehicle.rcs.thrusters if jet.group == group] for group in GROUPS}
+        return [(group, names) for group, names in by_group.items() if names and set(names) <= set(self.flight.jets)]
+
+    def _lines(self, names: list[str]) -> rr.SeriesLines:
+        """Further flights are paler and thinner, and carry their label."""
+        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))])
+        if self.number:
+            colours = (0.45 * colours + 0.55 * np.array([235, 235, 235])).astype(int)
+        shown = [f"{name} ({self.label})" if self.label else name for name in names]
+        return self.rr.SeriesLines(names=shown, colors=colours.tolist(), widths=[1.0 if self.number else 1.5] * len(names))
+
+    def _plot(self, plot: Plot, rows: np.ndarray) -> None:
+        t = self.t[rows]
+        keep = (t >= self.when.get(plot.since, -np.inf)) & (t <= self.when.get(plot.until, np.inf))
+        if keep.any() and set(plot.series) <= set(self.flight.columns):
+            values = np.stack([self.flight[name][rows[keep]] for name in plot.series], axis=-1)
+            self._scalars(plot.entity, t[keep], values * plot.scale)
+
+    def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
+        columns = self.rr.Scalars.columns(scalars=values.ravel())
+        self.columns(self._entity(entity), t, columns.partition(np.full(len(t), values.shape[1])))

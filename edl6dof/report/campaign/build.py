@@ -1,0 +1,55 @@
+"""The report of a campaign, put together from its parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from edl6dof.report.campaign import drivers, grid, landing, margins
+from edl6dof.report.campaign.results import Results
+from edl6dof.report.document import Fact, Listing, Mood, Report, Section
+
+
+def campaign_report(folder: Path) -> Report:
+    """The report of a campaign, finished or not; a section about what it does not have is left out."""
+    results = Results(folder)
+    sections = [
+        Section("success", "Success and causes", [margins.causes(results), margins.convergence(results)]),
+        Section("sweep", "Sweep", list(grid.figures(results))),
+        Section("limits", "Limits", [margins.limit_quantiles(results)] if results.limits else []),
+        Section("figures", "Other figures", [margins.other_quantiles(results)]),
+        Section("footprint", "Footprint and deployment", list(landing.blocks(results))),
+        Section("propellant", "Propellant", list(margins.propellant(results))),
+        Section("worst", "Worst cases", [margins.worst(results)] if results.limits else []),
+        Section("drivers", "What drives what", list(drivers.blocks(results))),
+        Section("configuration", "Configuration", [Listing("campaign.yaml", results.store.plan_text, "every default written out")]),
+    ]
+    identity = results.store.info.identity
+    return Report(
+        title=results.name,
+        subtitle=str(results.document.get("description") or ""),
+        verdict=f"{results.success.successes} of {results.success.trials} flights succeed: {results.success}",
+        mood=_mood(results),
+        facts=_facts(results),
+        sections=[section for section in sections if section.blocks],
+        footer=f"edl6dof {identity.versions['edl6dof']}; source SHA-256 {identity.sources}; interval: Wilson, 95 %",
+    )
+
+
+def _mood(results: Results) -> Mood:
+    if results.success.value >= 0.99:
+        return "good"
+    return "warn" if results.success.value >= 0.9 else "bad"
+
+
+def _facts(results: Results) -> list[Fact]:
+    low, high = results.success.interval
+    facts = [
+        Fact("flights", f"{len(results.cases):,}"),
+        Fact("success", f"{results.success.value:.2%}", _mood(results)),
+        Fact("95 % interval", f"{low:.2%} .. {high:.2%}"),
+    ]
+    if results.has("landing_distance_m") and np.isfinite(results["landing_distance_m"]).any():
+        facts.append(Fact("99 % land within", f"{np.nanquantile(results['landing_distance_m'], 0.99) / 1e3:.2f} km"))
+    return facts

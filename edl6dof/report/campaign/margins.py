@@ -1,0 +1,110 @@
+"""How the flights stand against their limits: quantiles, propellant, causes of failures, the worst cases."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from edl6dof.campaign.statistics import Proportion, quantiles
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.campaign.results import Results
+from edl6dof.report.document import Block, Cell, Table, Text
+from edl6dof.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.numbers import significant
+
+#: Figures without a limit whose quantiles are of interest.
+_OTHERS = (
+    *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
+    *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
+)
+_HEADS = ("0.13 %>", "1 %>", "50 %>", "99 %>", "99.87 %>")
+
+
+def limit_quantiles(results: Results) -> Table:
+    """Quantiles of every figure that has a limit, beside it."""
+    rows = []
+    for figure, label, limit, unit in results.limits:
+        values = results[figure]
+        missed = int(np.sum(values > limit))
+        spread = quantiles(values)
+        mood = "bad" if missed else "good"
+        cells = [significant(value) for value in spread]
+        rows.append([label, unit, *cells, significant(limit), Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit), str(missed)])
+    caption = "The last bar is the 99.87 % quantile (3 sigma) over the limit."
+    return Table(["figure", "unit", *_HEADS, "limit>", "used", "missed>"], rows, caption)
+
+
+def other_quantiles(results: Results) -> Table:
+    """Quantiles of other figures."""
+    rows = [
+        [figure.meaning, figure.unit.label, *(significant(value) for value in quantiles(results[figure.name]))]
+        for figure in map(figure_of_merit, _OTHERS)
+        if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
+    ]
+    return Table(["figure", "unit", *_HEADS], rows)
+
+
+def causes(results: Results) -> Block:
+    """Why flights failed."""
+    if not results.causes:
+        low, _ = results.success.interval
+        return Text(f"No flight failed. With 95 % confidence the success probability is above {low:.2%}.")
+    rows = []
+    for cause, number in results.causes:
+        share = Proportion(number, len(results.cases))
+        first = results.cases[[text == cause for text in results.table["cause"].to_pylist()]][:3]
+        refly = ", ".join(str(case) for case in first)
+        rows.append([cause, str(number), Cell(f"{share.value:.2%}", "bad", share.value), refly])
+    return Table(["cause", "flights>", "share", "cases"], rows)
+
+
+def convergence(results: Results) -> Figure:
+    """Success probability so far, with its interval."""
+    order = np.argsort(results.cases)
+    successes = np.cumsum(results.ok[order])
+    number = np.arange(1, len(successes) + 1)
+    shown = np.unique(np.geomspace(1, len(number), 200).astype(int)) - 1
+    found = [Proportion(int(successes[k]), int(number[k])) for k in shown]
+    low, high = (np.array([100.0 * share.interval[end] for share in found]) for end in (0, 1))
+    value = np.array([100.0 * share.value for share in found])
+    x = number[shown].astype(float)
+    traces = [
+        Trace(x, low, "95 % interval (Wilson)", colour=GREY, dash="dash"),
+        Trace(x, high, "95 % interval (Wilson)", colour=GREY, dash="dash", legend=False),
+        Trace(x, value, "success so far", colour=BLUE, width=2.2),
+    ]
+    panel = Panel(Axis("flights", log=True), Axis("success (%)"), traces)
+    return Figure("convergence", "Success probability", [panel], "It has converged when the interval is narrow enough for the question.")
+
+
+def propellant(results: Results) -> Iterator[Block]:
+    """Propellant left."""
+    loaded = float(results.document["vehicle"]["mass"]["propellant"]["mass_kg"])
+    if not results.has("propellant_used_kg") or not loaded:
+        return
+    left = loaded - results["propellant_used_kg"]
+    left = left[np.isfinite(left)]
+    counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
+    panel = Panel(
+        Axis("propellant left (kg)"),
+        Axis("flights"),
+        [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
+        marks=[Mark("x", float(np.quantile(left, 0.0013)), "0.13 %")] if len(left) > 1 else [],
+    )
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg, 0.13 % quantile {np.quantile(left, 0.0013):.1f} kg."
+    yield Figure("propellant", "Propellant margin", [panel], caption)
+
+
+def worst(results: Results, count: int = 3) -> Table:
+    """The cases nearest to each limit, or furthest beyond it, with the command that flies them again."""
+    rows = []
+    for figure, label, limit, unit in results.limits:
+        values = results[figure]
+        finite = np.flatnonzero(np.isfinite(values))
+        for index in finite[np.argsort(-values[finite])][:count]:
+            share = values[index] / limit
+            case = int(results.cases[index])
+            shown = Cell(significant(values[index]), "bad" if share > 1.0 else "plain", float(share))
+            rows.append([label, unit, shown, significant(limit), f"edl6dof refly {results.folder} {case}"])
+    return Table(["figure", "unit", "value", "limit>", "fly it again"], rows)

@@ -1,0 +1,36 @@
+"""The report of one flight, put together from its parts."""
+
+from __future__ import annotations
+
+from edl6dof.report.document import Report, Section
+from edl6dof.report.flight import actuators, attitude, descent, diagnosis, disturbance, guidance, phase_planes, site, trajectory, words
+from edl6dof.runs.run import Run
+
+
+def flight_report(run: Run) -> Report:
+    """The review of a run; a section about what the flight did not have is left out."""
+    sections = [
+        Section("verdict", "Verdict and limits", list(words.judged(run))),
+        Section("events", "Timeline", [words.timeline(run)]),
+        Section("trajectory", "Trajectory", list(trajectory.figures(run))),
+        Section("guidance", "Entry guidance", list(guidance.figures(run))),
+        Section("attitude", "Attitude", list(attitude.figures(run))),
+        Section("phase_planes", "Phase planes", list(phase_planes.figures(run))),
+        Section("actuators", "Thrusters and propellant", list(actuators.figures(run))),
+        Section("disturbances", "Disturbances", list(disturbance.figures(run))),
+        Section("diagnosis", "Fault diagnosis", list(diagnosis.figures(run))),
+        Section("chute", "Parachute", list(descent.parachute(run))),
+        Section("landing", "Powered descent", list(descent.powered(run))),
+        Section("site", "Ground track and landing site", list(site.figures(run))),
+        Section("configuration", "Configuration", list(words.configuration(run))),
+        Section("software", "Software and data", [words.software(run)]),
+    ]
+    return Report(
+        title=run.name,
+        subtitle=words.subtitle(run),
+        verdict=words.verdict(run),
+        mood=words.mood(run.summary),
+        facts=words.facts(run),
+        sections=[section for section in sections if section.blocks],
+        footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
+    )

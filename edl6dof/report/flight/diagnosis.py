@@ -1,0 +1,59 @@
+"""Fault diagnosis: what the thrusters failed to deliver, and what the flight computer made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from edl6dof.report.figure import BAD, BLUE, GREEN, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
+from edl6dof.runs.run import Run
+
+#: Time, s, shown before a fault and after its diagnosis.
+BEFORE_S, AFTER_S = 2.0, 3.0
+
+
+def figures(run: Run) -> Iterator[Figure]:
+    """Figures of the section; none where the flight computer diagnosed nothing at all."""
+    if not has_signal(run, "diagnosis.confidence"):
+        return
+    flown = run.between(until="touchdown")
+    yield history(run, flown, "diagnosis", "Fault diagnosis")
+    if "fault" in run.when and "diagnosis" in run.when:
+        near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < run.when["diagnosis"] + AFTER_S)
+        yield history(run, near, "diagnosis_close", "Fault diagnosis, from the fault to its name")
+
+
+def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
+    """Residual torque, confidence of the best hypothesis, thruster under probe, and faults found, for some rows (bool)."""
+    t = run.t[rows]
+    marks = event_marks(run, t)
+    free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
+    residual = [
+        Trace(t, free * (run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"])[rows], name, colour=colour)
+        for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True)
+    ]
+    confidence = over_time(run, "confidence (1)", [Curve("diagnosis.confidence", colour=BLUE)], rows, (0.0, 1.18))
+    threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
+    found = Trace(t, run["diagnosis.found"][rows], kind="steps", colour=BAD, width=2.0)
+    panels = [
+        Panel(Axis(TIME), Axis("torque residual\n(N m)"), residual, marks=marks),
+        Panel(confidence.x, confidence.y, confidence.traces, marks=[*marks, Mark("y", threshold, "needed", BAD)]),
+        probes(run, rows),
+        Panel(Axis(TIME), Axis("faults found (1)", (-0.1, max(float(found.y.max()), 1.0) + 0.1)), [found], marks=marks),
+    ]
+    caption = "Residual: estimated less true disturbance torque, which is thrust that never came; left out while the parachute pulls."
+    return stacked(key, title, panels, caption, 150)
+
+
+def probes(run: Run, rows: np.ndarray) -> Panel:
+    """When which thruster was shut off to see whether it is the one: a lane for each that was."""
+    suspect = run["diagnosis.suspect"][rows]
+    lanes = sorted({int(number) for number in suspect if number >= 0.0})
+    names = [str(run.scenario["vehicle"]["rcs"]["thrusters"][number]["name"]) for number in lanes]
+    traces = [
+        Trace(run.t[rows], np.where(suspect == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
+        for lane, number in enumerate(lanes)
+    ]
+    return Panel(Axis(TIME), Axis("under probe", names=names), traces, marks=event_marks(run, run.t[rows]), weight=0.25 + 0.15 * len(lanes))

@@ -1,0 +1,170 @@
+"""Two flights in one report: their figures side by side, what their scenarios differ in, and every plot of one over the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.document import Block, Cell, Report, Section, Table, Text
+from edl6dof.report.figure import Figure, Panel, Trace
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.flight.words import mood, verdict
+from edl6dof.runs.run import Run
+
+#: Brightness of the second flight's dashed curves, which lie over the first's full ones.
+DARKER = 0.45
+
+
+def comparison_report(first: Run, second: Run) -> Report:
+    """The report of two runs."""
+    names = labels(first, second)
+    one, two = flight_report(first), flight_report(second)
+    of_second = {figure.key: figure for figure in two.figures()}
+    sections = [
+        Section("outcomes", "Outcomes", [outcomes(first, second)]),
+        Section("figures", "Figures", [figures_table(first, second)]),
+        Section("events", "Events", [events_table(first, second)]),
+        Section("differences", "Differences of the scenarios", [differences_table(first, second)]),
+    ]
+    for section in one.sections:
+        both: list[Block] = [
+            overlaid(block, of_second[block.key], names) for block in section.blocks if isinstance(block, Figure) and block.key in of_second
+        ]
+        if both:
+            sections.append(Section(f"plots_{section.key}", section.title, both))
+    footer = (
+        f"1: {first.folder}, scenario {first.summary['scenario_sha256']}; 2: {second.folder}, scenario {second.summary['scenario_sha256']}"
+    )
+    worst = max((mood(run.summary) for run in (first, second)), key=("good", "warn", "bad").index)
+    words = f"1: {verdict(first)}; 2: {verdict(second)}"
+    return Report(f"{names[0]} and {names[1]}", words, worst, "Two flights compared", (), sections, footer)
+
+
+def labels(first: Run, second: Run) -> tuple[str, str]:
+    """Names that tell the runs apart: of their folders, or numbers when even these agree."""
+    one, two = (run.folder.resolve().name for run in (first, second))
+    return (one, two) if one != two else (f"{one} (1)", f"{two} (2)")
+
+
+def outcomes(first: Run, second: Run) -> Table:
+    """How both ended."""
+    rows = [
+        [name, Cell(str(run.summary["outcome"]), mood(run.summary)), f"{run.summary['time_s']:.2f}", run.summary["edl6dof_version"]]
+        for name, run in zip(labels(first, second), (first, second), strict=True)
+    ]
+    return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
+
+
+def figures_table(first: Run, second: Run) -> Table:
+    """Every figure of either flight, and the difference."""
+    one, two = first.summary["figures"], second.summary["figures"]
+    rows = []
+    for name in dict.fromkeys([*one, *two]):
+        figure = figure_of_merit(name)
+        rows.append([figure.meaning, figure.unit.label, *_numbers(one.get(name), two.get(name))])
+    return Table(["figure", "unit", *(f"{label}>" for label in labels(first, second)), "difference>"], rows)
+
+
+def events_table(first: Run, second: Run) -> Table:
+    """When the same things happened; of repeated events the first, second, ... are compared."""
+    one, two = _numbered(first.events), _numbered(second.events)
+    rows = []
+    for key in sorted({**one, **two}, key=lambda key: min(events[key][0] for events in (one, two) if key in events)):
+        t1, t2 = (events[key][0] if key in events else None for events in (one, two))
+        rows.append([(one.get(key) or two[key])[1], *_numbers(t1, t2)])
+    return Table(["event", *(f"{label} (s)>" for label in labels(first, second)), "difference (s)>"], rows)
+
+
+def differences_table(first: Run, second: Run) -> Table | Text:
+    """Dotted paths whose values differ."""
+    one, two = dict(_leaves(first.scenario)), dict(_leaves(second.scenario))
+    rows = [
+        [path, *(_shown(values[path]) if path in values else "-" for values in (one, two))]
+        for path in dict.fromkeys([*one, *two])
+        if one.get(path, _leaves) != two.get(path, _leaves)
+    ]
+    return Table(["parameter", *labels(first, second)], rows) if rows else Text("The scenarios are the same.")
+
+
+def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
+    """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and marks are the first's."""
+    panels = [_both(panel, second.panels[k] if k < len(second.panels) else None, names) for k, panel in enumerate(first.panels)]
+    return replace(first, panels=panels)
+
+
+def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
+    if two is None or one.heat is not None:
+        return replace(one, title=f"{names[0]} only") if one.heat is not None else one
+    mine = [_named(trace, names[0]) for trace in one.coloured()]
+    other = [
+        replace(_named(trace, names[1]), dash="dash" if trace.dash == "solid" else "dot", colour=darker(trace.colour), labels=(), width=1.3)
+        for trace in two.coloured()
+        if not trace.border
+    ]
+    ranges = [
+        None if axis.range is None or axis.names else widest(axis.range, beside.range) for axis, beside in ((one.x, two.x), (one.y, two.y))
+    ]
+    x, y = (replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True))
+    return replace(one, x=x, y=y, traces=[*mine, *other])
+
+
+def widest(one: tuple[float, float], two: tuple[float, float] | None) -> tuple[float, float]:
+    """The range that holds both, in the direction of the first."""
+    low, high = min(*one, *(two or one)), max(*one, *(two or one))
+    return (low, high) if one[0] <= one[1] else (high, low)
+
+
+def darker(colour: str) -> str:
+    """A colour mixed with black."""
+    parts = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return "#" + "".join(f"{round(part * DARKER):02x}" for part in parts)
+
+
+def _named(trace: Trace, flight: str) -> Trace:
+    if trace.border or trace.kind == "points":
+        return trace
+    return replace(trace, name=f"{trace.name}, {flight}" if trace.name else flight)
+
+
+def _numbers(one: float | None, two: float | None) -> list[str]:
+    """Both values with five digits, or whole, and the difference."""
+    given = [math.nan if value is None else float(value) for value in (one, two)]
+    size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
+    whole = all(value.is_integer() for value in given if math.isfinite(value))
+    places = 0 if whole else min(max(4 - math.floor(math.log10(size)), 0), 6)
+    shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
+    change = given[1] - given[0]
+    return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]
+
+
+def _numbered(events: list[dict[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:
+    found: dict[tuple[str, int], tuple[float, str]] = {}
+    for event in events:
+        count = sum(key == event["key"] for key, _ in found)
+        name = (
+            event["name"]
+            if event["key"] not in ("bank_reversal", "end")
+            else {"bank_reversal": "bank reversal", "end": "end"}[event["key"]]
+        )
+        found[event["key"], count] = (float(event["t_s"]), name + (f" {count + 1}" if count else ""))
+    return found
+
+
+def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted paths and values of nested data; a list of numbers is one value."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _leaves(item, f"{path}.{key}" if path else str(key))
+    elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
+        for index, item in enumerate(value):
+            yield from _leaves(item, f"{path}.{index}")
+    else:
+        yield path, value
+
+
+def _shown(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= 60 else text[:57] + "..."

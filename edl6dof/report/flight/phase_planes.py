@@ -1,0 +1,194 @@
+"""Phase planes: attitude error against rate, with the zones of the controller that flew.
+
+Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first and third quadrants towards
+the origin.  The borders of the zones follow from the gains of the scenario.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.parts import has_signal
+from edl6dof.runs.run import Run
+
+AXES = ("roll", "pitch", "yaw")
+RATES = ("p", "q", "r")
+COLOURS = (BLUE, VERMILION, PURPLE, ORANGE, SKY)
+TITLES = {
+    "phase_plane": "trim angle of attack (three-axis phase plane)",
+    "bank_to_steer": "lift control (bank to steer)",
+    "rate_damping": "under the parachute (rate damping)",
+    "thrust_vector": "powered descent (thrust vector)",
+}
+
+#: Lines and marks of the zones in one panel.
+Border = tuple[list[Trace], list[Mark]]
+
+
+def figures(run: Run) -> Iterator[Figure]:
+    """One figure for each controller that flew; a point mass has none."""
+    if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
+        return
+    phases = run.scenario["mission"]["phases"]
+    flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
+    for name in dict.fromkeys(phase["control"] for phase in phases):
+        indices = [i for i, phase in enumerate(phases) if phase["control"] == name and np.any(flown == i)]
+        if indices and name != "off":
+            yield phase_plane(run, name, [(phases[i]["name"], flown == i) for i in indices])
+
+
+def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
+    """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
+    gains = run.scenario["flight_software"]["control"].get(control, {})
+    rates = control_rates(run, control)
+    panels = []
+    for axis, name in enumerate(AXES):
+        if axis > 0 and not any(np.median(np.abs(run[f"control.error_{name}_deg"][rows])) > 0.0 for _, rows in phases):
+            continue  # damped only: shown in the plane of the two rates below
+        traces = [
+            Trace(run[f"control.error_{name}_deg"][rows], rates[axis][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+            for k, (phase, rows) in enumerate(phases)
+        ]
+        word = "bank" if control == "bank_to_steer" and axis == 0 else name
+        panels.append(_panel(word, traces, *borders(control, gains, axis)))
+    if len(panels) == 1:
+        panels.append(_damped(control, gains, rates, phases))
+    caption = "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part and the nearest borders, "
+    caption += "which are drawn for the gains at bandwidth 1."
+    title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
+    return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
+
+
+def _damped(control: str, gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]) -> Panel:
+    """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it leaves alone."""
+    traces = [
+        Trace(rates[1][rows], rates[2][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+        for k, (phase, rows) in enumerate(phases)
+    ]
+    marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(control, gains, 1)[1] for axis in ("x", "y")]
+    x, y = (_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy")
+    return Panel(Axis("pitch rate (deg/s)", x), Axis("yaw rate (deg/s)", y), traces, marks=marks)
+
+
+def _panel(word: str, traces: list[Trace], lines: list[Trace], marks: list[Mark]) -> Panel:
+    spans = [_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy"]
+    x, y = Axis(f"{word} error (deg)", spans[0]), Axis(f"{word} rate (deg/s)", spans[1])
+    zero = [Mark(axis, 0.0, colour="#c3c8cf", dash="solid") for axis in ("x", "y")]
+    return Panel(x, y, [*lines, *traces], marks=[*zero, *marks])
+
+
+def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, float]:
+    """A symmetric range over what was flown and the nearest border beyond it."""
+    size = float(np.nanmax(np.abs(values), initial=0.1))
+    beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
+    reach = 1.12 * max(size, min(beyond, default=0.0))
+    return -reach, reach
+
+
+def control_rates(run: Run, control: str) -> list[np.ndarray]:
+    """The rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
+
+    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest into that about the velocity
+    and the swing of the air angles.
+    """
+    body = np.stack([run[f"truth.rate_{axis}_deg_s"] for axis in RATES])
+    if control not in ("phase_plane", "bank_to_steer"):
+        return list(body)
+    rate = body - path_rate(run)
+    if control == "phase_plane":
+        return list(rate)
+    alpha, beta = (np.radians(run[f"truth.{angle}_deg"]) for angle in ("alpha", "beta"))
+    along = np.stack([np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)])
+    bank = np.sum(rate * along, axis=0)
+    swing = rate - bank * along
+    return [bank, swing[1], swing[2]]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
+def path_rate(run: Run) -> np.ndarray:
+    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the telemetry."""
+    from scipy.spatial.transform import Rotation
+
+    spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
+    position, velocity = (
+        np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1) for name, unit in (("r", "m"), ("v", "m_s"))
+    )
+    velocity = velocity - np.cross([0.0, 0.0, spin], position)
+    # a flight that ended in its first cycle has one row, and no differences
+    acceleration = np.gradient(velocity, run.t, axis=0) if len(run.t) > 1 else np.zeros_like(velocity)
+    turning = np.cross(velocity, acceleration) / np.maximum(np.sum(velocity**2, axis=1), 1.0)[:, None]
+    to_body = Rotation.from_quat(np.stack([run[f"truth.q_I2B_{c}"] for c in "xyzw"], 1)).inv()
+    return np.degrees(to_body.apply(turning)).T
+
+
+def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:
+    """Zone borders of one axis of a controller; none for a controller that is not known here."""
+    found = BORDERS.get(control)
+    try:
+        return found(gains, axis) if found is not None else ([], [])
+    except KeyError:  # other gains under a known name: no borders rather than wrong ones
+        return [], []
+
+
+def zones(gains: Mapping[str, Any]) -> Border:
+    """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
+    error = np.concatenate([np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]])
+    wanted = aimed_rate(gains, error)
+    line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0, border=True)
+    marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
+    return [line], [*marks, *_pair("y", 1.15 * gains["rate_deg_s"])]
+
+
+def aimed_rate(gains: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
+    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et al. 2022, section 4.1.
+
+    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant deceleration.
+    """
+    inner = gains["proportional"] / gains["derivative"] * gains["near_deg"]
+    parabola = np.sqrt(inner**2 + 2.0 * gains["deceleration_deg_s2"] * (error - gains["near_deg"]))
+    return np.minimum(np.where(error > gains["far_deg"], gains["rate_deg_s"], parabola), gains["rate_deg_s"])
+
+
+def switching(gains: Mapping[str, Any]) -> Border:
+    """Where the phase-plane law begins to fire, on both sides."""
+    rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
+    error = firing_error(gains, rate)
+    lines = [Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0, border=True) for sign in (1.0, -1.0)]
+    return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
+
+
+def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
+    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source: Hu et al. 2022, section 3."""
+    return gains["deadband_deg"] + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"]) + gains["lead_s"] * rate
+
+
+def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:
+    if axis == 0:
+        return zones(gains["bank"])
+    return [], [*_pair("x", gains["angle_limit_deg"]), *_pair("y", gains["rate_deadband_deg_s"])]
+
+
+def _rate_damping(gains: Mapping[str, Any], axis: int) -> Border:
+    return zones(gains["roll"]) if axis == 0 else ([], _pair("y", gains["rate_deadband_deg_s"]))
+
+
+def _mirrored(values: np.ndarray) -> np.ndarray:
+    """A curve and its image through the origin, with a gap between them."""
+    return np.concatenate([-values[::-1], [np.nan], values])
+
+
+def _pair(axis: str, at: float) -> list[Mark]:
+    return [Mark("x" if axis == "x" else "y", sign * at, colour=GREY) for sign in (-1.0, 1.0)]
+
+
+#: Borders by the name of the controller.
+BORDERS: dict[str, Callable[[Mapping[str, Any], int], Border]] = {
+    "phase_plane": lambda gains, axis: switching(gains),
+    "bank_to_steer": _bank_to_steer,
+    "rate_damping": _rate_damping,
+    "thrust_vector": lambda gains, axis: zones(gains["roll" if axis == 0 else "pitch_yaw"]),
+}

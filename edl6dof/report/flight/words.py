@@ -1,0 +1,155 @@
+"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration and software."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from edl6dof.config.base import STATUS_MARKS
+from edl6dof.config.document.yamltree import parse_yaml
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Table, Text
+from edl6dof.report.terminal import aligned_pair, comparison
+from edl6dof.runs.run import Run
+
+#: Figure and format of what is shown at a glance.
+_FACTS = (
+    ("touchdown_s", ".1f"),
+    ("landing_distance_m", ",.0f"),
+    ("touchdown_vertical_m_s", ".2f"),
+    ("touchdown_tilt_deg", ".2f"),
+    ("peak_load_g0", ".2f"),
+    ("peak_dynamic_pressure_pa", ",.0f"),
+    ("peak_heat_flux_w_cm2", ".1f"),
+    ("parachute_mach", ".2f"),
+    ("propellant_used_kg", ".1f"),
+)
+
+
+#: A published bound that was kept or not; other differences are neither good nor bad.
+_KEPT: dict[bool | None, Mood] = {True: "good", False: "warn", None: "plain"}
+
+
+def mood(summary: Mapping[str, Any]) -> Mood:
+    """Good within limits, a warning when it got through outside them, bad otherwise."""
+    if summary["success"]:
+        return "good"
+    return "warn" if summary.get("reached_goal") else "bad"
+
+
+def verdict(run: Run) -> str:
+    """How the flight ended."""
+    return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
+
+
+def facts(run: Run) -> list[Fact]:
+    """Figures at a glance; those under a limit take its colour."""
+    figures = run.summary["figures"]
+    missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
+    return [
+        Fact(figure.meaning, f"{value:{form}} {figure.unit.label}".strip(), "bad" if figure.meaning in missed else "plain")
+        for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
+        if (value := figures.get(figure.name)) is not None
+    ]
+
+
+def judged(run: Run) -> Iterator[Block]:
+    """Limits and published figures, as far as there are any."""
+    of_limits, of_published = limits(run), published(run)
+    yield of_limits if of_limits.rows else Text("The flight reached no point that a limit judges.")
+    if of_published.rows:
+        yield of_published
+
+
+def limits(run: Run) -> Table:
+    """Each limit with the share of it that was used."""
+    rows = []
+    for limit in run.summary["limits"]:
+        value = math.nan if limit["value"] is None else float(limit["value"])
+        shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
+        share = value / float(limit["limit"])
+        used = Cell(
+            "-" if math.isnan(share) else f"{100.0 * share:.0f} %", "good" if limit["ok"] else "bad", share if share == share else None
+        )
+        rows.append(
+            [limit["name"], limit["unit"], shown, f"≤ {allowed}", used, Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad")))]
+        )
+    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
+
+
+def published(run: Run) -> Table:
+    """This flight's figures beside the published ones, whatever the difference."""
+    found = comparison(run.summary["figures"], run.summary["published"])
+    rows = [[row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])] for row in found]
+    return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
+
+
+def _sign(bound: str) -> str:
+    """A bound with the sign of print."""
+    return bound.replace("<=", "≤").replace(">=", "≥").replace("+-", "±")
+
+
+def subtitle(run: Run) -> str:
+    """Description of the scenario, and what was made to fail."""
+    faults = [f"{event['name']} at {event['t_s']:.1f} s" for event in run.events if event["key"] == "fault"]
+    return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
+
+
+def timeline(run: Run) -> Table:
+    """Events in order of time."""
+    rows = []
+    for event in run.events:
+        height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
+        name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
+        state = (
+            f"{height:,.0f}" if height is not None else "",
+            f"{speed:,.1f}" if speed is not None else "",
+            f"{mach:.2f}" if mach is not None else "",
+        )
+        rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
+    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows)
+
+
+def configuration(run: Run) -> Iterator[Block]:
+    """The resolved scenario by its sections, each with the count of its status marks."""
+    tree = parse_yaml(run.scenario_text, "scenario.yaml")
+    counts: dict[str, Counter[str]] = {}
+    for path, status in tree.status.items():
+        counts.setdefault(path.partition(".")[0], Counter())[status] += 1
+    total = sum(counts.values(), Counter())
+    letters = {status: letter for letter, status in STATUS_MARKS.items()}
+    yield Text(
+        "The scenario as it was flown, every default written out. Marks say what kind of claim a number is: "
+        + ", ".join(f"[{letters[status]}] {status} ({total[status]})" for status in letters if total[status])
+        + "."
+    )
+    lines = run.scenario_text.splitlines()
+    starts = [i for i, line in enumerate(lines) if line and line[0] not in " #-"] + [len(lines)]
+    loose: list[str] = []
+    for start, end in zip(starts, starts[1:], strict=False):
+        key, text = lines[start].partition(":")[0], "\n".join(lines[start:end])
+        if end - start == 1:
+            loose.append(text)
+            continue
+        count = counts.get(key, Counter())
+        note = ", ".join(f"{count[status]} {status}" for status in letters if count[status])
+        yield Listing(key.replace("_", " "), text, note)
+    if loose:
+        yield Listing("name and seed", "\n".join(loose))
+
+
+def software(run: Run) -> Table:
+    """What flew it and what wrote this."""
+    from edl6dof import __version__
+
+    rows = [
+        ["flown by", f"edl6dof {run.summary['edl6dof_version']}"],
+        ["report by", f"edl6dof {__version__}, Python {platform.python_version()}"],
+        ["scenario", f"{run.name}, seed {run.summary['seed']}"],
+        ["SHA-256 of the resolved scenario", run.summary["scenario_sha256"]],
+        ["telemetry", f"{len(run.t):,} rows, {len(run) - 1} channels, {run.t[0]:.2f} to {run.t[-1]:.2f} s"],
+    ]
+    return Table(["what", "which"], rows, "Software and data")

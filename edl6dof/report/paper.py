@@ -1,0 +1,230 @@
+"""A report by matplotlib: the figures for papers, one PNG each, or all as vector pages of one PDF behind a page of words and tables."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from edl6dof.report.document import Cell, Report, Table
+from edl6dof.report.figure import BAD, GOOD, GREY, SEQUENTIAL, WARN, Axis, Figure, Panel, Trace, thinned
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+#: Width of a figure across the text of an A4 page, in.
+WIDTH = 7.0
+PIXELS_PER_INCH = 1000.0 / WIDTH
+A4 = (8.27, 11.69)
+ROWS_PER_PAGE = 58
+STYLE: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "axes.edgecolor": GREY,
+    "axes.linewidth": 0.7,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e3e6ea",
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.fontsize": 7.5,
+    "xtick.color": "#1f2933",
+    "ytick.color": "#1f2933",
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+    "path.simplify": True,
+}
+_DASHES: dict[str, Any] = {"solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2))}
+_SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^", "triangle-down": "v"}
+#: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
+_BESIDE: tuple[dict[str, Any], ...] = (
+    {"xytext": (0, 4), "ha": "center", "va": "bottom"},
+    {"xytext": (0, -4), "ha": "center", "va": "top"},
+    {"xytext": (5, 0), "ha": "left", "va": "center"},
+    {"xytext": (-5, 0), "ha": "right", "va": "center"},
+)
+_MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
+
+
+def write_pdf(report: Report, path: Path) -> None:
+    """Verdict and tables on A4 pages, then every figure on a page of its own size."""
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        from matplotlib.backends.backend_pdf import PdfPages
+
+        with PdfPages(path, metadata={"Title": report.title, "Subject": report.verdict, "CreationDate": None}) as pages:
+            for canvas in _word_pages(report):
+                pages.savefig(canvas)
+            for figure in report.figures():
+                pages.savefig(draw(figure))
+
+
+def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
+    """One figure in the form that the ending of the path names."""
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        draw(figure).savefig(path, dpi=dpi)
+
+
+def draw(figure: Figure) -> Canvas:
+    """The figure on a canvas as wide as the text of a page."""
+    from matplotlib.figure import Figure as Canvas
+
+    weights = [panel.weight for panel in figure.panels[:: figure.columns]]
+    height = (figure.height * sum(weights) + 60.0 * figure.rows + 20.0) / PIXELS_PER_INCH
+    canvas = Canvas(figsize=(WIDTH, height), layout="constrained")
+    canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
+    grid = canvas.add_gridspec(figure.rows, figure.columns, height_ratios=weights)
+    named: dict[str, Artist] = {}
+    for index, panel in enumerate(figure.panels):
+        axes = canvas.add_subplot(grid[divmod(index, figure.columns)])
+        x, y = figure.spans(index)
+        _panel(axes, panel, x, y, named)
+        if not figure.share_x or index + figure.columns >= len(figure.panels):
+            axes.set_xlabel(panel.x.title)
+        else:
+            axes.tick_params(labelbottom=False)
+    if len(named) > 1:
+        widest = max(len(name) for name in named)
+        canvas.legend(named.values(), named.keys(), loc="outside lower left", ncols=max(min(len(named), 110 // (widest + 9)), 1))
+    return canvas
+
+
+def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Artist]) -> None:
+    axes.set(title=panel.title, ylabel=panel.y.title)
+    if panel.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.update_datalim(list(zip(x, y, strict=True)))  # room for the words at points
+    else:
+        _scale(axes, "x", panel.x, x)
+        _scale(axes, "y", panel.y, y)
+    for band in panel.bands:
+        (left, right), (low, high) = (band.bounds("x", x) or x), (band.bounds("y", y) or y)
+        edge = band.colour if band.outline else "none"
+        axes.fill_between(
+            [left, right],
+            low,
+            high,
+            facecolor=band.colour,
+            edgecolor=edge,
+            alpha=band.opacity,
+            linewidth=0.8,
+            zorder=0.5 if panel.heat is None else 2.0,
+        )
+        if band.label:
+            axes.annotate(band.label, (right, high), (-2, -2), textcoords="offset points", ha="right", va="top", color=GREY, fontsize=7)
+    for mark in panel.marks:
+        style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
+        if mark.axis == "x":
+            axes.axvline(mark.at, **style)
+            place = {"xy": (mark.at, 0.98), "xycoords": ("data", "axes fraction"), "rotation": 90, "va": "top"}
+        else:
+            axes.axhline(mark.at, **style)
+            place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data"), "va": "bottom"}
+        if x[0] <= mark.at <= x[1] if mark.axis == "x" else y[0] <= mark.at <= y[1]:
+            axes.annotate(mark.label, ha="right", color=mark.colour, fontsize=6.5, **place)
+    if panel.heat is not None:
+        _heat(axes, panel)
+    for trace in panel.coloured():
+        artist = _trace(axes, thinned(trace, 1500))
+        if trace.name and trace.legend:
+            named.setdefault(trace.name, artist)
+
+
+def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> None:
+    if axis.log:
+        axes.set(**{f"{which}scale": "log"})
+    axes.set(**{f"{which}lim": span})
+    if axis.names:
+        axes.set(**{f"{which}ticks": range(len(axis.names)), f"{which}ticklabels": axis.names})
+        axes.grid(False, axis=which)
+
+
+def _trace(axes: Axes, trace: Trace) -> Artist:
+    beside = cycle(_BESIDE)
+    for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
+        axes.annotate(words, (x, y), fontsize=6.5, color=trace.colour, textcoords="offset points", **next(beside))
+    if trace.kind == "bars":
+        width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
+        return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
+    if trace.kind == "points":
+        size = (2.4 + 1.3 * trace.width) ** 2
+        style = {"marker": _SYMBOLS.get(trace.symbol, "o"), "linewidths": 0.3, "edgecolors": "white", "zorder": 3}
+        return axes.scatter(trace.x, trace.y, s=size, color=trace.colour, **style)
+    if trace.kind == "region":
+        return axes.fill(trace.x, trace.y, facecolor=trace.colour, alpha=0.13, linewidth=0.0)[0]
+    draw = "steps-post" if trace.kind == "steps" else "default"
+    dash = _DASHES[trace.dash]
+    return axes.plot(trace.x, trace.y, color=trace.colour, linewidth=0.62 * trace.width, linestyle=dash, drawstyle=draw)[0]
+
+
+def _heat(axes: Axes, panel: Panel) -> None:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    heat = panel.heat
+    scale = LinearSegmentedColormap.from_list("sequential", SEQUENTIAL)
+    cells = axes.pcolormesh(heat.x, heat.y, heat.values, cmap=scale, vmin=heat.low, vmax=heat.high, shading="nearest", rasterized=True)
+    axes.grid(False)
+    axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
+
+
+def _word_pages(report: Report) -> Iterator[Canvas]:
+    """A4 pages with title, verdict, facts and all tables."""
+    from matplotlib.figure import Figure as Canvas
+
+    lines = list(_lines(report))
+    for start in range(0, len(lines), ROWS_PER_PAGE):
+        canvas = Canvas(figsize=A4)
+        for row, cells in enumerate(lines[start : start + ROWS_PER_PAGE]):
+            for x, align, words, style in cells:
+                canvas.text(0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE, words, ha=align, va="top", **style)
+        yield canvas
+
+
+Words = tuple[float, str, str, dict[str, Any]]
+
+
+def _lines(report: Report) -> Iterator[list[Words]]:
+    """Lines of the word pages: each a list of (place 0..1, alignment, text, style)."""
+    small = {"fontsize": 7.5}
+    yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
+    yield []
+    yield [(0.0, "left", report.subtitle, {"fontsize": 9, "color": GREY})]
+    yield [(0.0, "left", report.verdict, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})]
+    yield []
+    for first in range(0, len(report.facts), 4):
+        facts = list(enumerate(report.facts[first : first + 4]))
+        yield [(k / 4, "left", fact.value, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[fact.mood]}) for k, fact in facts]
+        yield [(k / 4, "left", fact.label, {**small, "color": GREY}) for k, fact in facts]
+        yield []
+    for section in report.sections:
+        for table in (block for block in section.blocks if isinstance(block, Table)):
+            yield [(0.0, "left", table.caption or section.title, {"fontsize": 9, "fontweight": "bold"})]
+            yield from _table_lines(table)
+            yield []
+    for line in textwrap.wrap(report.footer, 130):
+        yield [(0.0, "left", line, {**small, "color": GREY})]
+
+
+def _table_lines(table: Table) -> Iterator[list[Words]]:
+    """Columns as wide as their longest text."""
+    rows = [[item if isinstance(item, Cell) else Cell(item) for item in row] for row in table.rows]
+    widths = [max([len(head.rstrip(">")), *(len(row[k].text) for row in rows)]) + 3 for k, head in enumerate(table.columns)]
+    total = max(sum(widths), 110)
+    starts = np.concatenate([[0], np.cumsum(widths)]) / total
+    right = [column.endswith(">") for column in table.columns]
+    places = [(starts[k + 1] - 2 / total if right[k] else starts[k], "right" if right[k] else "left") for k in range(len(widths))]
+    style = {"fontsize": 7.5}
+    yield [(*place, head.rstrip(">"), {**style, "color": GREY}) for place, head in zip(places, table.columns, strict=True)]
+    for row in rows:
+        yield [(*place, cell.text, {**style, "color": _MOODS[cell.mood]}) for place, cell in zip(places, row, strict=True)]

@@ -1,0 +1,122 @@
+"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
+
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+#: Mark before a published value that is not simply beside this flight's.
+_MARKS = {"difference": "", "at most": "<= ", "at least": ">= ", "magnitude": "+-"}
+
+
+class Compared(NamedTuple):
+    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a published bound is, if it is one."""
+
+    figure: str
+    unit: str
+    own: str
+    published: str
+    difference: str
+    kept: bool | None
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """What a table shows."""
+        return self[:5]
+
+
+def show_flight(console: Console, flight: Flight) -> None:
+    """Print timeline, the table against the published flight, limits, and last, where the eye is, the verdict."""
+    console.print(timeline_table(flight))
+    if flight.scenario.published:
+        console.print(published_table(flight))
+    if flight.checks:
+        console.print(limits_table(flight))
+    console.print(verdict(flight))
+
+
+def timeline_table(flight: Flight) -> Table:
+    """Events in order of time; what happens inside a phase is indented below it."""
+    table = open_table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
+    for event in flight.events:
+        starts_phase = "phase" in event
+        name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
+        height = event["height_m"]
+        shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
+        speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
+        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", f"{mach:.2f}"
+        table.add_row(f"{event['t_s']:.2f}", *cells)
+    return table
+
+
+def published_table(flight: Flight) -> Table:
+    """This flight's figures beside the published ones, whatever the difference."""
+    table = open_table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
+    for row in comparison(flight.metrics, flight.scenario.published):
+        table.add_row(*row.cells)
+    return table
+
+
+def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[Compared]:
+    """A row for each published figure, compared as the table of figures says."""
+    return [_compared(figure_of_merit(name), figures.get(name), published) for name, published in published_figures.items()]
+
+
+def limits_table(flight: Flight) -> Table:
+    """Limits of the verdict."""
+    table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
+    for check in flight.checks:
+        mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
+        value, limit = aligned_pair(check.value, check.limit, check.ok)
+        table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
+    return table
+
+
+def verdict(flight: Flight) -> Text:
+    """One line: how it ended."""
+    style = "bold green" if flight.success else "bold yellow" if flight.ending.reached else "bold red"
+    return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
+
+
+def open_table(title: str, *columns: str) -> Table:
+    """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in columns:
+        table.add_column(
+            column.rstrip(">"), justify="right" if column.endswith(">") else "left", no_wrap=column.endswith(">"), overflow="fold"
+        )
+    return table
+
+
+def _compared(figure: FigureOfMerit, own: float | None, published: float) -> Compared:
+    places = _published_places(published)
+    head, shown = (figure.meaning, figure.unit.label), f"{_MARKS[figure.comparison]}{published:,.{places}f}"
+    if own is None or not math.isfinite(own):
+        return Compared(*head, "-", shown, "not reached", figure.kept(math.nan, published))
+    more = places if own == round(own) else places + (places < 2)
+    kept = figure.kept(own, published)
+    return Compared(*head, f"{own:,.{more}f}", shown, "kept" if kept else f"{figure.excess(own, published):+,.{more}f}", kept)
+
+
+def _published_places(value: float) -> int:
+    """Decimal places with which a figure was published: as many as it has, and not more than six."""
+    return min(len(repr(float(value)).rstrip("0").partition(".")[2]), 6) if abs(value) >= 1e-4 else 0
+
+
+def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
+    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look kept."""
+    places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
+    while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
+        places += 1
+    return (f"{value:,.{places}f}" if math.isfinite(value) else "-"), f"{limit:,.{places}f}"

@@ -1,0 +1,75 @@
+"""The files of a run that hold its numbers: resolved scenario, telemetry, events, summary."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from edl6dof import __version__
+from edl6dof.config.document.jsontext import json_text
+
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+
+#: Rows written at a time: keeps the memory of writing small beside the telemetry itself.
+ROW_GROUP = 2500
+
+
+def write_run(flight: Flight, folder: Path) -> None:
+    """Write these files into ``folder``, which exists."""
+    (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
+    write_telemetry(flight, folder / "telemetry.parquet")
+    (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
+    (folder / "summary.json").write_text(json_text(summary(flight)), encoding="utf-8")
+
+
+def summary(flight: Flight) -> dict[str, Any]:
+    """Outcome, figures, limits and published figures of a flight, ready for JSON."""
+    return {
+        "name": flight.name,
+        "outcome": flight.outcome,
+        "success": flight.success,
+        "reached_goal": flight.ending.reached,
+        "time_s": flight.time_s,
+        "phase": flight.phase,
+        "edl6dof_version": __version__,
+        "seed": flight.scenario.seed,
+        "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
+        "figures": flight.metrics,
+        "limits": [{"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok} for c in flight.checks],
+        "published": flight.scenario.published,
+    }
+
+
+def write_telemetry(flight: Flight, path: Path) -> None:
+    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # arrow's own allocator keeps what it has freed: 9 MB
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from edl6dof.telemetry.columns import describe
+
+    fields = []
+    for name in flight.telemetry:
+        unit, meaning = describe(name)
+        fields.append(pa.field(name, pa.float64(), metadata={"unit": unit, "meaning": meaning}))
+    metadata = {
+        "edl6dof_version": __version__,
+        "scenario": flight.resolved_scenario,
+        "outcome": flight.outcome,
+        "phases": json.dumps(flight.phase_names),
+    }
+    schema = pa.schema(fields, metadata=metadata)
+    rows = len(flight.log)
+    options = {"compression": "zstd", "use_dictionary": False, "use_byte_stream_split": True}
+    with pq.ParquetWriter(path, schema, **options) as writer:
+        for start in range(0, rows, ROW_GROUP):
+            columns = flight.telemetry.rows(start, start + ROW_GROUP).values()
+            part = [pa.array(np.asarray(values, float)) for values in columns]  # numpy converts: arrow would load all it can compute
+            writer.write_table(pa.Table.from_arrays(part, schema=schema))

@@ -1,0 +1,148 @@
+"""What the flight computer believes: filled from the nominal scenario, blind to dispersions and faults."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
+from edl6dof.environment.gas import GAS
+from edl6dof.fsw.check_out import fill_check_out
+from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.onboard import NODES, ONBOARD
+from edl6dof.interface.parts import CONFIGURATIONS, PARTS
+from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.scenario.believed_aero import fill_airframe
+from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.site import fill_site
+from edl6dof.spatial.frames import great_circle
+from edl6dof.vehicle.aerodynamics import capsule_coefficients
+from edl6dof.vehicle.mass import lander_dry
+from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Mach number at which the one believed drag and lift coefficient are taken.
+BELIEF_MACH = 15.0
+#: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
+BEYOND = 1000.0
+
+
+def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
+    """What the flight computer believes, shape (1,): nominal models, no perturbation, no wind."""
+    onboard = np.zeros(1, ONBOARD)
+    record = onboard[0]
+    planet = scenario.planet
+    record["planet"]["mu"] = planet.gravity.mu_m3_s2
+    record["planet"]["equatorial_radius"] = planet.equatorial_radius_m
+    record["planet"]["flattening"] = planet.flattening
+    record["planet"]["rotation_rate"] = planet.rotation_rate_rad_s
+    record["planet"]["sutton_graves_constant"] = planet.gas.sutton_graves_constant
+    _believe_atmosphere(record["atmosphere"], scenario, tables)
+    _believe_vehicle(record["vehicle"], scenario, tables)
+    software = scenario.flight_software
+    for name in ("rates", "guidance", "control", "estimation", "diagnosis", "allocation", "modulation"):
+        fill(record[name], getattr(software, name))
+    fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
+    record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
+    fill(record["mission"], scenario.mission)
+    _set_site(record["site"], scenario)
+    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        _plan_entry(onboard, scenario)
+    return onboard
+
+
+def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
+    nominal = np.zeros(1, ATMOSPHERE)
+    quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
+    calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
+    fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
+    gas = np.zeros(1, GAS)
+    fill(gas[0], scenario.planet.gas)
+    altitudes = np.linspace(*_span_of_air(scenario), NODES)
+    record["bottom"], record["top"], record["spacing"] = altitudes[0], altitudes[-1], altitudes[1] - altitudes[0]
+    for i, altitude in enumerate(altitudes):
+        density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], altitude)
+        record["ln_density"][i] = np.log(max(density, 1e-30))
+        record["speed_of_sound"][i] = sound
+
+
+def _span_of_air(scenario: Scenario) -> tuple[float, float]:
+    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the initial state."""
+    air, start = scenario.atmosphere, scenario.initial.altitude_m
+    bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
+    return bottom, max(air.top_m, start + BEYOND)
+
+
+def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
+    vehicle = scenario.vehicle
+    mass = vehicle.mass
+    record["entry_mass"] = mass.entry_kg
+    airframe = record["airframe"]
+    for name in ("drag", "lift", "drag_with_wing"):
+        airframe[name] = 1.0
+    if vehicle.aero.model == "capsule":
+        truth = np.zeros(1, dtype_of(VehicleParams))
+        fill(truth[0], vehicle)
+        alpha = radians(abs(scenario.flight_software.guidance.entry.trim_alpha_deg))
+        capsule = truth[0]["aero"]["capsule"]
+        gas = np.zeros(1, GAS)
+        fill(gas[0], scenario.planet.gas)
+        axial, normal, _, _ = capsule_coefficients(capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha)
+        drag = axial * cos(alpha) + normal * sin(alpha)
+        lift = axial * sin(alpha) - normal * cos(alpha)
+        record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
+        record["lift_to_drag"] = lift / drag
+        fill_airframe(airframe, scenario, tables, float(record["drag_area"]), float(record["lift_to_drag"]))
+    elif vehicle.aero.model == "lift_drag":
+        record["drag_area"] = vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
+        record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
+    for index, gone in enumerate(CONFIGURATIONS):
+        _believe_configuration(record["configuration"][index], scenario, gone)
+    engine, believed = vehicle.engine, record["engine"]
+    believed["full_thrust"], believed["throttle_min"] = engine.full_thrust_n, engine.throttle_min_n
+    believed["throttle_max"], believed["ignition_delay"] = engine.throttle_max_n, engine.ignition_delay_s
+    believed["specific_impulse"] = engine.full_specific_impulse_s
+    record["n_thrusters"] = len(vehicle.rcs.thrusters)
+    for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
+        slot["position"], slot["direction"] = jet.position_m, jet.direction
+        slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
+        slot["specific_impulse"] = jet.specific_impulse_s
+        slot["group"] = THRUSTER_GROUPS.index(jet.group)
+
+
+def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str, ...]) -> None:
+    """Mass, centre and principal inertia of the loaded vehicle without the parts that are gone."""
+    mass = scenario.vehicle.mass
+    total, _, centre = lander_dry(mass)
+    bodies = [(total, np.asarray(centre), lander_dry(mass)[1])]
+    for name in (*PARTS, "propellant"):
+        part = getattr(mass, name)
+        if name not in gone:
+            bodies.append((part.mass_kg, np.asarray(part.centre_m), np.diag(part.inertia_kg_m2)))
+    whole = sum(m for m, _, _ in bodies)
+    middle = sum(m * c for m, c, _ in bodies) / whole
+    inertia = sum(j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle)) for m, c, j in bodies)
+    record["mass"], record["centre"], record["inertia"] = whole, middle, np.diag(inertia)
+
+
+def _set_site(record: np.void, scenario: Scenario) -> None:
+    fill_site(record["frame"], scenario)
+    terrain = scenario.terrain
+    record["latitude"], record["longitude"] = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    record["elevation"] = terrain.site_elevation_m
+    record["aim_latitude"], record["aim_longitude"] = scenario.aim_point
+
+
+def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
+    """Solve the reference trajectory from entry interface to the aim point, and what the chosen law plans from it."""
+    initial, entry = scenario.initial, scenario.flight_software.guidance.entry
+    site = onboard["site"][0]
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    arc, _ = great_circle(sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"]))
+    start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
+    fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
+    law = ENTRY_LAWS.member(entry.law)
+    if law.plan is not None:
+        law.plan(onboard, start)

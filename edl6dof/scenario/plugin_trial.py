@@ -1,0 +1,76 @@
+"""Compile a plugin's kernels alone, before the whole simulator with them in it: one line instead of a compiler's page."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba.core.errors import NumbaError
+
+from edl6dof import plugins
+from edl6dof.config.document.locate import shown
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.registry import Member
+
+_FAMILIES = {"entry_law": ENTRY_LAWS, "reversal": REVERSALS, "powered_law": POWERED_LAWS, "controller": CONTROLLERS}
+
+#: What a kernel of each role must return, and whether a value is that.
+_RETURNS = {
+    "entry_law": ("a bank angle (float)", lambda value: isinstance(value, float)),
+    "reversal": ("a side, 1.0 or -1.0", lambda value: isinstance(value, float)),
+    "powered_law": (
+        "four numbers: acceleration north, east, up, and tilt limit",
+        lambda value: isinstance(value, tuple) and len(value) == 4,
+    ),
+    "controller": ("nothing", lambda value: value is None),
+}
+
+
+@cache
+def try_out() -> None:
+    """Run every kernel of every active plugin once, on records of zeros.
+
+    Raises:
+        ConfigError: a kernel does not compile, fails, or returns something else than its family wants.
+    """
+    for path, (key, member) in plugins.ACTIVE.items():
+        for role, arguments in plugins.FAMILIES[key][1].items():
+            if complaint := _complaint(key, member, role, arguments):
+                raise ConfigError([Problem(shown(path), 0, 0, role, complaint)])
+
+
+def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
+    try:
+        value = member.kernels[role](*(_argument(name, key) for name in arguments))
+    except NumbaError as error:
+        return f"does not compile: {_first_cause(str(error))}"
+    except KeyError as error:  # how numba reports an unknown field of a record
+        return f"uses a field that its records do not have: {error}"
+    except Exception as error:  # what the user's own code raises
+        return f"fails on records of zeros: {type(error).__name__}: {error}"
+    words, fits = _RETURNS[key]
+    return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
+
+
+def _argument(name: str, key: str) -> Any:
+    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0}
+    records = {"onboard": ONBOARD, "nav": NAV, "out": GUIDE, "guide": GUIDE, "fsw": FSW, "mem": _FAMILIES[key].memory}
+    return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
+
+
+def _first_cause(text: str) -> str:
+    """The telling line of a numba error, and the line of the file it speaks of."""
+    lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("Failed in")]
+    place = re.search(r'File "([^"]*)", line (\d+)', text)
+    where = f" (line {place[2]} of {Path(place[1]).name})" if place else ""
+    return re.sub(r"Record\([^ ]*.*?\)(?=\s|$)", "record", lines[0])[:300] + where if lines else "no reason given"

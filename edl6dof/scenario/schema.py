@@ -1,0 +1,311 @@
+"""The scenario file: planet, environment, vehicle, initial state, flight software, mission, limits."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import cos, radians
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import field_validator, model_validator
+
+from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
+from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.source import Document, read_document, resolve_scenario
+from edl6dof.config.errors import ConfigError, Inconsistent, Problem
+from edl6dof.config.validate import validate
+from edl6dof.environment.atmosphere import AtmosphereParams
+from edl6dof.environment.planet import PlanetParams
+from edl6dof.environment.terrain import TerrainParams
+from edl6dof.environment.wind import WindParams
+from edl6dof.fsw.check_out import check_out_problems
+from edl6dof.fsw.mission.phases import MissionParams
+from edl6dof.fsw.onboard import FlightSoftwareParams
+from edl6dof.interchange.vehicle import expand_daveml
+from edl6dof.interface.capacities import MAX_FAULTS
+from edl6dof.metrics.figures import published_problems
+from edl6dof.plugins import require
+from edl6dof.scenario.data_files import file_problems
+from edl6dof.scenario.initial import InitialState
+from edl6dof.scenario.plugin_trial import try_out
+from edl6dof.sensors.perfect import SensorParams
+from edl6dof.vehicle.faults import FaultParams, fault_problems
+from edl6dof.vehicle.point_mass import PointMassParams
+from edl6dof.vehicle.vehicle import VehicleParams
+
+_FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
+#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark of what is unfinished.
+_LONGEST_NAME = 150
+
+
+class SimulationParams(Params):
+    """Integration, logging and when to stop."""
+
+    step_s: float = param(0.01, "integration step", ge=1e-4, le=0.1)
+    log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
+    time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
+    settle_s: float = param(3.0, "time flown on after first ground contact", ge=0.0, le=60.0)
+
+
+class LimitParams(Params):
+    """What counts as landed within limits, and what ends a flight."""
+
+    touchdown_vertical_m_s: float = param(3.6, "vertical speed at first contact", status="estimate", gt=0.0)
+    touchdown_horizontal_m_s: float = param(1.0, "horizontal speed at first contact", status="estimate", gt=0.0)
+    touchdown_tilt_deg: float = param(4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0)
+    touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
+    slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
+    landing_distance_m: float = param(
+        28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0
+    )
+    entry_load_g0: float | None = param(None, "peak load before the ground", status="estimate", record=False, gt=0.0)
+    entry_dynamic_pressure_pa: float | None = param(None, "peak dynamic pressure", status="estimate", record=False, gt=0.0)
+    entry_heat_flux_w_cm2: float | None = param(None, "peak heat flux at the stagnation point", status="estimate", record=False, gt=0.0)
+    parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
+    parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
+    parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
+    backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
+    backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
+    skip_out_m: float = param(
+        5000.0, "height above the initial altitude at which a flight that should land has skipped out", status="estimate", gt=0.0
+    )
+    crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
+    body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0)
+    total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)
+
+
+class Scenario(Params):
+    """Everything one flight needs."""
+
+    name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
+    description: str = param("", "what it shows", record=False)
+    plugins: list[str] = param(
+        None, "Python files beside the scenario whose laws it may choose: they run as your own code", record=False, factory=list
+    )
+    seed: int = param(1, "seed of all random profiles", record=False, ge=0)
+    profile: int = param(0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0)
+    planet: PlanetParams = section("planet, by name or in full")
+    atmosphere: AtmosphereParams = group(AtmosphereParams, "atmosphere")
+    wind: WindParams = group(WindParams, "wind")
+    terrain: TerrainParams = section("landing site and ground")
+    vehicle: VehicleParams = section("vehicle, by file or in full")
+    initial: InitialState = section("initial state")
+    dynamics: Literal["six_dof", "point_mass"] = param(
+        "six_dof", "rigid body, or a point mass whose bank angle follows the command down to the parachute", record=False
+    )
+    point_mass: PointMassParams = group(PointMassParams, "used by dynamics point_mass")
+    simulation: SimulationParams = group(SimulationParams, "integration and logging")
+    sensors: SensorParams = group(SensorParams, "sensors")
+    flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
+    mission: MissionParams = group(MissionParams, "mission phases")
+    limits: LimitParams = group(LimitParams, "limits of the verdict")
+    faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
+        None, "what breaks; the flight computer is not told", record=False, factory=list, max_length=MAX_FAULTS
+    )
+    truth: dict[str, Any] = param(
+        None,
+        "dotted paths whose true value differs from what the flight computer was told, such as 'vehicle.mass.entry_kg: 1300'",
+        record=False,
+        factory=dict,
+    )
+    published: dict[str, float] = param(
+        None, "figures of the real flight, shown beside this one's", status="published", record=False, factory=dict
+    )
+
+    @field_validator("name")
+    @classmethod
+    def _names_a_folder(cls, value: str) -> str:
+        if not _FOLDER_NAME.fullmatch(value):
+            raise ValueError(f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})")
+        if (length := len(value.encode())) > _LONGEST_NAME:
+            raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
+        return value
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scenario:
+        problems = {**self.section_problems(), **file_problems(self)}
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def section_problems(self) -> dict[str, str]:
+        """Dotted path to message of values of different sections that do not fit together."""
+        return {
+            **self._cycle_problems(),
+            **self._engine_problems(),
+            **self._sensor_problems(),
+            **self._goal_problems(),
+            **self._phase_problems(),
+            **self._entry_problems(),
+            **published_problems(self.published),
+            **check_out_problems(self.flight_software.check_out, self.thruster_names),
+            **fault_problems(self.faults, self.thruster_names, self.phase_names),
+        }
+
+    def _cycle_problems(self) -> dict[str, str]:
+        cycle = 1.0 / self.flight_software.rates.base_hz
+        steps = cycle / self.simulation.step_s
+        if abs(steps - round(steps)) <= 1e-9 * steps and round(steps) >= 1:
+            return {}
+        message = f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got {self.simulation.step_s:g})"
+        return {"simulation.step_s": message}
+
+    def _engine_problems(self) -> dict[str, str]:
+        engine = self.vehicle.engine
+        if engine.throttle_min_n > engine.throttle_max_n:
+            message = f"must not be above throttle_max_n {engine.throttle_max_n:g} (got {engine.throttle_min_n:g})"
+            return {"vehicle.engine.throttle_min_n": message}
+        if engine.throttle_max_n > engine.full_thrust_n:
+            message = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {engine.throttle_max_n:g})"
+            return {"vehicle.engine.throttle_max_n": message}
+        return {}
+
+    def _sensor_problems(self) -> dict[str, str]:
+        """The flight computer keeps its valve commands for the age of a reading."""
+        delay, oldest = self.sensors.imu.delay_cycles, self.flight_software.rates.control_every
+        if delay <= oldest:
+            return {}
+        message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
+        return {"sensors.imu.delay_cycles": message}
+
+    def _goal_problems(self) -> dict[str, str]:
+        if self.dynamics == "six_dof" or self.mission.goal != "landing":
+            return {}
+        return {"mission.goal": "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got 'landing')"}
+
+    def _phase_problems(self) -> dict[str, str]:
+        problems: dict[str, str] = {}
+        for index, phase in enumerate(self.mission.phases):
+            here = f"mission.phases.{index}"
+            if phase.until is None and phase is not self.mission.phases[-1]:
+                problems[here] = f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
+            triggers = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
+            for below, trigger in {**triggers, "until": phase.until}.items():
+                if trigger is not None and trigger.latest_s < trigger.earliest_s:
+                    message = f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
+                    problems[f"{here}.{below}.latest_s"] = message
+        return problems
+
+    def _entry_problems(self) -> dict[str, str]:
+        """Entry guidance plans from the initial state down to its final speed: there must be something to plan."""
+        final = self.flight_software.guidance.entry.final_speed_m_s
+        if self.initial.speed > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
+            return {}
+        name = "flight_software.guidance.entry.final_speed_m_s"
+        message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
+        given = "speed_m_s" if self.initial.velocity_ned_m_s is None else "velocity_ned_m_s"
+        return {f"initial.{given}": message}
+
+    @property
+    def aim_point(self) -> tuple[float, float]:
+        """Latitude and longitude (rad) that entry guidance steers to."""
+        entry, radius = self.flight_software.guidance.entry, self.planet.equatorial_radius_m
+        latitude, longitude = radians(self.terrain.site_latitude_deg), radians(self.terrain.site_longitude_deg)
+        return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
+
+    @property
+    def thruster_names(self) -> list[str]:
+        """Names of the thrusters in the order of the vehicle file."""
+        return [jet.name for jet in self.vehicle.rcs.thrusters]
+
+    @property
+    def phase_names(self) -> list[str]:
+        """Names of the mission phases in order."""
+        return [phase.name for phase in self.mission.phases]
+
+    @property
+    def phase_roles(self) -> list[str]:
+        """Roles of the mission phases in order."""
+        return [phase.role for phase in self.mission.phases]
+
+    @property
+    def steps_per_cycle(self) -> int:
+        """Integration steps in one base cycle of the flight software."""
+        return round(1.0 / self.flight_software.rates.base_hz / self.simulation.step_s)
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A validated scenario with where it came from.
+
+    Attributes:
+        scenario: the nominal: what the flight computer was told.
+        truth: the same with the ``truth`` section applied: what the plant is built from.
+        document: the files it was read from, with the place and status of every value.
+    """
+
+    scenario: Scenario
+    truth: Scenario
+    document: Document
+
+
+#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and what befalls it.
+TRUE_SECTIONS = (
+    *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
+    *("point_mass", "sensors", "faults", "seed", "profile"),
+)
+#: Parameters in them that no flight depends on.
+_LABELS = re.compile(
+    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+"
+)
+
+
+def truth_problem(path: str) -> str:
+    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such path."""
+    section = path.strip().partition(".")[0]
+    if section not in Scenario.model_fields:
+        return ""
+    if section not in TRUE_SECTIONS:
+        return f"{section} is no part of the true world or vehicle: set it itself; truth may change {', '.join(TRUE_SECTIONS)}"
+    return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
+
+
+def check_document(document: Document) -> LoadedScenario:
+    """Validate a document, and its truth where that differs.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    require(document)
+    try_out()
+    scenario = validate(Scenario, document)
+    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
+    if wrong:
+        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
+    if not scenario.truth:
+        return LoadedScenario(scenario, scenario, document)
+    changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
+    return LoadedScenario(scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document)
+
+
+#: Sections of a scenario file that say how it is flown many times; a single flight does not read them.
+CAMPAIGN_SECTIONS = ("campaign", "sweep")
+
+
+def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Read, override and validate a scenario file, or a shipped scenario by name.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    return load_document(read_document(resolve_scenario(str(name_or_path))), overrides)
+
+
+def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Override and validate a document, without its sections about campaigns.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    overrides = list(overrides)
+    late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
+    if late:
+        raise ConfigError(Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late)
+    for name in CAMPAIGN_SECTIONS:
+        document.data.pop(name, None)
+        document.forget((name,))
+    document = expand_daveml(document)
+    return check_document(expand_daveml(apply_overrides(document, overrides, Scenario)))

@@ -1,0 +1,157 @@
+"""A flight saved in the middle: everything that changes, and the scenario, in one file.
+
+Continuing gives the same bits as flying through: plant, sensors, flight-software memory and the cycle number are copied byte for byte,
+and random profiles follow from the scenario's seed.  Compiled code trusts these records, so whatever a file holds is looked at first.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from edl6dof.config.document.regular import read_regular
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.durable import write_atomic
+from edl6dof.fsw.diagnosis.diagnose import FINDINGS
+from edl6dof.fsw.onboard import FSW
+from edl6dof.records import first_not_finite, out_of_range
+from edl6dof.sensors.perfect import SENSORS
+from edl6dof.vehicle.plant import PLANT
+
+if TYPE_CHECKING:
+    from edl6dof.scenario.schema import Scenario
+
+_RECORDS = {"plant": PLANT, "sensors": SENSORS, "fsw": FSW}
+#: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand.
+_LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 4_000_000
+#: Room for what a ``.npy`` member says of itself before its data.
+_HEADER = 1024
+#: Last base cycle of the longest flight that a scenario may ask for: 20,000 s at 200 Hz.
+_LAST_CYCLE = 4_000_000
+
+
+def layout_hash() -> str:
+    """Hash of the record layouts; a saved state only fits the layout that wrote it."""
+    return hashlib.sha256(repr([(name, dtype.descr) for name, dtype in _RECORDS.items()]).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class State:
+    """State of a flight at the start of a base cycle."""
+
+    cycle: int
+    plant: np.ndarray
+    sensors: np.ndarray
+    fsw: np.ndarray
+    scenario_text: str
+
+    def save(self, path: Path) -> None:
+        """Write to ``path`` atomically."""
+        buffer = io.BytesIO()
+        records = {name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS}
+        np.savez_compressed(
+            buffer,
+            cycle=np.array(self.cycle),
+            scenario=np.frombuffer(self.scenario_text.encode(), dtype=np.uint8),
+            layout=np.frombuffer(layout_hash().encode(), dtype=np.uint8),
+            **records,
+        )
+        write_atomic(path, buffer.getbuffer())
+
+    @classmethod
+    def load(cls, path: Path) -> State:
+        """Read a saved state.
+
+        Raises:
+            ConfigError: the file is missing, is no saved state, was written by another version, or holds values that no flight has; each
+                with the field, the value and what is allowed.
+        """
+        try:
+            with zipfile.ZipFile(io.BytesIO(read_regular(path, _LARGEST_FILE))) as archive:
+                state = _read(archive, path)
+        except OSError as error:
+            raise _problem(path, f"cannot be read: {error.strerror or error}") from None
+        except ConfigError:
+            raise
+        except Exception:  # a broken archive makes its readers raise errors of a dozen kinds
+            raise _problem(path, "is not a state saved by 'edl6dof fly --save-state'") from None
+        if found := [Problem(str(path), 0, 0, *problem) for problem in state._impossible()]:
+            raise ConfigError(found)
+        return state
+
+    def check_fits(self, scenario: Scenario) -> None:
+        """Check that a flight of ``scenario`` can go on from here.
+
+        Raises:
+            ConfigError: the time does not belong to the cycle, or a record numbers a phase or thruster that the scenario does not have.
+        """
+        found = []
+        rate = scenario.flight_software.rates.base_hz
+        if not abs(float(self.plant["t"][0]) - self.cycle / rate) <= 1e-6:
+            message = f"must stay what it was: base cycle {self.cycle} began at t = {float(self.plant['t'][0]):g} s (got {rate})"
+            found.append(("flight_software.rates.base_hz", message))
+        sizes = {"phases": len(scenario.mission.phases), "thrusters": len(scenario.vehicle.rcs.thrusters)}
+        found += self._out_of_range(sizes)
+        if found:
+            raise ConfigError([Problem("(saved state)", 0, 0, path, f"does not fit the scenario: {message}") for path, message in found])
+
+    def _impossible(self) -> Iterator[tuple[str, str]]:
+        """Field and complaint of what no flight has."""
+        if not 0 <= self.cycle <= _LAST_CYCLE:
+            yield "cycle", f"must be 0 .. {_LAST_CYCLE} (got {self.cycle})"
+        yield from self._out_of_range({})
+        for name in _RECORDS:
+            if path := first_not_finite(getattr(self, name)):
+                yield f"{name}.{path}", "must be finite"
+        diagnosis = self.fsw["diagnosis"][0]
+        for index, kind in enumerate(diagnosis["found"]["kind"][: max(diagnosis["n_found"], 0)].tolist()):
+            if kind not in FINDINGS:
+                yield f"fsw.diagnosis.found.kind[{index}]", f"must be one of {', '.join(map(str, FINDINGS))} (got {kind})"
+
+    def _out_of_range(self, sizes: dict[str, int]) -> list[tuple[str, str]]:
+        return [(f"{name}.{path}", words) for name in _RECORDS for path, words in out_of_range(getattr(self, name), sizes)]
+
+
+def _read(archive: zipfile.ZipFile, path: Path) -> State:
+    """The members of a saved state, none of them larger than it can be."""
+    if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
+        raise _problem(path, "was saved by another version of edl6dof whose records differ; fly to that time again")
+    cycle = _member(archive, "cycle", 8)
+    if cycle.shape != () or cycle.dtype != np.dtype("i8"):
+        raise ValueError("cycle is no whole number")
+    records = {}
+    for name, dtype in _RECORDS.items():
+        data = _member(archive, name, dtype.itemsize)
+        if data.shape != (dtype.itemsize,) or data.dtype != np.uint8:
+            raise ValueError(f"{name} is no record")
+        records[name] = np.frombuffer(data.tobytes(), dtype=dtype).copy()
+    try:
+        text = _member(archive, "scenario", _LARGEST_SCENARIO).tobytes().decode()
+    except UnicodeDecodeError as error:
+        raise _problem(path, f"holds a scenario that is not UTF-8 (byte {error.start})") from None
+    return State(int(cycle), scenario_text=text, **records)
+
+
+def _member(archive: zipfile.ZipFile, name: str, largest: int) -> np.ndarray:
+    """One array of the archive, of at most ``largest`` bytes: nothing larger is unpacked."""
+    info = archive.getinfo(f"{name}.npy")
+    if info.file_size > largest + _HEADER:
+        raise ValueError(f"{name} is too large")
+    file = io.BytesIO(archive.read(info))
+    if np.lib.format.read_magic(file) != (1, 0):
+        raise ValueError(f"{name} is of another format")
+    shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+    if dtype.hasobject:
+        raise ValueError(f"{name} holds objects")
+    return np.frombuffer(file.read(), dtype).reshape(shape)
+
+
+def _problem(path: Path, message: str) -> ConfigError:
+    return ConfigError([Problem(str(path), 0, 0, "", message)])
