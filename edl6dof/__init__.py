@@ -26,7 +26,8 @@ def load(name_or_path: str | Path, overrides: Iterable[str] = (), trust: bool = 
     Args:
         name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
         overrides: texts ``"dotted.path=value"``.
-        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other scenario always are.
+        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other
+            scenario always are.
 
     Raises:
         edl6dof.config.errors.ConfigError: with every problem found, each with file, line and key.
@@ -41,7 +42,8 @@ def load(name_or_path: str | Path, overrides: Iterable[str] = (), trust: bool = 
 
 def fly(scenario: LoadedScenario | str | Path, overrides: Iterable[str] = (), **options: Any) -> Flight:
     """Fly a scenario and return the flight; see :func:`edl6dof.sim.flight.fly` for the options."""
-    loaded = load(scenario, overrides) if isinstance(scenario, str | Path) else scenario  # before the flight software is imported
+    # before the flight software is imported
+    loaded = load(scenario, overrides) if isinstance(scenario, str | Path) else scenario
     from edl6dof.sim.flight import fly as fly_scenario
 
     return fly_scenario(loaded, **options)

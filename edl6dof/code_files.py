@@ -1,7 +1,9 @@
-"""Machine code on disk: a file for each function, signature and state of the sources, that several processes may write at once.
+"""Machine code on disk: a file for each function, signature and state of the sources, that several processes
+may write at once.
 
-numba keeps an index beside numbered files; two processes that compile at once can each take a number for something else, and an index
-that was cut short stops the program.  Here the name of a file says what is in it, the file appears whole, and a checksum says whether
+numba keeps an index beside numbered files; two processes that compile at once can each take a number for
+something else, and an index that was cut short stops the program.  Here the name of a file says what is in
+it, the file appears whole, and a checksum says whether
 it still is: what is missing or damaged is compiled again.
 """
 
@@ -28,7 +30,9 @@ class CodeFiles:
     """The files of one function; stands in the place of numba's ``IndexDataCacheFile``."""
 
     def __init__(self, folder: Path, name: str, stamp: str) -> None:
-        """``name``: of the function, unique in the folder; ``stamp``: hash of the sources that its code follows from."""
+        """``name``: of the function, unique in the folder; ``stamp``: hash of the sources that its code
+        follows from.
+        """
         self._folder, self._name = folder, name
         self._fresh = f"{name}.{stamp[:16]}."
 
@@ -37,7 +41,9 @@ class CodeFiles:
         return any(self._files(self._fresh))
 
     def load(self, key: Any) -> Any:
-        """What was saved under a key (signature, processor, hashes); ``None`` when it is not there or damaged."""
+        """What was saved under a key (signature, processor, hashes); ``None`` when it is not there or
+        damaged.
+        """
         path = self._path(key)
         try:
             content = path.read_bytes()
@@ -74,14 +80,21 @@ class CodeFiles:
             path.unlink(missing_ok=True)
 
     def _path(self, key: Any) -> Path:
-        return self._folder / f"{self._fresh}{sha256(repr((numba.__version__, key)).encode()).hexdigest()[:32]}.nbc"
+        return (
+            self._folder
+            / f"{self._fresh}{sha256(repr((numba.__version__, key)).encode()).hexdigest()[:32]}.nbc"
+        )
 
     def _files(self, start: str) -> list[Path]:
         try:
             names = os.listdir(self._folder)
         except OSError:
             return []
-        return [self._folder / name for name in names if name.startswith(start) and name.endswith((".nbc", ".nbi"))]
+        return [
+            self._folder / name
+            for name in names
+            if name.startswith(start) and name.endswith((".nbc", ".nbi"))
+        ]
 
 
 @cache

@@ -1,7 +1,8 @@
 """Less for numba to compile, and fewer interruptions: together a tenth of the time of the first flight ever.
 
-Measured on that flight with an empty cache (CPU seconds, one core): 54.3 without both, 51.5 with one compilation for each type of number,
-53.0 with the calm garbage collector, 48.9 with both.  What numba compiles works the same.
+Measured on that flight with an empty cache (CPU seconds, one core): 54.3 without both, 51.5 with one
+compilation for each type of number, 53.0 with the calm garbage collector, 48.9 with both.  What numba
+compiles works the same.
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ from numba.core import event, types
 
 
 def compiled_by_type(kernel: Any) -> Any:
-    """Let ``kernel`` be compiled once for numbers of one type; numba compiles a call with a literal number for that number alone.
+    """Let ``kernel`` be compiled once for numbers of one type; numba compiles a call with a literal number
+    for that number alone.
 
-    That made a tenth of what there was to compile, some of it never called, and inlining brings literals into small kernels anyway.
+    That made a tenth of what there was to compile, some of it never called, and inlining brings literals into
+    small kernels anyway.
     """
     resolve = getattr(kernel, "get_call_template", None)
     if resolve is not None:  # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
@@ -27,7 +30,9 @@ def compiled_by_type(kernel: Any) -> Any:
 
 
 class _CalmCollector(event.Listener):
-    """Collects garbage less often while numba compiles: almost all that it makes stays, and looking for more takes time."""
+    """Collects garbage less often while numba compiles: almost all that it makes stays, and looking for more
+    takes time.
+    """
 
     def __init__(self) -> None:
         self._depth, self._usual, self._lock = 0, gc.get_threshold(), Lock()

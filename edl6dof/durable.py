@@ -1,7 +1,8 @@
 """Files that a kill or a power cut leaves whole: the old one or the new one, never something between.
 
-A file is written beside its place, forced to the disk, renamed, and the folder that now lists it is forced to the disk too: without the
-last step a power cut can undo the rename, and with it the order in which files appeared.
+A file is written beside its place, forced to the disk, renamed, and the folder that now lists it is forced to
+the disk too: without the last step a power cut can undo the rename, and with it the order in which files
+appeared.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def write_atomic(path: Path, content: bytes | memoryview) -> None:
 
 
 def put_in_place(partial: Path, target: Path) -> None:
-    """Give a finished file (or folder) of the same folder its name, durably, in place of what has that name now."""
+    """Give a finished file (or folder) of the same folder its name, durably, in place of what has that name
+    now.
+    """
     if partial.is_file():
         sync(partial)
     os.replace(partial, target)

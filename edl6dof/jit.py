@@ -1,8 +1,9 @@
 """The ``@kernel`` decorator: compiled, cached, GIL-free functions whose cache is never stale.
 
-numba stamps a cache entry with the file of the compiled function only.  When a helper in another module is edited, its callers
-keep running the old machine code (numba issues 1833 and 8851).  Here the stamp of a function is the hash of its own file and,
-recursively, of every module of this package that the file imports, so an edit recompiles exactly what depends on it.
+numba stamps a cache entry with the file of the compiled function only.  When a helper in another module is
+edited, its callers keep running the old machine code (numba issues 1833 and 8851).  Here the stamp of a
+function is the hash of its own file and, recursively, of every module of this package that the file imports,
+so an edit recompiles exactly what depends on it.
 """
 
 from __future__ import annotations
@@ -27,40 +28,53 @@ from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
 
 PACKAGE = Path(__file__).resolve().parent
-#: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X, Y``: the rest of it.
-_IMPORT = re.compile(r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE)
+#: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X,
+#: Y``: the rest of it.
+_IMPORT = re.compile(
+    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
+)
 #: Comments and line continuations, taken out before the statements are looked for.
 _NOISE = re.compile(r"#[^\n]*|\\\r?\n")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
-    """Compile ``function`` in numba's nopython mode: cached on disk, numpy division rules, no GIL, no fast-math.
+    """Compile ``function`` in numba's nopython mode: cached on disk, numpy division rules, no GIL, no
+    fast-math.
 
     Fast-math stays off because it changes the last bits between machines; the run must be reproducible.
     """
     compiled = numba.njit(error_model="numpy", nogil=True)(function)
-    if isinstance(compiled, Dispatcher):  # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
+    # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
+    if isinstance(compiled, Dispatcher):
         _keep_code(compiled)
     return compiled_by_type(compiled)
 
 
 def _keep_code(compiled: Dispatcher) -> None:
-    """Let a kernel keep its machine code in the first folder that can be written to; without any, it is compiled in each process."""
+    """Let a kernel keep its machine code in the first folder that can be written to; without any, it is
+    compiled in each process.
+    """
     before = numba.config.CACHE_LOCATOR_CLASSES
-    # The locator is chosen at decoration; setting it only here leaves other users of numba in the process alone.
+    # The locator is chosen at decoration; setting it only here leaves other users of numba in the process
+    # alone.
     numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
         compiled.enable_caching()
     except RuntimeError:
-        say_once(f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}")
+        say_once(
+            f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}"
+        )
         return
     finally:
         numba.config.CACHE_LOCATOR_CLASSES = before
     kept = compiled._cache
-    kept._cache_file = CodeFiles(Path(kept.cache_path), kept._impl.filename_base, kept._impl.locator.get_source_stamp())
+    kept._cache_file = CodeFiles(
+        Path(kept.cache_path), kept._impl.filename_base, kept._impl.locator.get_source_stamp()
+    )
 
 
-#: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set before any is built.
+#: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set
+#: before any is built.
 outside_sources: list[str] = []
 #: Whoever imports this file may call a member of a family.
 _FAMILIES = str(PACKAGE / "registry.py")
@@ -76,11 +90,16 @@ class _TreeStamp:
         return tree_stamp(Path(self._py_file).resolve())
 
     def get_cache_path(self) -> str:
-        """numba's folder; below it one for each set of outside files, so that flights with and without them do not displace each other."""
+        """numba's folder; below it one for each set of outside files, so that flights with and without them
+        do not displace each other.
+        """
         folder = super().get_cache_path()
         if not outside_sources or _FAMILIES not in _dependencies(str(Path(self._py_file).resolve())):
             return folder
-        return str(Path(folder) / f"plugins-{hashlib.sha256(repr(sorted(outside_sources)).encode()).hexdigest()[:12]}")
+        return str(
+            Path(folder)
+            / f"plugins-{hashlib.sha256(repr(sorted(outside_sources)).encode()).hexdigest()[:12]}"
+        )
 
 
 class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):
@@ -140,9 +159,11 @@ def _user() -> int:
 
 @cache
 def tree_stamp(path: Path) -> str:
-    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change compiled code.
+    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change
+    compiled code.
 
-    What may call a member of a family also depends on the members from outside the package, and on all that these import.
+    What may call a member of a family also depends on the members from outside the package, and on all that
+    these import.
     """
     digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
     files = _dependencies(str(path))
@@ -154,7 +175,9 @@ def tree_stamp(path: Path) -> str:
 
 
 def _dependencies(path: str) -> set[str]:
-    """``path`` and all package files it reaches by imports; each file is read once in a process, and a cycle ends here."""
+    """``path`` and all package files it reaches by imports; each file is read once in a process, and a cycle
+    ends here.
+    """
     seen = {path}
     queue = [path]
     while queue:
@@ -185,7 +208,9 @@ def _imported(text: str, path: str) -> Iterator[str]:
 
 
 def _absolute(dotted: str, path: str) -> str:
-    """The origin of a relative import in ``path`` as a name that begins with this package; empty when it lies outside."""
+    """The origin of a relative import in ``path`` as a name that begins with this package; empty when it lies
+    outside.
+    """
     tail = dotted.lstrip(".")
     folder = Path(path).parents[len(dotted) - len(tail) - 1]
     if not folder.is_relative_to(PACKAGE):

@@ -1,7 +1,8 @@
-"""The manifest of a result folder: what kind of result it is, and the SHA-256 of every file that was written with it.
+"""The manifest of a result folder: what kind of result it is, and the SHA-256 of every file that was written
+with it.
 
-By the manifest a folder is known again as one of this program's, so that nothing else is ever replaced, and a file that has changed
-since it was written is noticed before anything is read out of it::
+By the manifest a folder is known again as one of this program's, so that nothing else is ever replaced, and a
+file that has changed since it was written is noticed before anything is read out of it::
 
     {"written_by": "edl6dof 0.1.0", "kind": "flight", "files": {"summary.json": "5f1c..."}}
 """
@@ -24,8 +25,24 @@ MANIFEST = "manifest.json"
 #: What commands write later into a folder of each kind; a user's own files never look like these.
 LATER = {
     "flight": (
-        *("report.html", "report.pdf", "report/*.png", "plots/*.html", "plots/*.png", "plots/*.pdf", "plots/*.svg"),
-        *("compared-with-*.html", "telemetry.csv", "telemetry.mat", "telemetry.nc", "orbit.oem", "attitude.aem", "nesc.csv"),
+        *(
+            "report.html",
+            "report.pdf",
+            "report/*.png",
+            "plots/*.html",
+            "plots/*.png",
+            "plots/*.pdf",
+            "plots/*.svg",
+        ),
+        *(
+            "compared-with-*.html",
+            "telemetry.csv",
+            "telemetry.mat",
+            "telemetry.nc",
+            "orbit.oem",
+            "attitude.aem",
+            "nesc.csv",
+        ),
     ),
     "faults": (),
     "study": (),
@@ -74,7 +91,11 @@ class Manifest:
             kind, files = content["kind"], content["files"]
         except (ValueError, KeyError, TypeError, RecursionError):
             raise refusal(path, "is damaged: it is no manifest") from None
-        if kind not in LATER or not isinstance(files, dict) or not all(isinstance(text, str) for text in files.values()):
+        if (
+            kind not in LATER
+            or not isinstance(files, dict)
+            or not all(isinstance(text, str) for text in files.values())
+        ):
             raise refusal(path, "is damaged: it is no manifest")
         return cls(folder, kind, files)
 
@@ -89,11 +110,19 @@ class Manifest:
             raise refusal(path, f"no such file, says {MANIFEST}")
         content = _bytes(path)
         if _hash(content) != self.files[name]:
-            raise refusal(path, f"has changed since it was written (its SHA-256 is not the one in {MANIFEST}); it is not used")
+            raise refusal(
+                path,
+                (
+                    f"has changed since it was written (its SHA-256 is not the one in {MANIFEST}); it is not "
+                    "used"
+                ),
+            )
         return content
 
     def stranger(self) -> str | None:
-        """A file in the folder that this program did not write, or that has changed since; ``None`` where there is none."""
+        """A file in the folder that this program did not write, or that has changed since; ``None`` where
+        there is none.
+        """
         for name in sorted(_names(self.folder)):
             path = self.folder / name
             if path.is_symlink() or not (name in (MANIFEST, *self.files) or _is_later(name, self.kind)):
@@ -109,7 +138,9 @@ def listed(folder: Path) -> str:
 
 
 def _is_later(name: str, kind: str) -> bool:
-    return any(name.count("/") == pattern.count("/") and fnmatchcase(name, pattern) for pattern in LATER[kind])
+    return any(
+        name.count("/") == pattern.count("/") and fnmatchcase(name, pattern) for pattern in LATER[kind]
+    )
 
 
 def _names(folder: Path) -> Iterator[str]:

@@ -1,16 +1,19 @@
-"""A user's own members of a family: Python files named in the scenario, which join before the flight software is built.
+"""A user's own members of a family: Python files named in the scenario, which join before the flight software
+is built.
 
 A plugin file is what a member's file in the package is, with one line more that says where it belongs:
 
     FAMILY = "entry_law"                         # or reversal, powered_law, controller
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
-The families, their records and the compiled loop are made once in a process, so plugins are read first: the commands that fly and
-``edl6dof.load`` do that for the scenario they are given; other programs call :func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
+The families, their records and the compiled loop are made once in a process, so plugins are read first: the
+commands that fly and ``edl6dof.load`` do that for the scenario they are given; other programs call
+:func:`activate`, or name files in ``EDL6DOF_PLUGINS``.
 
-A plugin runs with all rights of the user.  It is loaded for a scenario that the user flies, which is the user's own; a folder of results
-may come from anybody, so the plugins that it names are loaded only when the user trusts it, or has accepted their very content before
-(:mod:`edl6dof.config.accepted`).  What only shows results loads none.
+A plugin runs with all rights of the user.  It is loaded for a scenario that the user flies, which is the
+user's own; a folder of results may come from anybody, so the plugins that it names are loaded only when the
+user trusts it, or has accepted their very content before (:mod:`edl6dof.config.accepted`).  What only shows
+results loads none.
 """
 
 from __future__ import annotations
@@ -39,7 +42,10 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 
-_ASK = "is code that would run with your rights, and this folder may come from anybody; read it, then say --trust (once)"
+_ASK = (
+    "is code that would run with your rights, and this folder may come from anybody; read it, then say "
+    "--trust (once)"
+)
 
 #: Plugins of this process by absolute path: key of the family, and the member.
 ACTIVE: dict[Path, tuple[str, Member]] = {}
@@ -56,7 +62,11 @@ def activate(scenarios: Iterable[str | Path], trust: bool = False) -> None:
         ConfigError: a plugin cannot be used, comes too late, or stands in a folder that is not trusted.
     """
     named = {path: document for operand in scenarios for path, document in _named_by(operand, trust).items()}
-    new = {path: document for path, document in {**dict.fromkeys(files_from_environment()), **named}.items() if path not in ACTIVE}
+    new = {
+        path: document
+        for path, document in {**dict.fromkeys(files_from_environment()), **named}.items()
+        if path not in ACTIVE
+    }
     accept(path for path in new if path in named)
     outside_sources.extend(str(path) for path in new if path.is_file())
     for path, document in new.items():
@@ -67,7 +77,8 @@ def _named_by(operand: str | Path, trust: bool) -> dict[Path, Document]:
     """Plugins that an operand names, each with the document that names it.
 
     Raises:
-        ConfigError: one stands in a folder of results, which is not trusted, and has not been accepted before.
+        ConfigError: one stands in a folder of results, which is not trusted, and has not been accepted
+            before.
     """
     found: dict[Path, Document] = {}
     for file in files_naming_plugins(operand):
@@ -99,7 +110,9 @@ def require(document: Document) -> None:
 
 
 def named_plugins(document: Document) -> list[Path]:
-    """Absolute paths of the plugins that a document names, found beside the file or one it extends; wrong types go to validation."""
+    """Absolute paths of the plugins that a document names, found beside the file or one it extends; wrong
+    types go to validation.
+    """
     names = document.data.get("plugins") or []
     folders = [file.resolve().parent for file in document.files] or [Path.cwd()]
 
@@ -133,7 +146,14 @@ def _load(path: Path, document: Document | None) -> None:
     if complaint := _complaint(member, roles):
         raise _problem(path, document, complaint)
     if is_built(title):
-        raise _problem(path, document, f"comes too late: the family of {title}s was built before it, perhaps by what it imports itself")
+        raise _problem(
+            path,
+            document,
+            (
+                f"comes too late: the family of {title}s was built before "
+                "it, perhaps by what it imports itself"
+            ),
+        )
     if any(title == FAMILIES[other][0] and member.name == one.name for other, one in ACTIVE.values()):
         raise _problem(path, document, f"brings a second {title} called {member.name!r}")
     join(title, member)
@@ -149,7 +169,9 @@ def _imported(path: Path, document: Document | None) -> Any:
         spec.loader.exec_module(module)
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
-        raise _problem(path, document, f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}") from error
+        raise _problem(
+            path, document, (f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}")
+        ) from error
     return module
 
 
@@ -170,7 +192,10 @@ def _complaint(member: Member, roles: dict[str, tuple[str, ...]]) -> str:
     if not member.name.isidentifier() or member.name != member.name.lower():
         return f"has a member whose name is no lower-case identifier (got {member.name!r})"
     if set(member.kernels) != set(roles):
-        return f"must give the kernel{'s' if len(roles) > 1 else ''} {', '.join(roles)} (got {', '.join(member.kernels) or 'none'})"
+        return (
+            f"must give the kernel{'s' if len(roles) > 1 else ''} {', '.join(roles)} (got "
+            f"{', '.join(member.kernels) or 'none'})"
+        )
     for role, arguments in roles.items():
         function = getattr(member.kernels[role], "py_func", None)
         if function is None:

@@ -1,7 +1,8 @@
 """Numbers of a record that say what they may hold, and the walk over all numbers of a record.
 
-Compiled code trusts what it finds in a record: an index out of range would reach beyond its array.  So every whole number of a record that
-a file can bring back declares its range where the record is declared, as metadata of its dtype; so does a float that need not be finite.
+Compiled code trusts what it finds in a record: an index out of range would reach beyond its array.  So every
+whole number of a record that a file can bring back declares its range where the record is declared, as
+metadata of its dtype; so does a float that need not be finite.
 """
 
 from __future__ import annotations
@@ -13,11 +14,14 @@ import numpy as np
 
 
 def whole(low: int, high: int, of: str = "") -> np.dtype:
-    """A whole number from ``low`` to ``high``; with ``of`` it numbers things of that name, of which there may be fewer."""
+    """A whole number from ``low`` to ``high``; with ``of`` it numbers things of that name, of which there may
+    be fewer.
+    """
     return np.dtype("i8", metadata={"low": low, "high": high, "of": of})
 
 
-#: Yes or no; how many of something that goes on all through a flight; the time of something that need not have happened: NaN until then.
+#: Yes or no; how many of something that goes on all through a flight; the time of something that need not
+#: have happened: NaN until then.
 FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadata={"if_ever": True})
 
 
@@ -34,13 +38,17 @@ class Numbers(NamedTuple):
         return self.values.dtype.kind in "iu"
 
     def place(self, wrong: np.ndarray) -> str:
-        """Path of the first value that is ``wrong`` (a mask), with its index where the field holds several: ``debris.r_I[1, 2]``."""
+        """Path of the first value that is ``wrong`` (a mask), with its index where the field holds several:
+        ``debris.r_I[1, 2]``.
+        """
         index = np.argwhere(wrong)[0].tolist()
         return f"{self.path}{index}" if index else self.path
 
 
 def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
-    """All fields of plain numbers of a record (a structured array of length one), as views, in the order of declaration."""
+    """All fields of plain numbers of a record (a structured array of length one), as views, in the order of
+    declaration.
+    """
     if record.dtype.names is None:
         yield Numbers(path, record[0, ...], dict(record.dtype.metadata or {}))
         return
@@ -49,9 +57,15 @@ def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
 
 
 def first_not_finite(record: np.ndarray) -> str | None:
-    """Path of the first float of a record (length one) that should be finite and is not; ``None`` when there is none."""
+    """Path of the first float of a record (length one) that should be finite and is not; ``None`` when there
+    is none.
+    """
     for field in numbers(record):
-        if not field.is_whole and "if_ever" not in field.declared and not np.all(finite := np.isfinite(field.values)):
+        if (
+            not field.is_whole
+            and "if_ever" not in field.declared
+            and not np.all(finite := np.isfinite(field.values))
+        ):
             return field.place(~finite)
     return None
 
@@ -59,8 +73,8 @@ def first_not_finite(record: np.ndarray) -> str | None:
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
     """Path and complaint of each whole number of a record (length one) that is not in its declared range.
 
-    ``sizes`` says how many there are of the things that some of them number, where that is known.  What declares nothing may hold anything:
-    that is the memory of a plugin.
+    ``sizes`` says how many there are of the things that some of them number, where that is known.  What
+    declares nothing may hold anything: that is the memory of a plugin.
     """
     for field in numbers(record):
         if not field.is_whole or "low" not in field.declared:

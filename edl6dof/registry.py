@@ -1,7 +1,8 @@
 """Families of interchangeable models: guidance laws, attitude controllers.
 
-A member is one file with its parameter model, its memory layout and its kernels.  It joins a family by one line in the family's
-tuple.  YAML chooses it by name; the name becomes an integer; compiled code dispatches on that integer through :func:`switch`.
+A member is one file with its parameter model, its memory layout and its kernels.  It joins a family by one
+line in the family's tuple.  YAML chooses it by name; the name becomes an integer; compiled code dispatches on
+that integer through :func:`switch`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from edl6dof.config.errors import ConfigError, Problem
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")])
 
-#: Members from outside the package by title of their family, and the titles of the families that exist already.
+#: Members from outside the package by title of their family, and the titles of the families that exist
+#: already.
 _joined: dict[str, list[Member]] = {}
 _built: set[str] = set()
 
@@ -45,7 +47,8 @@ class Member:
         source: paper or report it implements.
         memory: record layout of what it remembers between calls.
         tables: record layout of what is planned for it on the ground.
-        plan: fills those tables, before a flight in which the member is chosen; the family decides the arguments.
+        plan: fills those tables, before a flight in which the member is chosen; the family decides the
+            arguments.
     """
 
     name: str
@@ -68,7 +71,10 @@ class Family:
         """Take in the members from outside the package."""
         outside = [member for member in _joined.get(self.title, []) if member not in self.members]
         if taken := {member.name for member in outside} & {member.name for member in self.members}:
-            message = f"one {self.title} of the package is called {', '.join(sorted(taken))} already; give yours another name"
+            message = (
+                f"one {self.title} of the package is called {', '.join(sorted(taken))} already; give yours "
+                "another name"
+            )
             raise ConfigError([Problem("plugins", 0, 0, "", message)])
         object.__setattr__(self, "members", (*self.members, *outside))
         _built.add(self.title)
@@ -83,12 +89,17 @@ class Family:
         return self.members[self.names.index(name)]
 
     def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
-        """Parameter model with one section for each member, and the choice of one unless it is made elsewhere (``choice`` None)."""
+        """Parameter model with one section for each member, and the choice of one unless it is made elsewhere
+        (``choice`` None).
+        """
         fields: dict[str, Any] = {}
         if choice is not None:
             fields[choice] = (Literal[self.names], param(default, f"which {self.title} flies"))
         for member in self.members:
-            fields[member.name] = (member.params, group(member.params, (member.params.__doc__ or "").strip().splitlines()[0]))
+            fields[member.name] = (
+                member.params,
+                group(member.params, (member.params.__doc__ or "").strip().splitlines()[0]),
+            )
         return create_model(class_name, __base__=Params, __doc__=doc, **fields)
 
     @property
@@ -102,15 +113,17 @@ class Family:
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
     def switch(self, role: str, arity: int) -> Callable[..., Any]:
-        """Function ``f(index, a1 .. a_arity)`` that calls the ``role`` kernel of member ``index``, from Python and from kernels."""
+        """Function ``f(index, a1 .. a_arity)`` that calls the ``role`` kernel of member ``index``, from
+        Python and from kernels.
+        """
         return switch(tuple(member.kernels[role] for member in self.members), arity)
 
 
 def switch(functions: tuple[Callable[..., Any], ...], arity: int) -> Callable[..., Any]:
     """Dispatch on an integer among compiled functions of one signature.
 
-    numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by ``overload``; callers stay
-    cacheable (measured: same speed as a hand-written chain).
+    numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
+    ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
     """
     names = ", ".join(f"a{i}" for i in range(arity))
     lines = [f"def chain(index, {names}):"]

@@ -1,26 +1,29 @@
 """Speed and memory of edl6dof, and its speed beside JSBSim and Basilisk.
 
-    python tools/bench.py                          # everything; two to three minutes, up to one of them compiling
-    python tools/bench.py --only loop --profile --in-place     # quick, with the repository's own cache
-    python tools/bench.py --json bench.json        # all samples, and the machine
+    python tools/bench.py                          # everything; two to three minutes, up to one of them
+    compiling python tools/bench.py --only loop --profile --in-place     # quick, with the repository's own
+    cache python tools/bench.py --json bench.json        # all samples, and the machine
 
 The sections (``--only`` chooses):
 
-processes   whole processes as a user starts them, not pinned: ``edl6dof fly tianwen1`` with all files written, ``--help``,
-            ``import edl6dof``; wall seconds and peak resident memory.  The package is first copied into an empty folder, so the
-            first flight compiles everything (the copy's cache is empty) and later edits of the sources disturb nothing.
-loop        the nominal flight in this process, pinned to one core: the compiled loop alone, ``edl6dof.fly`` (records + loop), and
-            ``edl6dof.load`` (reading and validating the files).
-peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are formed pair by pair.
+processes   whole processes as a user starts them, not pinned: ``edl6dof fly tianwen1`` with all files
+            written, ``--help``, ``import edl6dof``; wall seconds and peak resident memory.  The package is
+            first copied into an empty folder, so the first flight compiles everything (the copy's cache is
+            empty) and later edits of the sources disturb nothing.
+loop        the nominal flight in this process, pinned to one core: the compiled loop alone, ``edl6dof.fly``
+            (records + loop), and ``edl6dof.load`` (reading and validating the files).
+peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are
+formed pair by pair.
             The peers come with ``pip install "edl6dof[bench]"``; a missing one is reported and left out.
 
-How to read it.  A step is one integration step of 10 ms; steps that events split or repeat are not counted.  Seconds are CPU
-seconds where it says so: on a machine with other work they are what repeats, wall seconds are not.  No peer flies the whole
-chain, so every case of theirs contains less than our flight (``tools/peers_*.py`` list what they lack).  Beside the flight
-therefore stands ours with an empty mission, the like of a ballistic entry ("free entry": 6-DOF, Runge-Kutta, the same vehicle,
-atmosphere, wind, navigation and 50 Hz log, but no guidance, control or events).  JSBSim evaluates the forces once a step,
-Basilisk four times, edl6dof four times and once more in every cycle of the flight software; the last column compares
-evaluations a second.
+How to read it.  A step is one integration step of 10 ms; steps that events split or repeat are not counted.
+Seconds are CPU
+seconds where it says so: on a machine with other work they are what repeats, wall seconds are not.  No peer
+flies the whole chain, so every case of theirs contains less than our flight (``tools/peers_*.py`` list what
+they lack).  Beside the flight therefore stands ours with an empty mission, the like of a ballistic entry
+("free entry": 6-DOF, Runge-Kutta, the same vehicle, atmosphere, wind, navigation and 50 Hz log, but no
+guidance, control or events).  JSBSim evaluates the forces once a step, Basilisk four times, edl6dof four
+times and once more in every cycle of the flight software; the last column compares evaluations a second.
 """
 
 from __future__ import annotations
@@ -51,7 +54,13 @@ SECTIONS = ("processes", "loop", "peers")
 PEERS = ("peers_jsbsim", "peers_basilisk")
 FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
 #: Budgets of the design: seconds, MiB.
-BUDGETS = {"first flight ever": 60.0, "fly, all files": 4.0, "--help": 0.3, "peak memory": 400e6 / 2**20, "compiled loop": 0.25}
+BUDGETS = {
+    "first flight ever": 60.0,
+    "fly, all files": 4.0,
+    "--help": 0.3,
+    "peak memory": 400e6 / 2**20,
+    "compiled loop": 0.25,
+}
 PROFILE_CHUNK_S = 0.2
 
 
@@ -74,7 +83,9 @@ def stopwatch(work: Callable[[], Any]) -> tuple[Lap, Any]:
 
 def spread(values: list[float], digits: int = 3, scale: float = 1.0) -> str:
     """``median (min .. max)``."""
-    low, middle, high = (f"{x * scale:,.{digits}f}" for x in (min(values), statistics.median(values), max(values)))
+    low, middle, high = (
+        f"{x * scale:,.{digits}f}" for x in (min(values), statistics.median(values), max(values))
+    )
     return f"{middle} ({low} .. {high})"
 
 
@@ -83,7 +94,9 @@ def spread(values: list[float], digits: int = 3, scale: float = 1.0) -> str:
 
 @contextmanager
 def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
-    """Time every call of the compiled loop that ``edl6dof.fly`` makes; ``chunk_s`` changes how much one call flies."""
+    """Time every call of the compiled loop that ``edl6dof.fly`` makes; ``chunk_s`` changes how much one call
+    flies.
+    """
     import edl6dof.sim.flight as module
 
     calls, compiled, chunk = Calls(), module.fly_cycles, module.CHUNK_S
@@ -166,10 +179,15 @@ def measure_phases(repeats: int) -> list[dict[str, Any]]:
 
 
 def compare(peer: Any, repeats: int) -> dict[str, Any]:
-    """Peer, our flight and our free entry in turn, after a round that warms up; short runs, which are noisier, more often."""
+    """Peer, our flight and our free entry in turn, after a round that warms up; short runs, which are
+    noisier, more often.
+    """
     import edl6dof
 
-    ours = {"edl6dof, whole flight": edl6dof.load(SCENARIO), "edl6dof, free entry": edl6dof.load(SCENARIO, FREE_ENTRY)}
+    ours = {
+        "edl6dof, whole flight": edl6dof.load(SCENARIO),
+        "edl6dof, free entry": edl6dof.load(SCENARIO, FREE_ENTRY),
+    }
     for loaded in ours.values():
         fly_once(loaded)
     wall, _, end = peer.run()
@@ -205,7 +223,9 @@ def show_laps(console: Console, title: str, laps: dict[str, list[Lap]]) -> None:
         limits = [f"{BUDGETS[name]:g} s"] if name in BUDGETS else []
         limits += [f"{BUDGETS['peak memory']:.0f} MiB"] if name == "fly, all files" else []
         cpu = f"{statistics.median(r.cpu_s for r in runs):.3f}"
-        table.add_row(name, str(len(runs)), spread([r.wall_s for r in runs]), cpu, rates, peak, ", ".join(limits))
+        table.add_row(
+            name, str(len(runs)), spread([r.wall_s for r in runs]), cpu, rates, peak, ", ".join(limits)
+        )
     console.print(table)
 
 
@@ -213,7 +233,15 @@ def show_comparison(console: Console, peer: str, result: dict[str, Any]) -> None
     """Rates of the peer and of ours, and the ratio ours / theirs of each round."""
     laps = result["laps"]
     table = Table(title=f"{peer} {result['version']}: {result['case']}", title_justify="left")
-    for name in ("", "n", "steps", "thousand steps/CPU s", "ours/theirs, CPU", "ours/theirs, wall", "force evaluations, CPU"):
+    for name in (
+        "",
+        "n",
+        "steps",
+        "thousand steps/CPU s",
+        "ours/theirs, CPU",
+        "ours/theirs, wall",
+        "force evaluations, CPU",
+    ):
         table.add_column(name, justify="left" if not name else "right")
     for name, runs in laps.items():
         row = [name, str(len(runs)), f"{runs[0].steps:,}", spread([r.rate for r in runs], 0, 1e-3)]
@@ -221,10 +249,17 @@ def show_comparison(console: Console, peer: str, result: dict[str, Any]) -> None
             pairs = list(zip(runs, laps[peer], strict=True))
             ratios = [ours.rate / theirs.rate for ours, theirs in pairs]
             walls = [(ours.steps / ours.wall_s) / (theirs.steps / theirs.wall_s) for ours, theirs in pairs]
-            row += [spread(ratios, 2), spread(walls, 2), f"{statistics.median(ratios) * result['evaluations_ratio']:.2f}"]
+            row += [
+                spread(ratios, 2),
+                spread(walls, 2),
+                f"{statistics.median(ratios) * result['evaluations_ratio']:.2f}",
+            ]
         table.add_row(*row)
     console.print(table)
-    console.print(f"  {peer} has {result['has']}\n  and lacks {result['lacks']}; ended finite at {_numbers(result['ended'])}")
+    console.print(
+        f"  {peer} has {result['has']}\n  and lacks {result['lacks']}; ended finite at "
+        f"{_numbers(result['ended'])}"
+    )
 
 
 def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
@@ -233,7 +268,9 @@ def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
     for name in ("phase", "flown s", "ns/step, CPU: median (min .. max)", "share"):
         table.add_column(name, justify="left" if name == "phase" else "right")
     for row in phases:
-        table.add_row(row["phase"], f"{row['flown_s']:.1f}", spread(row["ns_per_step"], 0), f"{row['share']:.0%}")
+        table.add_row(
+            row["phase"], f"{row['flown_s']:.1f}", spread(row["ns_per_step"], 0), f"{row['share']:.0%}"
+        )
     console.print(table)
 
 
@@ -244,7 +281,12 @@ def machine() -> dict[str, Any]:
     info = Path("/proc/cpuinfo")
     lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
     models = [line.split(":")[1].strip() for line in lines if line.startswith("model name")]
-    git = subprocess.run(["git", "-C", str(ROOT), "describe", "--always", "--dirty"], capture_output=True, text=True, check=False)
+    git = subprocess.run(
+        ["git", "-C", str(ROOT), "describe", "--always", "--dirty"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     return {
         "cpu": models[0] if models else platform.processor(),
         "cores": os.cpu_count(),
@@ -285,23 +327,39 @@ def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str
                 peer.version()
                 results["peers"][peer.NAME] = compare(peer, options.repeats)
             except ImportError as error:
-                console.print(f'{peer.NAME}: left out ({error}); the peers come with  pip install "edl6dof\\[bench]"')
+                console.print(
+                    f'{peer.NAME}: left out ({error}); the peers come with  pip install "edl6dof\\[bench]"'
+                )
             except FloatingPointError as error:
                 console.print(f"{peer.NAME}: no comparison; {error}")
             else:
                 show_comparison(console, peer.NAME, results["peers"][peer.NAME])
     results["machine"]["load_average_after"] = os.getloadavg()[0]
-    console.print(f"load average afterwards {os.getloadavg()[0]:.2f}; above 1 or so, trust CPU seconds and ratios only")
+    console.print(
+        f"load average afterwards {os.getloadavg()[0]:.2f}; above 1 or so, trust CPU seconds and ratios only"
+    )
     return results
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=list(SECTIONS), help="sections to run")
-    parser.add_argument("--repeats", type=int, default=7, metavar="N", help="repetitions of each measurement (7)")
-    parser.add_argument("--core", type=int, default=max(os.sched_getaffinity(0)), metavar="K", help="core to pin to (the last)")
+    parser.add_argument(
+        "--repeats", type=int, default=7, metavar="N", help="repetitions of each measurement (7)"
+    )
+    parser.add_argument(
+        "--core",
+        type=int,
+        default=max(os.sched_getaffinity(0)),
+        metavar="K",
+        help="core to pin to (the last)",
+    )
     parser.add_argument("--profile", action="store_true", help="cost of a step in each mission phase")
-    parser.add_argument("--in-place", action="store_true", help="use the repository and its cache; no first-flight measurement")
+    parser.add_argument(
+        "--in-place",
+        action="store_true",
+        help=("use the repository and its cache; no first-flight measurement"),
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all samples")
     options = parser.parse_args()
     console = Console(highlight=False, width=None if sys.stdout.isatty() else 150)

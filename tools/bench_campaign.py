@@ -1,16 +1,20 @@
-"""Speed of campaigns: dispersed flights per second and core, cost of everything around the flights, size of a row; beside JSBSim.
+"""Speed of campaigns: dispersed flights per second and core, cost of everything around the flights, size of a
+row; beside JSBSim.
 
     python tools/bench_campaign.py                    # 1,000 flights; a minute and a half on two idle cores
     python tools/bench_campaign.py -n 100 --json bench_campaign.json
 
-Rounds of the shipped campaign are flown alternately by one thread and by one thread for each core, and in every round JSBSim flies its
-own nearest case (``tools/peers_jsbsim.py``, which says what that contains and lacks), so that all share the machine's good and bad
-moments.  CPU seconds repeat on a machine with other work, wall seconds do not; the machine's load is printed with them.
+Rounds of the shipped campaign are flown alternately by one thread and by one thread for each core, and in
+every round JSBSim flies its own nearest case (``tools/peers_jsbsim.py``, which says what that contains and
+lacks), so that all share the machine's good and bad moments.  CPU seconds repeat on a machine with other
+work, wall seconds do not; the machine's load is printed with them.
 
 outside      CPU seconds of a case outside the compiled loop, over those inside it: all that follows
-campaign's   what the campaign adds to a flight, over the same: drawing, validating, building records, reading back, row; not the figures
+campaign's   what the campaign adds to a flight, over the same: drawing, validating, building records, reading
+back, row; not the figures
              of the flight, which a flight flown alone forms too
-efficiency   flights per CPU second with all threads over those with one: what the threads take from each other
+efficiency   flights per CPU second with all threads over those with one: what the threads take from each
+other
 """
 
 from __future__ import annotations
@@ -80,7 +84,9 @@ class LoopClock:
         self.compiled, self.cpu_s, self.steps, self.lock = compiled, 0.0, 0, Lock()
 
     def __call__(self, *arguments: object) -> tuple[int, int, int]:
-        """Call the loop; its argument 8 is the number of integration steps in a cycle, and it returns how many cycles it flew."""
+        """Call the loop; its argument 8 is the number of integration steps in a cycle, and it returns how
+        many cycles it flew.
+        """
         began = time.thread_time()
         result = self.compiled(*arguments)
         with self.lock:
@@ -104,9 +110,24 @@ class FigureClock:
         return result
 
 
-def fly(plan: Plan, pilot: Pilot, first: int, last: int, workers: int, cost: Cost, clock: LoopClock, figures: FigureClock) -> None:
+def fly(
+    plan: Plan,
+    pilot: Pilot,
+    first: int,
+    last: int,
+    workers: int,
+    cost: Cost,
+    clock: LoopClock,
+    figures: FigureClock,
+) -> None:
     """Fly some cases and add what they cost."""
-    wall, cpu, loop, steps, formed = time.perf_counter(), time.process_time(), clock.cpu_s, clock.steps, figures.cpu_s
+    wall, cpu, loop, steps, formed = (
+        time.perf_counter(),
+        time.process_time(),
+        clock.cpu_s,
+        clock.steps,
+        figures.cpu_s,
+    )
     flown = sum(1 for _ in pilot.rows(plan.cases(first, last), workers))
     cost.flights += flown
     cost.wall_s += time.perf_counter() - wall
@@ -119,7 +140,12 @@ def fly(plan: Plan, pilot: Pilot, first: int, last: int, workers: int, cost: Cos
 def fly_jsbsim(cost: Cost) -> None:
     """One entry of JSBSim."""
     wall, cpu, _ = peers_jsbsim.run()
-    cost.flights, cost.wall_s, cost.cpu_s, cost.loop_s = cost.flights + 1, cost.wall_s + wall, cost.cpu_s + cpu, cost.loop_s + cpu
+    cost.flights, cost.wall_s, cost.cpu_s, cost.loop_s = (
+        cost.flights + 1,
+        cost.wall_s + wall,
+        cost.cpu_s + cpu,
+        cost.loop_s + cpu,
+    )
     cost.steps += peers_jsbsim.STEPS
 
 
@@ -169,18 +195,34 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
 def show(console: Console, costs: dict[str, Cost]) -> None:
     """Print the table."""
     table = Table(title="Dispersed flights")
-    for column in ("", "flights", "wall s", "flights/s", "flights per CPU second", "ns/step", "outside", "campaign's"):
+    for column in (
+        "",
+        "flights",
+        "wall s",
+        "flights/s",
+        "flights per CPU second",
+        "ns/step",
+        "outside",
+        "campaign's",
+    ):
         table.add_column(column, justify="left" if not column else "right")
     for name, cost in costs.items():
         outside = ("", "") if name.startswith("JSBSim") else (f"{cost.outside:.1%}", f"{cost.overhead:.1%}")
-        numbers = (f"{cost.wall_s:.1f}", f"{cost.flights / cost.wall_s:.1f}", f"{cost.per_cpu_second:.1f}", f"{cost.ns_per_step:,.0f}")
+        numbers = (
+            f"{cost.wall_s:.1f}",
+            f"{cost.flights / cost.wall_s:.1f}",
+            f"{cost.per_cpu_second:.1f}",
+            f"{cost.ns_per_step:,.0f}",
+        )
         table.add_row(name, str(cost.flights), *numbers, *outside)
     console.print(table)
     one, every, *peer = costs.values()
     console.print(f"efficiency of the threads: {every.per_cpu_second / one.per_cpu_second:.1%}")
     if peer:
         ratio = one.per_cpu_second / peer[0].per_cpu_second
-        console.print(f"whole flights of edl6dof for each {peers_jsbsim.CASE} of JSBSim, per CPU second: {ratio:.2f}")
+        console.print(
+            f"whole flights of edl6dof for each {peers_jsbsim.CASE} of JSBSim, per CPU second: {ratio:.2f}"
+        )
 
 
 def main() -> None:
@@ -192,7 +234,8 @@ def main() -> None:
     console = Console(highlight=False)
     load = os.getloadavg()[0]
     console.print(
-        f"{platform.processor() or platform.machine()}, {available_cores()} cores, Python {platform.python_version()}, load {load:.1f}"
+        f"{platform.processor() or platform.machine()}, {available_cores()} cores, Python "
+        f"{platform.python_version()}, load {load:.1f}"
     )
     costs = measure(options.n, console)
     show(console, costs)
@@ -200,7 +243,10 @@ def main() -> None:
     console.print(f"{size:.0f} bytes of table per case; load at the end {os.getloadavg()[0]:.1f}")
     if options.json is not None:
         data = {name: asdict(cost) for name, cost in costs.items()}
-        options.json.write_text(json.dumps({"costs": data, "bytes_per_case": size, "load": load}, indent=1) + "\n", encoding="utf-8")
+        options.json.write_text(
+            json.dumps({"costs": data, "bytes_per_case": size, "load": load}, indent=1) + "\n",
+            encoding="utf-8",
+        )
 
 
 if __name__ == "__main__":

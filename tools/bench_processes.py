@@ -31,7 +31,9 @@ class Lap:
 
 
 def snapshot(folder: Path) -> Path:
-    """Copy of package, scenarios and vehicles without any compiled code; ``pyproject.toml`` marks it as a repository."""
+    """Copy of package, scenarios and vehicles without any compiled code; ``pyproject.toml`` marks it as a
+    repository.
+    """
     shutil.copy(ROOT / "pyproject.toml", folder)
     for name in ("edl6dof", "scenarios", "vehicles"):
         if (ROOT / name).is_dir():
@@ -42,7 +44,8 @@ def snapshot(folder: Path) -> Path:
 def process(tree: Path, code: str, *arguments: str) -> Lap:
     """Run ``python -c code arguments`` with the package in ``tree``.
 
-    The peak memory of a child is never below that of its parent at the time of the fork: measure before importing anything large.
+    The peak memory of a child is never below that of its parent at the time of the fork: measure before
+    importing anything large.
 
     Raises:
         RuntimeError: the process failed; a flight outside its limits (status 1) is not a failure.
@@ -52,14 +55,20 @@ def process(tree: Path, code: str, *arguments: str) -> Lap:
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile() as errors:
         start = time.perf_counter()
         child = subprocess.Popen(
-            [sys.executable, "-c", code, *arguments], cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=errors
+            [sys.executable, "-c", code, *arguments],
+            cwd=folder,
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=errors,
         )
         _, status, usage = os.wait4(child.pid, 0)
         wall = time.perf_counter() - start
         child.returncode = os.waitstatus_to_exitcode(status)
         if child.returncode not in (0, 1):
             errors.seek(0)
-            raise RuntimeError(f"{' '.join(arguments) or code}: status {child.returncode}\n{errors.read().decode()[-2000:]}")
+            raise RuntimeError(
+                f"{' '.join(arguments) or code}: status {child.returncode}\n{errors.read().decode()[-2000:]}"
+            )
     return Lap(wall, usage.ru_utime + usage.ru_stime, peak_mib=usage.ru_maxrss / 1024)
 
 

@@ -1,12 +1,14 @@
-"""NASA NESC check cases 6 and 9 flown three times: by edl6dof, by JSBSim and by the TM's simulation 04; prints the differences.
+"""NASA NESC check cases 6 and 9 flown three times: by edl6dof, by JSBSim and by the TM's simulation 04;
+prints the differences.
 
     pip install "edl6dof[bench]"
     python tools/crosscheck_jsbsim.py            # --step S for another step of JSBSim
 
-Case 6: sphere with drag dropped from 30,000 ft over the rotating ellipsoid with J2. Case 9: the sphere shot up and east at 1000 ft/s
-each. JSBSim flies its own Earth and its own US76 atmosphere; its vehicle is written here from the TM's numbers, nothing is taken from
-edl6dof. JSBSim evaluates the forces once a step (Adams-Bashforth), hence the shorter step; from 0.01 s to 0.0002 s its difference
-changes by less than a tenth. What is left (0.004 ft and 0.03 ft) is air: JSBSim's sea-level density is 8.8e-6 above ours (2116.228
+Case 6: sphere with drag dropped from 30,000 ft over the rotating ellipsoid with J2. Case 9: the sphere shot
+up and east at 1000 ft/s each. JSBSim flies its own Earth and its own US76 atmosphere; its vehicle is written
+here from the TM's numbers, nothing is taken from edl6dof. JSBSim evaluates the forces once a step
+(Adams-Bashforth), hence the shorter step; from 0.01 s to 0.0002 s its difference changes by less than a
+tenth. What is left (0.004 ft and 0.03 ft) is air: JSBSim's sea-level density is 8.8e-6 above ours (2116.228
 lbf/ft2 and rounded gas constants), simulation 04's 0.9e-6.
 """
 
@@ -52,13 +54,24 @@ AIRCRAFT = """<?xml version="1.0"?>
 
 #: Third-order Adams-Bashforth, and what all cases begin with.
 COMMON: dict[str, float] = {
-    **{f"simulation/integrator/{state}/{motion}": 4 for state in ("rate", "position") for motion in ("translational", "rotational")},
+    **{
+        f"simulation/integrator/{state}/{motion}": 4
+        for state in ("rate", "position")
+        for motion in ("translational", "rotational")
+    },
     **{"ic/lat-geod-deg": 0.0, "ic/long-gc-deg": 0.0, "ic/theta-deg": 0.0, "ic/phi-deg": 0.0},
 }
-#: Initial conditions by case. JSBSim's rates are relative to the Earth: those of case 6 make the inertial rate zero.
+#: Initial conditions by case. JSBSim's rates are relative to the Earth: those of case 6 make the inertial
+#: rate zero.
 INITIAL: dict[int, dict[str, float]] = {
     6: {"ic/h-sl-ft": 30000.0, "ic/psi-true-deg": 0.0, "ic/p-rad_sec": -SPIN},
-    9: {"ic/h-sl-ft": 0.0, "ic/psi-true-deg": 90.0, "ic/vn-fps": 0.0, "ic/ve-fps": 1000.0, "ic/vd-fps": -1000.0},
+    9: {
+        "ic/h-sl-ft": 0.0,
+        "ic/psi-true-deg": 90.0,
+        "ic/vn-fps": 0.0,
+        "ic/ve-fps": 1000.0,
+        "ic/vd-fps": -1000.0,
+    },
 }
 DEGREES = 180.0 / math.pi
 #: Column of the check cases, property of JSBSim, factor.
@@ -101,12 +114,18 @@ def _row(vehicle: Any) -> list[float]:
 def largest(first: Table, second: Table, column: str) -> float:
     """Largest difference over all rows; angles on the circle."""
     difference = np.abs(first[column] - second[column])
-    return float(np.max(np.minimum(difference, 360.0 - difference) if column.startswith("eulerAngle") else difference))
+    return float(
+        np.max(np.minimum(difference, 360.0 - difference) if column.startswith("eulerAngle") else difference)
+    )
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Cross-check NESC cases 6 and 9 with JSBSim and simulation 04.")
-    parser.add_argument("--step", type=float, default=0.002, help="JSBSim's step, s (default 0.002; a divisor of 0.1)")
+    parser = argparse.ArgumentParser(
+        description=("Cross-check NESC cases 6 and 9 with JSBSim and simulation 04.")
+    )
+    parser.add_argument(
+        "--step", type=float, default=0.002, help=("JSBSim's step, s (default 0.002; a divisor of 0.1)")
+    )
     step_s = parser.parse_args().step
     if not 0.0 < step_s <= INTERVAL_S or abs(INTERVAL_S / step_s - round(INTERVAL_S / step_s)) > 1e-6:
         parser.error(f"--step must divide {INTERVAL_S} (got {step_s:g})")
@@ -115,13 +134,19 @@ def main() -> int:
     except ImportError:
         print('JSBSim is not installed: pip install "edl6dof[bench]"', file=sys.stderr)
         return 2
-    print(f"largest difference over 301 rows; edl6dof at 0.01 s, JSBSim {installed} at {step_s:g} s, NESC simulation 04")
+    print(
+        f"largest difference over 301 rows; edl6dof at 0.01 s, JSBSim {installed} at {step_s:g} s, NESC "
+        "simulation 04"
+    )
     sources: tuple[Callable[[int], Table], ...] = (flown, lambda case: fly_jsbsim(case, step_s), reference)
     for case in INITIAL:
         own, jsb, tm = (source(case) for source in sources)
         print(f"\ncase {case:<32} {'ours - sim 04':>15} {'ours - JSBSim':>15} {'JSBSim - sim 04':>16}")
         for column, _, _ in WATCHED:
-            print(f"{column:<37} {largest(own, tm, column):15.2e} {largest(own, jsb, column):15.2e} {largest(jsb, tm, column):16.2e}")
+            print(
+                f"{column:<37} {largest(own, tm, column):15.2e} {largest(own, jsb, column):15.2e} "
+                f"{largest(jsb, tm, column):16.2e}"
+            )
     return 0
 
 

@@ -1,11 +1,13 @@
-"""Integrate the simulator's right-hand side with scipy and print the difference to its own Runge-Kutta steps, phase by phase.
+"""Integrate the simulator's right-hand side with scipy and print the difference to its own Runge-Kutta steps,
+phase by phase.
 
     python tools/crosscheck_scipy.py [--window 60] [--tolerance 1e-11] [--compiled]
 
-From a state saved in each phase of the nominal flight both fly on with the flight software off: valves shut, engine command held, nothing
-due.  The simulator flies compiled, with 10 ms Runge-Kutta steps; scipy's DOP853 works at tight tolerance on the same source as plain
-Python (numba off, a process of its own).  Windows of phases that end in tumbling or at the ground without flight software are shorter;
-``--compiled`` gives scipy the compiled right-hand side, which is much quicker.
+From a state saved in each phase of the nominal flight both fly on with the flight software off: valves shut,
+engine command held, nothing due.  The simulator flies compiled, with 10 ms Runge-Kutta steps; scipy's DOP853
+works at tight tolerance on the same source as plain Python (numba off, a process of its own).  Windows of
+phases that end in tumbling or at the ground without flight software are shorter; ``--compiled`` gives scipy
+the compiled right-hand side, which is much quicker.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ from edl6dof.sim.flight import fly
 from edl6dof.vehicle.integrate import advance
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
-#: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth stretch.
+#: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
+#: stretch.
 BEGIN = {TRIM: 5.0, LIFT: 20.0, PARACHUTE: 5.0, POWERED_DECELERATION: 3.0}
 #: Longest window (s) without flight software, by role: beyond it the vehicle tumbles or meets the ground.
 LONGEST = {POWERED_DECELERATION: 8.0, HOVER_IMAGING: 5.0, HAZARD_AVOIDANCE: 5.0, SLOW_DESCENT: 2.0}
@@ -64,14 +67,19 @@ def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--window", type=float, default=60.0, help="longest window, s")
     parser.add_argument("--tolerance", type=float, default=1e-11, help="relative tolerance of DOP853")
     parser.add_argument("--compiled", action="store_true", help="scipy on the compiled right-hand side")
     options = parser.parse_args()
     loaded = edl6dof.load("tianwen1")
     nominal = fly(loaded)
-    print(f"{'phase':20} {'t s':>6} {'window s':>8} {' '.join(f'{name:>12}' for name in PARTS)} {'calls':>7} {'took s':>7}")
+    print(
+        f"{'phase':20} {'t s':>6} {'window s':>8} {' '.join(f'{name:>12}' for name in PARTS)} {'calls':>7} "
+        f"{'took s':>7}"
+    )
     for index, phase in enumerate(nominal.scenario.mission.phases[:-1]):
         begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
         seconds = min(options.window, LONGEST.get(phase.role, 60.0))
@@ -82,12 +90,24 @@ def main() -> int:
         own = runge_kutta(given, seconds)
         clock = time.perf_counter()
         arguments = (given, seconds, options.tolerance)
-        found = integrate(*arguments) if options.compiled else in_plain_python(given, "integrate", seconds, options.tolerance)
+        found = (
+            integrate(*arguments)
+            if options.compiled
+            else in_plain_python(given, "integrate", seconds, options.tolerance)
+        )
         took = time.perf_counter() - clock
         y = found["y"].copy()
         y[6:10] /= np.linalg.norm(y[6:10])
-        gaps = [f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()]
-        print(f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} {took:7.1f}", flush=True)
+        gaps = [
+            f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()
+        ]
+        print(
+            (
+                f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} "
+                f"{took:7.1f}"
+            ),
+            flush=True,
+        )
     return 0
 
 

@@ -1,9 +1,12 @@
-"""Print what the fault tolerance promises, measured: ``python tools/fault_figures.py [-n 400] [--seed 1] [--matrix]``.
+"""Print what the fault tolerance promises, measured: ``python tools/fault_figures.py [-n 400] [--seed 1]
+[--matrix]``.
 
-1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a random time in the first
+1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a
+random time in the first
    seconds of hazard avoidance: how often the right one is named, how fast, and how many land.
 2. n dispersed flights without a fault: how many thrusters are wrongly condemned.
-3. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does not land within limits.
+3. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does
+not land within limits.
 
 Each flight also gets its own direction to the safe spot.
 """
@@ -45,7 +48,11 @@ def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
             f"{TERMINAL}.safe_spot_north_m": SPOT_M * float(np.cos(direction)),
             f"{TERMINAL}.safe_spot_east_m": SPOT_M * float(np.sin(direction)),
         }
-        fault = {"faults": [{"thruster": thruster, "kind": kind, "at": {"phase": phase, "plus_s": after}}]} if kind else {}
+        fault = (
+            {"faults": [{"thruster": thruster, "kind": kind, "at": {"phase": phase, "plus_s": after}}]}
+            if kind
+            else {}
+        )
         label = {"thruster": thruster} if kind else {}
         yield replace(case, truth={**case.truth, **fault}, belief={**case.belief, **spot}, label=label)
 
@@ -62,14 +69,22 @@ def single_faults(rows: list[Row]) -> str:
     right = [row for row in begun if row["named"] == row["thruster"]]
     times = np.array([row["time_to_detect_s"] for row in right])
     lines = [
-        f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the fault began",
+        (
+            f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the "
+            "fault began"
+        ),
         f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, sound thrusters condemned "
         f"{sum(int(row['false_alarms']) for row in begun)}",
-        f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, largest {times.max():.2f} s",
+        (
+            f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
+            f"largest {times.max():.2f} s"
+        ),
         f"  landed within limits {sum(row['success'] for row in begun)}",
     ]
     missed = [
-        f"  case {row['case']}: {row['thruster']} failed, condemned: {row['condemned'] or 'nobody'}" for row in begun if row not in right
+        f"  case {row['case']}: {row['thruster']} failed, condemned: {row['condemned'] or 'nobody'}"
+        for row in begun
+        if row not in right
     ]
     return "\n".join(lines + missed + lost(begun))
 
@@ -78,14 +93,21 @@ def healthy(rows: list[Row]) -> str:
     """Figures of the flights without a fault."""
     accused = [row for row in rows if row.get("false_alarms", 0.0) > 0.0]
     lines = [
-        f"no fault: {len(rows)} flights, {len(accused)} with a false alarm, landed within limits {sum(row['success'] for row in rows)}"
+        (
+            f"no fault: {len(rows)} flights, {len(accused)} with a false alarm, landed within limits "
+            f"{sum(row['success'] for row in rows)}"
+        )
     ]
     return "\n".join(lines + [f"  case {row['case']}: {row['condemned']}" for row in accused] + lost(rows))
 
 
 def lost(rows: list[Row]) -> list[str]:
     """A line for each flight that did not land within limits."""
-    return [f"  case {row['case']} {row.get('thruster', '')}: {row['outcome']}" for row in rows if not row["success"]]
+    return [
+        f"  case {row['case']} {row.get('thruster', '')}: {row['outcome']}"
+        for row in rows
+        if not row["success"]
+    ]
 
 
 def matrix() -> str:
@@ -97,23 +119,36 @@ def matrix() -> str:
         rows = list(fly_rows(loaded, cases, collect=judge_fault))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
         lines.append(
-            f"{kind}: {sum(row['success'] for row in rows)} of {len(rows)} landed within limits, {wrong} sound thrusters condemned"
+            f"{kind}: {sum(row['success'] for row in rows)} of {len(rows)} landed within limits, "
+            f"{wrong} sound thrusters condemned"
         )
-        lines += [f"  {row['thruster']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]]
+        lines += [
+            f"  {row['thruster']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]
+        ]
     return "\n".join(lines)
 
 
 def main() -> None:
     """Fly and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("-n", type=int, default=400, help="flights with a fault, and as many without")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--matrix", action="store_true")
     options = parser.parse_args()
     start = time.perf_counter()
     plan = load_plan("tianwen1_mc", cases=options.n)
-    print(single_faults(list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=condemned))), flush=True)
-    print(healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=condemned))), flush=True)
+    print(
+        single_faults(
+            list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=condemned))
+        ),
+        flush=True,
+    )
+    print(
+        healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=condemned))),
+        flush=True,
+    )
     if options.matrix:
         print(matrix())
     print(f"{time.perf_counter() - start:.0f} s")

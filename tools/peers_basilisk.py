@@ -1,12 +1,15 @@
-"""Basilisk's nearest case: a rigid entry vehicle with drag, eight thrusters and attitude control at 10 Hz, 500 s at 100 Hz.
+"""Basilisk's nearest case: a rigid entry vehicle with drag, eight thrusters and attitude control at 10 Hz,
+500 s at 100 Hz.
 
-Has: Mars as a point mass, exponential atmosphere, drag with an offset centre of pressure, eight on/off thrusters with ramps and
-least on-time, ideal navigation, inertial pointing by MRP feedback, force mapping, Schmitt trigger; fourth-order Runge-Kutta as
-edl6dof. Log: none (recording the state at 100 Hz costs Basilisk some 13 % more).
+Has: Mars as a point mass, exponential atmosphere, drag with an offset centre of pressure, eight on/off
+thrusters with ramps and least on-time, ideal navigation, inertial pointing by MRP feedback, force mapping,
+Schmitt trigger; fourth-order Runge-Kutta as edl6dof. Log: none (recording the state at 100 Hz costs Basilisk
+some 13 % more).
 
-Lacks, against the flight of edl6dof: J2, aerodynamic tables, lift and damping, varying mass, guidance, mission phases,
-parachute, separations, engine, terrain, wind, touchdown, telemetry, events located inside a step. The density is taken once a
-step. The entry is shallower than Tianwen-1's, to stay above the ground for 500 s.
+Lacks, against the flight of edl6dof: J2, aerodynamic tables, lift and damping, varying mass, guidance,
+mission phases, parachute, separations, engine, terrain, wind, touchdown, telemetry, events located inside a
+step. The density is taken once a step. The entry is shallower than Tianwen-1's, to stay above the ground for
+500 s.
 """
 
 from __future__ import annotations
@@ -32,9 +35,11 @@ SPEED_M_S = 4800.0
 FLIGHT_PATH_DEG = -7.7
 INERTIA = [1150.0, 0.0, 0.0, 0.0, 900.0, 0.0, 0.0, 0.0, 950.0]
 ARM_M, OUT_M, TILT = 0.85, 1.2, math.sqrt(0.5)
-#: (position, direction) of the thrusters, which push obliquely: pure torques about all three axes are sums of four of them.
+#: (position, direction) of the thrusters, which push obliquely: pure torques about all three axes are sums of
+#: four of them.
 THRUSTERS = [
-    ([x * 0.04, side * OUT_M, z * ARM_M], [side * x * TILT, -side * TILT, 0.0]) for side, x, z in itertools.product((1, -1), repeat=3)
+    ([x * 0.04, side * OUT_M, z * ARM_M], [side * x * TILT, -side * TILT, 0.0])
+    for side, x, z in itertools.product((1, -1), repeat=3)
 ]
 
 
@@ -60,15 +65,31 @@ def run() -> tuple[float, float, dict[str, float]]:
     if not all(map(math.isfinite, r + v + w)):
         raise FloatingPointError("Basilisk's state is not finite")
     del keep
-    end = {"altitude_m": math.hypot(*r) - RADIUS_M, "speed_m_s": math.hypot(*v), "rate_deg_s": math.degrees(math.hypot(*w))}
+    end = {
+        "altitude_m": math.hypot(*r) - RADIUS_M,
+        "speed_m_s": math.hypot(*v),
+        "rate_deg_s": math.degrees(math.hypot(*w)),
+    }
     return wall, cpu, {"time_s": simulation.TotalSim.CurrentNanos * 1e-9, **end}
 
 
 def _prepare() -> tuple[Any, Any, list[Any]]:
     """Build the simulation; the third item keeps alive what Basilisk refers to without owning."""
     from Basilisk.architecture import messaging
-    from Basilisk.fswAlgorithms import attTrackingError, inertial3D, mrpFeedback, thrFiringSchmitt, thrForceMapping
-    from Basilisk.simulation import dragDynamicEffector, exponentialAtmosphere, simpleNav, spacecraft, thrusterDynamicEffector
+    from Basilisk.fswAlgorithms import (
+        attTrackingError,
+        inertial3D,
+        mrpFeedback,
+        thrFiringSchmitt,
+        thrForceMapping,
+    )
+    from Basilisk.simulation import (
+        dragDynamicEffector,
+        exponentialAtmosphere,
+        simpleNav,
+        spacecraft,
+        thrusterDynamicEffector,
+    )
     from Basilisk.utilities import SimulationBaseClass, macros, simIncludeGravBody, simIncludeThruster
 
     simulation = SimulationBaseClass.SimBaseClass()

@@ -1,15 +1,16 @@
 """JSBSim's nearest case: an uncontrolled 6-DOF capsule entering the atmosphere of Mars, 250 s at 100 Hz.
 
-Has: rotating oblate Mars with J2, JSBSim's own Mars atmosphere, constant mass, drag over Mach number and total angle of attack
-from a table, normal force, static moments over the full range of angles, rate damping. Log: none. Called from Python step by
-step (``FGFDMExec.run``), as JSBSim's Python users do.
+Has: rotating oblate Mars with J2, JSBSim's own Mars atmosphere, constant mass, drag over Mach number and
+total angle of attack from a table, normal force, static moments over the full range of angles, rate damping.
+Log: none. Called from Python step by step (``FGFDMExec.run``), as JSBSim's Python users do.
 
-Lacks, against the flight of edl6dof: guidance, control, thrusters, parachute, separations, engine, propellant, terrain, wind,
-landing gear, telemetry, events located inside a step. JSBSim evaluates the forces **once** a step (Adams-Bashforth rules);
-edl6dof does so four times (Runge-Kutta), and once more in every cycle of the flight software.
+Lacks, against the flight of edl6dof: guidance, control, thrusters, parachute, separations, engine,
+propellant, terrain, wind, landing gear, telemetry, events located inside a step. JSBSim evaluates the forces
+**once** a step (Adams-Bashforth rules); edl6dof does so four times (Runge-Kutta), and once more in every
+cycle of the flight software.
 
-The start is at 100 km and not at 125 km, because JSBSim's Mars atmosphere falls below absolute zero above 112.6 km; the path is
-shallower than Tianwen-1's, to stay above the ground for 250 s.
+The start is at 100 km and not at 125 km, because JSBSim's Mars atmosphere falls below absolute zero above
+112.6 km; the path is shallower than Tianwen-1's, to stay above the ground for 250 s.
 """
 
 from __future__ import annotations
@@ -130,14 +131,21 @@ INITIAL = {
     "simulation/integrator/rate/rotational": 3,
     "simulation/integrator/position/rotational": 3,
 }
-WATCHED = ("position/h-sl-ft", "velocities/vt-fps", "velocities/p-rad_sec", "velocities/q-rad_sec", "velocities/r-rad_sec")
+WATCHED = (
+    "position/h-sl-ft",
+    "velocities/vt-fps",
+    "velocities/p-rad_sec",
+    "velocities/q-rad_sec",
+    "velocities/r-rad_sec",
+)
 
 
 def run() -> tuple[float, float, dict[str, float]]:
     """One entry: wall seconds, CPU seconds, and where it ended.
 
     Raises:
-        FloatingPointError: the state is not finite (``run`` returns True all the same, and such a run looks faster).
+        FloatingPointError: the state is not finite (``run`` returns True all the same, and such a run looks
+            faster).
     """
     vehicle = prepare(AIRCRAFT, STEP_S, INITIAL)
     step = vehicle.run
@@ -148,4 +156,8 @@ def run() -> tuple[float, float, dict[str, float]]:
     end = [float(vehicle[name]) for name in WATCHED]
     if not all(map(math.isfinite, end)):
         raise FloatingPointError(f"JSBSim's state is not finite after {vehicle.get_sim_time():.2f} s")
-    return wall, cpu, {"time_s": vehicle.get_sim_time(), "altitude_m": end[0] * FOOT, "speed_m_s": end[1] * FOOT}
+    return (
+        wall,
+        cpu,
+        {"time_s": vehicle.get_sim_time(), "altitude_m": end[0] * FOOT, "speed_m_s": end[1] * FOOT},
+    )

@@ -1,4 +1,5 @@
-"""Print the tables of the README from a flight made now: ``python tools/readme.py`` rewrites them in place between their markers.
+"""Print the tables of the README from a flight made now: ``python tools/readme.py`` rewrites them in place
+between their markers.
 
 The speed table comes from ``tools/bench.py`` and is pasted by hand, with the machine it was measured on.
 """
@@ -18,8 +19,13 @@ def flight_table() -> str:
     """This flight beside the published one, as Markdown."""
     flight = edl6dof.fly("tianwen1")
     lines = ["| figure | unit | this flight | published | difference |", "|---|---|---:|---:|---:|"]
-    lines += ["| " + " | ".join(row.cells) + " |" for row in comparison(flight.metrics, flight.scenario.published)]
-    lines.append(f"\nVerdict: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing site.")
+    lines += [
+        "| " + " | ".join(row.cells) + " |" for row in comparison(flight.metrics, flight.scenario.published)
+    ]
+    lines.append(
+        f"\nVerdict: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing "
+        "site."
+    )
     return "\n".join(lines)
 
 

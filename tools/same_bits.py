@@ -1,11 +1,13 @@
-"""Whether a change kept the bits: hashes of what the code computes, written before the change and compared after it.
+"""Whether a change kept the bits: hashes of what the code computes, written before the change and compared
+after it.
 
-    python tools/same_bits.py record before.json        # on the code before
-    python tools/same_bits.py compare before.json       # on the code after: exit status 1 and the names of all that differs
+    python tools/same_bits.py record before.json        # on the code before python tools/same_bits.py compare
+    before.json       # on the code after: exit status 1 and the names of all that differs
 
-Flown are the nominal, perturbed and faulty flights, the MSL class, the papers' scenarios, the NESC check cases, and fifty cases of the
-campaign.  Each channel of telemetry and each figure has a hash of its own, by name, so that channels may come and go and what is left
-is still compared.  The mathematics library of another machine may round differently: record and compare on one.
+Flown are the nominal, perturbed and faulty flights, the MSL class, the papers' scenarios, the NESC check
+cases, and fifty cases of the campaign.  Each channel of telemetry and each figure has a hash of its own, by
+name, so that channels may come and go and what is left is still compared.  The mathematics library of another
+machine may round differently: record and compare on one.
 """
 
 from __future__ import annotations
@@ -39,7 +41,10 @@ FLIGHTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("weak P1", "tianwen1", (fault("P1", "degraded", "powered_deceleration"),)),
     ("open P2", "tianwen1", (fault("P2", "stuck_on", "parachute"),)),
     ("dead D1", "tianwen1", (fault("D1", "stuck_off", "trim_aoa"),)),
-    *((law, "tianwen1", (f"flight_software.guidance.entry.law={law}", "mission.goal=deployment")) for law in ("npc", "etpc", "ftc_dob")),
+    *(
+        (law, "tianwen1", (f"flight_software.guidance.entry.law={law}", "mission.goal=deployment"))
+        for law in ("npc", "etpc", "ftc_dob")
+    ),
     *((name, name, ()) for name in ("msl", "wu2013", "yan2016", "zheng2015")),
     *((f"nesc {k}", f"nesc/case{k:02d}", ()) for k in range(1, 11)),
 )
@@ -67,7 +72,10 @@ def rows() -> dict[str, str]:
 
     plan = load_plan("tianwen1_mc")
     table = fly_cases(plan.loaded, plan.cases(0, CASES))
-    return {f"column {name}": hashlib.sha256(repr(table[name].to_pylist()).encode()).hexdigest()[:16] for name in table.column_names}
+    return {
+        f"column {name}": hashlib.sha256(repr(table[name].to_pylist()).encode()).hexdigest()[:16]
+        for name in table.column_names
+    }
 
 
 def everything() -> Iterator[tuple[str, dict[str, str]]]:

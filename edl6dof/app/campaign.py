@@ -45,13 +45,22 @@ def run_campaign(options: CampaignOptions) -> int:
         if not options.resume:
             raise  # nothing was written
         place = [options.scenario, *(["--out", str(options.out)] if options.out else [])]
-        print(f"interrupted; what has flown is kept; go on with: edl6dof campaign {shlex.join(place)} --resume", file=sys.stderr)
+        print(
+            (
+                "interrupted; what has flown is kept; go on with: edl6dof "
+                f"campaign {shlex.join(place)} --resume"
+            ),
+            file=sys.stderr,
+        )
         return INTERRUPTED
 
 
 def _check(options: CampaignOptions) -> None:
     if options.scenario is None:
-        raise problem("edl6dof campaign", "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign")
+        raise problem(
+            "edl6dof campaign",
+            ("name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign"),
+        )
     if options.engine not in ("threads", "dask"):
         raise problem("--engine", f"must be threads or dask (got {options.engine!r})")
     if options.cluster is not None and options.engine != "dask":

@@ -99,7 +99,9 @@ def _folder(options: CampaignOptions) -> Path:
         given = load_plan(options.scenario, options.sets, options.cases, options.seed)
         folder = options.out or Path("runs") / given.name
         if given.text != Store(folder).plan_text:
-            raise refused(folder, f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume")
+            raise refused(
+                folder, (f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume")
+            )
     elif options.sets or options.cases is not None or options.seed is not None:
         raise refused(folder, "has its plan; it takes no other values when it goes on")
     return folder
@@ -136,7 +138,9 @@ def _warm_up(plan: Plan, talk: bool) -> None:
 
 @contextmanager
 def _progress(talk: bool, total: int) -> Iterator[run.Report | None]:
-    """Progress with rate, time left, and success so far, on stderr; a line at every tenth where that is no terminal."""
+    """Progress with rate, time left, and success so far, on stderr; a line at every tenth where that is no
+    terminal.
+    """
     console = Console(stderr=True)
     if not talk:
         yield None
@@ -153,7 +157,9 @@ def _progress(talk: bool, total: int) -> Iterator[run.Report | None]:
     )
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("fly", total=total, rate=0.0, success="")
-        yield lambda tally: bar.update(task, completed=tally.flown, rate=tally.rate, success=str(tally.success))
+        yield lambda tally: bar.update(
+            task, completed=tally.flown, rate=tally.rate, success=str(tally.success)
+        )
 
 
 def _lines() -> run.Report:
@@ -163,6 +169,10 @@ def _lines() -> run.Report:
         tenth = 10 * tally.flown // tally.total
         if tenth > shown[0]:
             shown[0] = tenth
-            print(f"{tally.flown} of {tally.total}, {tally.rate:.1f}/s, success {tally.success}", file=sys.stderr, flush=True)
+            print(
+                f"{tally.flown} of {tally.total}, {tally.rate:.1f}/s, success {tally.success}",
+                file=sys.stderr,
+                flush=True,
+            )
 
     return report

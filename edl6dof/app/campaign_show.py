@@ -27,15 +27,21 @@ def show(store: Store, options: CampaignOptions) -> None:
     console = Console(highlight=False, soft_wrap=True)
     success = Proportion(summary.successes, summary.cases)
     style = "bold green" if success.value >= 0.99 else "bold yellow"
-    console.print(f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed, {success}[/]")
+    console.print(
+        f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed, {success}[/]"
+    )
     if options.quiet:
         return
     for cause in summary.causes:
         console.print(f"  {cause.cases:>6}  {cause.cause}", markup=False)
     if summary.cases < summary.cases_planned:
-        console.print(f"stopped after {summary.cases} of {summary.cases_planned} cases: the interval is narrow enough")
+        console.print(
+            f"stopped after {summary.cases} of {summary.cases_planned} cases: the interval is narrow enough"
+        )
     if summary.flown_in_this_run:
-        console.print(f"{summary.flights_per_second:.1f} flights per second on {summary.engine}", markup=False)
+        console.print(
+            f"{summary.flights_per_second:.1f} flights per second on {summary.engine}", markup=False
+        )
     console.print(f"next: edl6dof report {store.folder}, edl6dof refly {store.folder} CASE", markup=False)
 
 
@@ -46,13 +52,24 @@ def show_comparison(result: Comparison) -> None:
     both, only_a, only_b, neither = result.counts
     for name, success in zip(result.names, result.success, strict=True):
         console.print(f"{name}: success {success}", markup=False)
-    console.print(f"both succeed {both}, {a} alone {only_a}, {b} alone {only_b}, neither {neither}", markup=False)
+    console.print(
+        f"both succeed {both}, {a} alone {only_a}, {b} alone {only_b}, neither {neither}", markup=False
+    )
     console.print(f"a split as uneven by chance alone: p = {result.p_value:.3g} (McNemar, exact)")
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Paired differences that are clear at 95 %", title_justify="left")
+    table = Table(
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+        title="Paired differences that are clear at 95 %",
+        title_justify="left",
+    )
     for column in ("figure", a, b, "B - A", "95 %"):
         table.add_column(column, justify="left" if column == "figure" else "right")
     for figure in result.figures:
         if figure.clear:
             numbers = (figure.mean_a, figure.mean_b, figure.difference, figure.half_width)
-            table.add_row(figure.figure, *(significant(number, 5) for number in numbers[:3]), f"+-{significant(numbers[3], 2)}")
+            table.add_row(
+                figure.figure,
+                *(significant(number, 5) for number in numbers[:3]),
+                f"+-{significant(numbers[3], 2)}",
+            )
     console.print(table if table.row_count else "no figure differs clearly")

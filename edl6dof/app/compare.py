@@ -48,7 +48,9 @@ def run_compare(first: Path, second: Path, out: Path | None, force: bool) -> int
     return 0
 
 
-def _show_differences(console: Console, title: str, names: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+def _show_differences(
+    console: Console, title: str, names: Sequence[str], rows: Sequence[Sequence[str]]
+) -> None:
     """A line for each parameter: its path is never broken, and two scenarios may differ in hundreds."""
     console.print(f"[bold]{title}[/]: parameter: {escape(names[0])} | {escape(names[1])}")
     for path, one, two in rows[:MOST]:

@@ -13,5 +13,9 @@ def announce_compiling(talk: bool) -> bool:
     if is_cached(compiled_loop):
         return False
     if talk:
-        print("Compiling the simulator (first use on this machine; up to a minute, kept for later) ...", file=sys.stderr, flush=True)
+        print(
+            "Compiling the simulator (first use on this machine; up to a minute, kept for later) ...",
+            file=sys.stderr,
+            flush=True,
+        )
     return True

@@ -34,7 +34,8 @@ def refuse(message: str) -> int:
 def refusing_damage(*folders: Path) -> Iterator[None]:
     """The one place that turns whatever goes wrong while results are read and shown into one line.
 
-    Hashes and types of the files are checked where they are read; a folder made up to pass those checks ends here.
+    Hashes and types of the files are checked where they are read; a folder made up to pass those checks ends
+    here.
 
     Raises:
         ConfigError: with the place in this program that could not go on.
@@ -47,4 +48,6 @@ def refusing_damage(*folders: Path) -> Iterator[None]:
         place = extract_tb(error.__traceback__)[-1]
         where = f"{Path(place.filename).name}:{place.lineno}"
         names = ", ".join(map(str, folders))
-        raise refusal(names, f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})") from error
+        raise refusal(
+            names, (f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})")
+        ) from error

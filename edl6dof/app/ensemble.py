@@ -1,4 +1,6 @@
-"""The flights of a campaign, flown again for their trajectories: a campaign keeps one row of each, and every case repeats exactly."""
+"""The flights of a campaign, flown again for their trajectories: a campaign keeps one row of each, and every
+case repeats exactly.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,8 @@ def campaign_plan(folder: Path) -> Plan:
     """The plan of a campaign's folder.
 
     Raises:
-        ConfigError: it was flown with another program or other files, so its flights would not repeat; or its plan cannot be read.
+        ConfigError: it was flown with another program or other files, so its flights would not repeat; or its
+            plan cannot be read.
     """
     return resumed_plan(Store(folder))
 
@@ -45,11 +48,18 @@ def trajectories(plan: Plan) -> list[Trajectory]:
         if "places" in row:
             found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
         if sys.stderr.isatty():
-            print(f"\r{done} of {count} cases flown again", end="" if done < count else "\n", file=sys.stderr, flush=True)
+            print(
+                f"\r{done} of {count} cases flown again",
+                end="" if done < count else "\n",
+                file=sys.stderr,
+                flush=True,
+            )
     return found
 
 
 def _places(flight: Flight) -> Mapping[str, Any]:
-    """Positions in landing-site axes, a row every two seconds, copied: the telemetry belongs to the next case."""
+    """Positions in landing-site axes, a row every two seconds, copied: the telemetry belongs to the next
+    case.
+    """
     rows = thin(np.array(flight.telemetry["t_s"]), RATE_HZ)
     return {"places": vector(flight.telemetry, "truth.site", "east north up", "_m")[rows].astype(np.float32)}

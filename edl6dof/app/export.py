@@ -27,7 +27,9 @@ FILES = {
 
 
 def run_export(folder: Path, form: str, target: Path | None, force: bool) -> int:
-    """Write the telemetry of a run in a form of :data:`FILES`; ``-`` as target is standard output, for the forms that are text."""
+    """Write the telemetry of a run in a form of :data:`FILES`; ``-`` as target is standard output, for the
+    forms that are text.
+    """
     run = Run(folder)
     writer = WRITERS[form]
     if target == Path("-"):
@@ -76,7 +78,9 @@ def _about(run: Run) -> object:
         "epoch_utc": str(run.scenario["initial"].get("epoch_utc") or ""),
         "scenario_sha256": str(summary["scenario_sha256"]),
     }
-    return Description({name: run.unit(name) for name in run}, {name: run.meaning(name) for name in run}, words)
+    return Description(
+        {name: run.unit(name) for name in run}, {name: run.meaning(name) for name in run}, words
+    )
 
 
 def _ccsds(kind: str, run: Run, path: Path) -> int:
@@ -84,7 +88,10 @@ def _ccsds(kind: str, run: Run, path: Path) -> int:
 
     write = {"oem": ccsds.write_oem, "aem": ccsds.write_aem}[kind]
     summary = run.summary
-    comments = [f"edl6dof {summary['edl6dof_version']}, scenario {run.name}: {summary['outcome']}", "true state of the centre of mass"]
+    comments = [
+        f"edl6dof {summary['edl6dof_version']}, scenario {run.name}: {summary['outcome']}",
+        "true state of the centre of mass",
+    ]
     try:
         epoch = ccsds.parse_epoch(str(run.scenario["initial"].get("epoch_utc") or ""))
         with path.open("w", encoding="ascii", errors="replace", newline="\n") as stream:

@@ -59,7 +59,9 @@ def run_faults(options: FaultOptions) -> int:
     cases = fault_cases(thrusters, kinds, phases, options.after_s)
     with atomic_folder(target, "faults", options.force) as folder:
         with _progress(len(cases), quiet=options.as_json) as progress:
-            rows = list(fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress))
+            rows = list(
+                fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress)
+            )
         pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
         summary = json_text(_summary(rows, kinds, phases))
         (folder / "summary.json").write_text(summary, encoding="utf-8")
@@ -73,14 +75,28 @@ def run_faults(options: FaultOptions) -> int:
 def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], list[str], list[str]]:
     scenario = loaded.scenario
     if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
-        raise ConfigError([Problem("--after", 0, 0, "", f"must be a time in s, 0 or more (got {options.after_s:g})")])
+        raise ConfigError(
+            [Problem("--after", 0, 0, "", (f"must be a time in s, 0 or more (got {options.after_s:g})"))]
+        )
     if not scenario.thruster_names:
-        raise ConfigError([Problem(options.scenario, 0, 0, "vehicle.rcs.thrusters", "there is no thruster that could fail")])
+        raise ConfigError(
+            [Problem(options.scenario, 0, 0, "vehicle.rcs.thrusters", "there is no thruster that could fail")]
+        )
     if not (usual := phases_of(scenario)):
-        raise ConfigError([Problem(options.scenario, 0, 0, "mission.phases", "there is no phase in which thrusters may fire")])
+        raise ConfigError(
+            [
+                Problem(
+                    options.scenario, 0, 0, "mission.phases", "there is no phase in which thrusters may fire"
+                )
+            ]
+        )
     kinds = list(KINDS) if options.kinds == "all" else _chosen("--kinds", options.kinds, KINDS, ["stuck_off"])
     phases = _chosen("--phases", options.phases, scenario.phase_names, usual)
-    return kinds, phases, _chosen("--thrusters", options.thrusters, scenario.thruster_names, scenario.thruster_names)
+    return (
+        kinds,
+        phases,
+        _chosen("--thrusters", options.thrusters, scenario.thruster_names, scenario.thruster_names),
+    )
 
 
 def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]) -> list[str]:
@@ -98,15 +114,28 @@ def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]
 
 
 def _summary(rows: Sequence[Row], kinds: Sequence[str], phases: Sequence[str]) -> dict[str, Any]:
-    groups = [_group([row for row in rows if row["kind"] == kind and row["phase"] == phase]) for kind in kinds for phase in phases]
-    return {"flights": len(rows), "survived": sum(row["success"] for row in rows), "groups": groups, "rows": list(rows)}
+    groups = [
+        _group([row for row in rows if row["kind"] == kind and row["phase"] == phase])
+        for kind in kinds
+        for phase in phases
+    ]
+    return {
+        "flights": len(rows),
+        "survived": sum(row["success"] for row in rows),
+        "groups": groups,
+        "rows": list(rows),
+    }
 
 
 def _group(rows: Sequence[Row]) -> dict[str, Any]:
     """Figures of one kind of fault in one phase."""
     named = [row for row in rows if row.get("named") == row["thruster"]]
     times = [row["time_to_detect_s"] for row in named if "time_to_detect_s" in row]
-    in_use = [max(row["time_to_detect_s"] - (row["unused_s"] or 0.0), 0.0) for row in named if row["kind"] != "stuck_on"]
+    in_use = [
+        max(row["time_to_detect_s"] - (row["unused_s"] or 0.0), 0.0)
+        for row in named
+        if row["kind"] != "stuck_on"
+    ]
     return {
         "kind": rows[0]["kind"],
         "phase": rows[0]["phase"],
@@ -117,19 +146,27 @@ def _group(rows: Sequence[Row]) -> dict[str, Any]:
         "never_used": sum(row["kind"] != "stuck_on" and row.get("unused_s") is None for row in rows),
         "median_time_to_detect_s": statistics.median(times) if times else None,
         "median_from_first_use_s": statistics.median(in_use) if in_use else None,
-        "worst_landing_distance_m": max((row["landing_distance_m"] for row in rows if "landing_distance_m" in row), default=None),
-        "worst_attitude_error_deg": max((row["peak_attitude_error_deg"] or 0.0 for row in rows if row["success"]), default=None),
+        "worst_landing_distance_m": max(
+            (row["landing_distance_m"] for row in rows if "landing_distance_m" in row), default=None
+        ),
+        "worst_attitude_error_deg": max(
+            (row["peak_attitude_error_deg"] or 0.0 for row in rows if row["success"]), default=None
+        ),
     }
 
 
-def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str], thrusters: list[str], target: Path) -> None:
+def _show(
+    console: Console, rows: list[Row], kinds: list[str], phases: list[str], thrusters: list[str], target: Path
+) -> None:
     for kind in kinds:
         console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases, thrusters))
         console.print(_overview(_summary(rows, [kind], phases)["groups"]))
     console.print(_LEGEND, style="dim")
     for row in rows:
         if not row["success"]:
-            console.print(Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red"))
+            console.print(
+                Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red")
+            )
     lost = sum(not row["success"] for row in rows)
     flights = counted(len(rows), "flight")
     verdict = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
@@ -139,7 +176,13 @@ def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str]
 
 def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str]) -> Table:
     """Thrusters by phases: green landed and named, yellow landed and not named, red not within limits."""
-    table = Table(title=kind.replace("_", " "), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(
+        title=kind.replace("_", " "),
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
     table.add_column("", header_style="")
     for phase in phases:
         table.add_column(phase, justify="right", header_style="")
@@ -163,10 +206,16 @@ def _cell(row: Row) -> Text:
 
 
 def _overview(groups: list[dict[str, Any]]) -> Table:
-    """Counts, median times from fault and from first use to the verdict, largest distance from the site and attitude error."""
+    """Counts, median times from fault and from first use to the verdict, largest distance from the site and
+    attitude error.
+    """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for index, heading in enumerate(("phase", "landed", "named", "wrong", "from\nfault s", "from\nuse s", "site\nm", "error\ndeg")):
-        table.add_column(heading, justify="right" if index else "left", header_style="", vertical="bottom", no_wrap=True)
+    for index, heading in enumerate(
+        ("phase", "landed", "named", "wrong", "from\nfault s", "from\nuse s", "site\nm", "error\ndeg")
+    ):
+        table.add_column(
+            heading, justify="right" if index else "left", header_style="", vertical="bottom", no_wrap=True
+        )
     for group in groups:
         counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"])
         figures = [(group["median_time_to_detect_s"], 2), (group["median_from_first_use_s"], 2)]
@@ -184,7 +233,12 @@ def _progress(total: int, quiet: bool) -> Iterator[Callable[[int, Row], None] | 
     if quiet or not console.is_terminal:
         yield None
         return
-    columns = (TextColumn("{task.fields[last]:<40}"), BarColumn(bar_width=24), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.fields[last]:<40}"),
+        BarColumn(bar_width=24),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("faults", total=total, last="")
 

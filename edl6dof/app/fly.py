@@ -50,7 +50,10 @@ def run_fly(options: FlyOptions) -> int:
         write_page(report_of(target), target / "report.html", force=False)
     _show(flight, target, options)
     if options.save_state_s is not None and flight.saved is None:
-        message = f"--save-state {options.save_state_s:g}: no state was saved; the flight ended at {flight.time_s:.2f} s"
+        message = (
+            f"--save-state {options.save_state_s:g}: no state was saved; the flight ended at "
+            f"{flight.time_s:.2f} s"
+        )
         print(message, file=sys.stderr)
     return 0 if flight.success else 1
 
@@ -64,13 +67,16 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     return flight
 
 
-#: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its access to Amazon's storage.
+#: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its
+#: access to Amazon's storage.
 UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
 
 
 @without(*UNUSED_BY_ARROW)
 def write_files(flight: Flight, folder: Path, replay: bool) -> None:
-    """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a replay."""
+    """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a
+    replay.
+    """
     from edl6dof.runs.results import write_run
 
     write_run(flight, folder)
@@ -80,7 +86,8 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
         from edl6dof.replay.recording import history, write_replay
 
         shown = history(flight)
-        flight.release_log()  # the telemetry is on disk by now; without this the replay would not fit the memory budget
+        # the telemetry is on disk by now; without this the replay would not fit the memory budget
+        flight.release_log()
         write_replay([shown], folder / "replay.rrd")
 
 
@@ -104,7 +111,9 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
         raise _problem("--save-state", f"must be a time in s, 0 or more (got {save:g})")
     if options.start is None:
         if options.scenario is None:
-            raise _problem("edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE")
+            raise _problem(
+                "edl6dof fly", ("name a scenario, such as tianwen1, or continue a state with --from STATE")
+            )
         return load_scenario(options.scenario, options.sets), None
     from edl6dof.sim.flight import continue_from
 

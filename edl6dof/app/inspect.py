@@ -41,14 +41,19 @@ def run_schema() -> int:
 
 
 def scenario_schema() -> dict[str, Any]:
-    """Schema of scenario files, of those that extend another one, and of their campaign and sweep sections."""
+    """Schema of scenario files, of those that extend another one, and of their campaign and sweep
+    sections.
+    """
     from edl6dof.campaign.design.params import CampaignFile
     from edl6dof.config.document.extends import EXTENDS
     from edl6dof.config.schema import json_schema
 
     schema, campaign = json_schema(Scenario), json_schema(CampaignFile)
     schema["properties"].update(campaign["properties"])
-    schema["properties"][EXTENDS] = {"type": "string", "description": "name or path of a scenario of which this file changes some values"}
+    schema["properties"][EXTENDS] = {
+        "type": "string",
+        "description": ("name or path of a scenario of which this file changes some values"),
+    }
     schema["$defs"].update(campaign["$defs"])
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
     return schema

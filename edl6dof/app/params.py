@@ -20,7 +20,9 @@ WIDEST = 100
 
 
 def run_params(path: str, as_json: bool) -> int:
-    """Print the reference table from ``path`` downwards, or of all parameters whose path contains that text."""
+    """Print the reference table from ``path`` downwards, or of all parameters whose path contains that
+    text.
+    """
     table = rows(Scenario)
     found = select(table, path)
     if not found:
@@ -42,7 +44,9 @@ def run_params(path: str, as_json: bool) -> int:
 
 
 def select(table: list[Row], path: str) -> list[Row]:
-    """Rows at and below a dotted path, written with or without list indices, or else rows whose path contains the text."""
+    """Rows at and below a dotted path, written with or without list indices, or else rows whose path contains
+    the text.
+    """
     wanted = _plain(path)
     below = [row for row in table if f"{_plain(row.path)}.".startswith(f"{wanted}.")] if wanted else table
     return below or [row for row in table if path.strip().casefold() in row.path.casefold()]
@@ -51,17 +55,23 @@ def select(table: list[Row], path: str) -> list[Row]:
 def known_paths(table: list[Row]) -> list[str]:
     """Dotted paths of all parameters and sections, without list brackets."""
     paths = [_plain(row.path).split(".") for row in table]
-    return list(dict.fromkeys(".".join(parts[:length]) for parts in paths for length in range(1, len(parts) + 1)))
+    return list(
+        dict.fromkeys(".".join(parts[:length]) for parts in paths for length in range(1, len(parts) + 1))
+    )
 
 
 def _plain(path: str) -> str:
-    """``vehicle.rcs.thrusters[].name`` or ``vehicle.rcs.thrusters.0.name`` as ``vehicle.rcs.thrusters.name``."""
+    """``vehicle.rcs.thrusters[].name`` or ``vehicle.rcs.thrusters.0.name`` as
+    ``vehicle.rcs.thrusters.name``.
+    """
     parts = path.strip().replace("[]", "").split(".")
     return ".".join(part for part in parts if part and not part.isdecimal())
 
 
 def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
-    """Aligned lines of one section and their style: key, default, unit and bounds; below it meaning, kind and status."""
+    """Aligned lines of one section and their style: key, default, unit and bounds; below it meaning, kind and
+    status.
+    """
     names = [row.path.rpartition(".")[2] for row in members]
     key_width = max(map(len, names))
     for name, row in zip(names, members, strict=True):
@@ -69,7 +79,10 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         default = row.default if is_short else ""
         limits = row.bounds.replace(" and ", ", ")
         is_range = limits.startswith(("<", ">"))
-        yield f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}".rstrip(), ""
+        yield (
+            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}".rstrip(),
+            "",
+        )
         if not is_short:
             yield from _paragraph(f"default: {row.default}", width)
         claim = ": ".join(part for part in (row.status, row.source) if part)

@@ -20,7 +20,13 @@ ENDINGS = (".html", ".png", ".pdf", ".svg")
 
 
 def run_plot(
-    folder: Path, patterns: Sequence[str], against: str, since: float | None, until: float | None, out: Path | None, force: bool
+    folder: Path,
+    patterns: Sequence[str],
+    against: str,
+    since: float | None,
+    until: float | None,
+    out: Path | None,
+    force: bool,
 ) -> int:
     """Write a plot of channels; without any, list them all."""
     run = Run(folder)
@@ -30,7 +36,10 @@ def run_plot(
     x = chosen(run, [against])[0]
     rows = (run.t >= (-np.inf if since is None else since)) & (run.t <= (np.inf if until is None else until))
     if not rows.any():
-        raise refusal(folder, f"has no telemetry between the given times (it runs from {run.t[0]:g} to {run.t[-1]:g} s)")
+        raise refusal(
+            folder,
+            (f"has no telemetry between the given times (it runs from {run.t[0]:g} to {run.t[-1]:g} s)"),
+        )
     target = out or folder / "plots" / f"{channels[0]}{'-and-more' if len(channels) > 1 else ''}.html"
     if target.suffix not in ENDINGS:
         raise refusal(target, f"must end in {', '.join(ENDINGS)}")
@@ -55,7 +64,10 @@ def chosen(run: Run, patterns: Sequence[str]) -> list[str]:
             begun = [name for name in run if name.startswith(pattern)]
             near = f"{pattern}*" if len(begun) > 1 else nearest(pattern, begun or list(run))
             raise refusal(
-                run.folder, f"no channel {pattern!r}" + (f"; did you mean {near!r}?" if near else "") + " (edl6dof plot RUN lists all)"
+                run.folder,
+                f"no channel {pattern!r}"
+                + (f"; did you mean {near!r}?" if near else "")
+                + " (edl6dof plot RUN lists all)",
             )
         found.update(dict.fromkeys(names))
     return list(found)
@@ -72,7 +84,13 @@ def channel_plot(run: Run, channels: Sequence[str], x: str, rows: np.ndarray) ->
         title = run.meaning(names[0]) if len(names) == 1 else "value"
         traces = [Trace(run[x][rows], run[name][rows], name) for name in names]
         panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
-    return Figure("plot", ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels", panels, share_x=True, height=320)
+    return Figure(
+        "plot",
+        ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels",
+        panels,
+        share_x=True,
+        height=320,
+    )
 
 
 def _write(run: Run, figure: Figure, path: Path) -> None:
@@ -80,7 +98,13 @@ def _write(run: Run, figure: Figure, path: Path) -> None:
         from edl6dof.report.flight.words import mood, verdict
         from edl6dof.report.page import page
 
-        report = Report(run.name, verdict(run), mood(run.summary), str(run.folder), sections=[Section("plots", figure.title, [figure])])
+        report = Report(
+            run.name,
+            verdict(run),
+            mood(run.summary),
+            str(run.folder),
+            sections=[Section("plots", figure.title, [figure])],
+        )
         path.write_text(page(report), encoding="utf-8")
     else:
         from edl6dof.report.paper import write_figure

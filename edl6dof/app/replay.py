@@ -1,4 +1,6 @@
-"""``edl6dof replay``: show one flight or several, or a whole campaign, in the viewer, the browser, a file or a picture."""
+"""``edl6dof replay``: show one flight or several, or a whole campaign, in the viewer, the browser, a file or
+a picture.
+"""
 
 from __future__ import annotations
 
@@ -108,7 +110,9 @@ def _show(recording: Path, options: ReplayOptions) -> None:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no temporary file."""
+    """Let SIGTERM and SIGHUP end the work as Ctrl-C does, so that nothing is left behind: no viewer, no
+    temporary file.
+    """
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt

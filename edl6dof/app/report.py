@@ -11,7 +11,9 @@ from edl6dof.runs.run import TELEMETRY, Run
 
 
 def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> int:
-    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers beside it instead."""
+    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers
+    beside it instead.
+    """
     target = out or folder / "report.html"
     print_out = target.with_suffix(".pdf")
     for path in [print_out] * pdf or [target] * (not png):

@@ -42,7 +42,9 @@ class StudyOptions:
 
 
 def run_study(options: StudyOptions) -> int:
-    """Fly a study, write its folder, show what it found; returns the exit status.  Without a name, list the studies."""
+    """Fly a study, write its folder, show what it found; returns the exit status.  Without a name, list the
+    studies.
+    """
     if options.name is None:
         return _list()
     study = STUDIES.get(options.name)
@@ -80,8 +82,21 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(_grid(grid))
         console.print()
     count = f", {counted(report.runs, 'run')}" if study.counted else ""
-    table = Table(title=f"{study.title}{count}", title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading, right in (("figure", 0), ("unit", 0), ("computed", 1), ("published", 1), ("", 0), ("note", 0)):
+    table = Table(
+        title=f"{study.title}{count}",
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    for heading, right in (
+        ("figure", 0),
+        ("unit", 0),
+        ("computed", 1),
+        ("published", 1),
+        ("", 0),
+        ("note", 0),
+    ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
     for finding in report.findings:
         table.add_row(finding.label, finding.unit, *_numbers(finding), _mark(finding), finding.note)
@@ -95,15 +110,29 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 
 def _grid(grid: Grid) -> Table:
-    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers never cut."""
-    table = Table(title=grid.title, title_justify="left", title_style="bold", box=None, padding=(0, 1, 0, 0), pad_edge=False)
+    """A table of many columns in 80 characters: narrow gaps, the words of a heading below each other, numbers
+    never cut.
+    """
+    table = Table(
+        title=grid.title,
+        title_justify="left",
+        title_style="bold",
+        box=None,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
     names, *columns = zip(*grid.rows, strict=True)
     cells = [names, *map(_decimals, columns)]
     for index, (head, column) in enumerate(zip(grid.heads, cells, strict=True)):
         width = max(map(len, (*column, *head.split())))
         heading = "\n".join(wrap(head, width))
         table.add_column(
-            heading, justify="right" if index else "left", header_style="dim", vertical="bottom", no_wrap=True, min_width=width
+            heading,
+            justify="right" if index else "left",
+            header_style="dim",
+            vertical="bottom",
+            no_wrap=True,
+            min_width=width,
         )
     for row in zip(*cells, strict=True):
         table.add_row(*row)
@@ -118,7 +147,9 @@ def _decimals(column: Sequence[float]) -> list[str]:
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:
-    published = "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
+    published = (
+        "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
+    )
     return significant(finding.computed), published
 
 
@@ -130,7 +161,9 @@ def _mark(finding: Finding) -> Text:
 
 @contextmanager
 def _progress(study: Study, quiet: bool) -> Iterator[Progress]:
-    """A line on stderr that counts runs, if that is a terminal; a word before the first flight has to be compiled."""
+    """A line on stderr that counts runs, if that is a terminal; a word before the first flight has to be
+    compiled.
+    """
     announce_compiling(not quiet)
     console = Console(stderr=True)
     talk = console.is_terminal and not quiet

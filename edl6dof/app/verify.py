@@ -39,7 +39,12 @@ def run_verify(names: Sequence[str], as_json: bool, plots: Path | None) -> int:
     drawn = _draw(reports, plots) if plots is not None else []
     passed = all(report.passed for report in reports)
     if as_json:
-        print(json.dumps({"passed": passed, "seconds": round(seconds, 2), "cases": [r.as_dict() for r in reports]}, indent=1))
+        print(
+            json.dumps(
+                {"passed": passed, "seconds": round(seconds, 2), "cases": [r.as_dict() for r in reports]},
+                indent=1,
+            )
+        )
     else:
         _show(reports, seconds, drawn)
     return 0 if passed else 1
@@ -74,7 +79,9 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
     console = Console(highlight=False)
     for report in reports:
         console.print(Text.assemble((report.name, "bold cyan"), f"  {report.note}" if report.note else ""))
-        for (verifies, source), results in groupby(report.results, key=lambda result: (result.verifies, result.source)):
+        for (verifies, source), results in groupby(
+            report.results, key=lambda result: (result.verifies, result.source)
+        ):
             console.print(Padding(Text.assemble(verifies, (f"  [{source}]", "dim")), (0, 0, 0, 2)))
             console.print(Padding(_comparisons(list(results)), (0, 0, 1, 4)))
     if drawn:
@@ -86,17 +93,23 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
 
 
 def _comparisons(results: Sequence[Result]) -> Table:
-    """Rows of one model against one source, in columns of fixed width so that the blocks line up; a repeated reason is left out."""
+    """Rows of one model against one source, in columns of fixed width so that the blocks line up; a repeated
+    reason is left out.
+    """
     table = Table(box=None, pad_edge=False, show_header=False)
     for width, align in ((25, "left"), (7, "right"), (1, "left"), (5, "right"), (5, "left"), (4, "left")):
         table.add_column(width=width, justify=align)
     table.add_column(style="dim")
     reason = ""
     for result in results:
-        mark, sign = (Text("ok", style="green"), "<") if result.passed else (Text("FAIL", style="bold red"), ">")
+        mark, sign = (
+            (Text("ok", style="green"), "<") if result.passed else (Text("FAIL", style="bold red"), ">")
+        )
         unit = "" if result.unit == "-" else result.unit
         why, reason = "" if result.why == reason else result.why, result.why
-        table.add_row(result.quantity, f"{result.error:.1e}", sign, f"{result.tolerance:.0e}", unit, mark, why)
+        table.add_row(
+            result.quantity, f"{result.error:.1e}", sign, f"{result.tolerance:.0e}", unit, mark, why
+        )
     return table
 
 
@@ -104,6 +117,12 @@ def _verdict(reports: Sequence[Report], seconds: float) -> Text:
     failed = [report.name for report in reports if not report.passed]
     count = sum(len(report.results) for report in reports)
     if failed:
-        return Text(f"FAILED: {', '.join(failed)}; {counted(count, 'comparison')} in {seconds:.1f} s", style="bold red")
+        return Text(
+            f"FAILED: {', '.join(failed)}; {counted(count, 'comparison')} in {seconds:.1f} s",
+            style="bold red",
+        )
     ran = sum(not report.skipped for report in reports)
-    return Text(f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s", style="bold green")
+    return Text(
+        (f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s"),
+        style="bold green",
+    )

@@ -23,7 +23,9 @@ class _NotInstalled(MetaPathFinder):
 
 @contextmanager
 def without(*modules: str) -> Iterator[None]:
-    """Inside the block these modules are as if they were not installed, unless they have been imported before."""
+    """Inside the block these modules are as if they were not installed, unless they have been imported
+    before.
+    """
     finder = _NotInstalled(modules)
     sys.meta_path.insert(0, finder)
     try:

@@ -1,4 +1,5 @@
-"""Two campaigns on common random numbers: the same cases flown by two configurations, difference by difference.
+"""Two campaigns on common random numbers: the same cases flown by two configurations, difference by
+difference.
 
 What both share cancels in a pair, so a small difference shows with few flights.
 """
@@ -46,7 +47,8 @@ class Comparison:
 
     Attributes:
         counts: pairs in which both succeed, A alone, B alone, neither.
-        p_value: probability of so uneven a split of the single successes if the configurations were alike (McNemar, exact).
+        p_value: probability of so uneven a split of the single successes if the configurations were alike
+            (McNemar, exact).
     """
 
     names: tuple[str, str]
@@ -92,11 +94,17 @@ def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> No
     """Every quantity that both disperse must have the same values: only then are these pairs."""
     if not len(a):
         raise refused(first.folder, f"has no case in common with {second.folder}")
-    shared = [name for name in a.column_names if name in b.column_names and name.startswith(("truth.", "belief.", "profile"))]
+    shared = [
+        name
+        for name in a.column_names
+        if name in b.column_names and name.startswith(("truth.", "belief.", "profile"))
+    ]
     different = [name for name in shared if not a[name].equals(b[name])]
     if not shared or different:
         what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
-        raise refused(first.folder, f"{what} with {second.folder}: fly both with the same campaign section and seed")
+        raise refused(
+            first.folder, (f"{what} with {second.folder}: fly both with the same campaign section and seed")
+        )
 
 
 def _pairs(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -115,5 +123,9 @@ def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:
             continue
         apart = (y - x)[usable]
         half = z * float(apart.std(ddof=1)) / sqrt(pairs)
-        found.append(Difference(name, pairs, float(x[usable].mean()), float(y[usable].mean()), float(apart.mean()), half))
+        found.append(
+            Difference(
+                name, pairs, float(x[usable].mean()), float(y[usable].mean()), float(apart.mean()), half
+            )
+        )
     return found

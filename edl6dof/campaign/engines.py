@@ -1,4 +1,6 @@
-"""What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are the same from each."""
+"""What flies the cases of a campaign: threads of this process, or the workers of a Dask cluster.  Rows are
+the same from each.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,9 @@ class Threads:
 
 
 class Dask:
-    """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins takes part."""
+    """Workers of a Dask cluster: one that dies loses nothing, its cases go to another, and one that joins
+    takes part.
+    """
 
     def __init__(self, client: Client):
         self.client = client
@@ -114,9 +118,14 @@ class Dask:
                 if future.status == "error":
                     raise
             except KilledWorker as error:
-                raise OSError(f"the workers that flew some cases died one after the other: {' '.join(str(error).split())}") from None
+                raise OSError(
+                    "the workers that flew some cases died one after the other: "
+                    f"{' '.join(str(error).split())}"
+                ) from None
             except CancelledError as error:
-                raise OSError(f"the scheduler of the cluster is gone ({' '.join(str(error).split())})") from None
+                raise OSError(
+                    f"the scheduler of the cluster is gone ({' '.join(str(error).split())})"
+                ) from None
             if self.client.nthreads():
                 seen = time.monotonic()
             elif time.monotonic() - seen > PATIENCE_S:
@@ -125,7 +134,8 @@ class Dask:
 
 @contextmanager
 def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
-    """Engine on an existing scheduler, or on a cluster of worker processes started here, reachable from this machine only.
+    """Engine on an existing scheduler, or on a cluster of worker processes started here, reachable from this
+    machine only.
 
     Raises:
         ImportError: Dask is not installed.
@@ -133,14 +143,18 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     """
     from distributed import Client, LocalCluster
 
-    for name in ("distributed.client", "distributed.nanny", "asyncio"):  # what they have to say is said here, in a line
+    # what they have to say is said here, in a line
+    for name in ("distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
         with Client(address, timeout="20s", set_as_default=False) as client:
             yield Dask(client)
         return
     options = {"host": "127.0.0.1", "dashboard_address": None, "processes": True, "threads_per_worker": 1}
-    with LocalCluster(n_workers=workers or available_cores(), **options) as cluster, Client(cluster, set_as_default=False) as client:
+    with (
+        LocalCluster(n_workers=workers or available_cores(), **options) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
         yield Dask(client)
 
 

@@ -78,8 +78,12 @@ def fly_rows(
         yield row
 
 
-def in_threads(work: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None) -> Iterator[Result]:
-    """``map`` over threads: results in order, items read only a little ahead, nothing left running when the caller stops."""
+def in_threads(
+    work: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None
+) -> Iterator[Result]:
+    """``map`` over threads: results in order, items read only a little ahead, nothing left running when the
+    caller stops.
+    """
     count = workers or available_cores()
     waiting: deque[Future[Result]] = deque()
     pool = ThreadPoolExecutor(count, thread_name_prefix="edl6dof")
@@ -100,7 +104,9 @@ def available_cores() -> int:
 
 
 def _handfuls(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
-    """Cases in the portions that threads take: first single ones, so that a few cases keep all workers busy."""
+    """Cases in the portions that threads take: first single ones, so that a few cases keep all workers
+    busy.
+    """
     cases = iter(cases)
     for count in chain(repeat(1, _HANDFUL * workers), repeat(_HANDFUL)):
         if not (some := list(islice(cases, count))):
@@ -120,7 +126,8 @@ def _reason(error: Exception) -> str:
 
 
 class Pilot:
-    """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its own.
+    """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its
+    own.
 
     A flight records what its figures need; all channels when ``collect`` may want to see them.
     """
@@ -140,8 +147,8 @@ class Pilot:
     def fly(self, cases: Sequence[Case]) -> list[Row]:
         """Fly a few cases; one that cannot fly becomes a row that says why.
 
-        All are prepared before the first flies: a flight leaves nothing in the processor's caches of what preparing needs, and preparing
-        each case after a flight takes half as long again.
+        All are prepared before the first flies: a flight leaves nothing in the processor's caches of what
+        preparing needs, and preparing each case after a flight takes half as long again.
         """
         prepared = [self._prepared(case) for case in cases]
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
@@ -165,7 +172,9 @@ class Pilot:
         return flown_row(case, ready.changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
-        """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of it."""
+        """Telemetry rows that are used again: fresh pages for every flight would cost as much as 3 % of
+        it.
+        """
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
             self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

@@ -1,4 +1,6 @@
-"""One flight for each way in which one thruster can fail: cases of the fault matrix, and what a row says about each."""
+"""One flight for each way in which one thruster can fail: cases of the fault matrix, and what a row says
+about each.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ def phases_of(scenario: Scenario) -> list[str]:
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
 
 
-def fault_cases(thrusters: Sequence[str], kinds: Sequence[str], phases: Sequence[str], after_s: float) -> list[Case]:
+def fault_cases(
+    thrusters: Sequence[str], kinds: Sequence[str], phases: Sequence[str], after_s: float
+) -> list[Case]:
     """A case for each kind, phase and thruster; the fault begins ``after_s`` s into the phase."""
     grid = [(kind, phase, thruster) for kind in kinds for phase in phases for thruster in thrusters]
     return [
@@ -39,8 +43,9 @@ def fault_cases(thrusters: Sequence[str], kinds: Sequence[str], phases: Sequence
 def judge_fault(flight: Flight) -> Mapping[str, Any]:
     """What the fault did to a flight, and what was made of it.
 
-    ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none: before that nobody can tell
-    that it is dead.  ``peak_attitude_error_deg`` is the largest error of pitch and yaw control between fault and touchdown.
+    ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none:
+    before that nobody can tell that it is dead.  ``peak_attitude_error_deg`` is the largest error of pitch
+    and yaw control between fault and touchdown.
     """
     fault = flight.loaded.truth.faults[0]
     since = float(flight.plant["fault_since"][0][0])

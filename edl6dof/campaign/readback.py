@@ -1,6 +1,7 @@
 """The values that a case really flies with, read back from the records that compiled code gets.
 
-A dispersion that is silently not applied is the classic failure of Monte Carlo tools; here a value that did not arrive stops the case.
+A dispersion that is silently not applied is the classic failure of Monte Carlo tools; here a value that did
+not arrive stops the case.
 """
 
 from __future__ import annotations
@@ -27,14 +28,17 @@ class NotApplied(Exception):
     """A change of a case did not reach what is flown."""
 
 
-def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, Any], places: dict[str, Place]) -> dict[str, Any]:
+def applied(
+    variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, Any], places: dict[str, Place]
+) -> dict[str, Any]:
     """Column name to value for every change of a case, ``truth.`` and ``belief.`` in front.
 
-    ``places``, filled here, tells for the next cases of one scenario where the record holds a path: a number that is found there needs no
-    walk through the models.
+    ``places``, filled here, tells for the next cases of one scenario where the record holds a path: a number
+    that is found there needs no walk through the models.
 
     Raises:
-        NotApplied: the record, or the validated scenario where the record has no such field, holds another value.
+        NotApplied: the record, or the validated scenario where the record has no such field, holds another
+            value.
     """
     true, believed = variant.loaded.truth, variant.loaded.scenario
     words = {kind: variant.parts.case.view(kind) for kind in (np.float64, np.int64)}
@@ -48,7 +52,9 @@ def applied(variant: Variant, case_truth: Mapping[str, Any], told: Mapping[str, 
         row[f"truth.{path}"] = value
         if (place := _place(keys)) is not None and isinstance(value, bool | int | float):
             if not _holds(words, place, value):
-                raise NotApplied(f"{path} should be {value!r} and its record holds {_held(words, place) / place.to_si!r}")
+                raise NotApplied(
+                    f"{path} should be {value!r} and its record holds {_held(words, place) / place.to_si!r}"
+                )
             places[path] = place
     for path, wanted in told.items():
         row["profile" if path == "profile" else f"belief.{path}"] = _confirmed(path, wanted, believed)[1]
@@ -95,7 +101,9 @@ def _same(value: Any, wanted: Any) -> bool:
 
 
 class Place(NamedTuple):
-    """Where the case record holds a parameter: as which kind of number of eight bytes, how many of them in front, its unit in SI."""
+    """Where the case record holds a parameter: as which kind of number of eight bytes, how many of them in
+    front, its unit in SI.
+    """
 
     kind: type
     index: int
@@ -122,10 +130,17 @@ def _place(keys: Keys) -> Place | None:
             offset += key * dtype.itemsize
             continue
         target, unit = split_unit(key)
-        info = model.model_fields.get(key) if isinstance(model, type) and issubclass(model, BaseModel) else None
+        info = (
+            model.model_fields.get(key) if isinstance(model, type) and issubclass(model, BaseModel) else None
+        )
         if info is None or (depth and not in_record(info)) or target not in (dtype.names or ()):
             return None
-        dtype, model, offset, to_si = dtype[target], info.annotation, offset + dtype.fields[target][1], unit.to_si
+        dtype, model, offset, to_si = (
+            dtype[target],
+            info.annotation,
+            offset + dtype.fields[target][1],
+            unit.to_si,
+        )
     if dtype.names is not None or dtype.shape:
         return None
     return Place(np.float64 if dtype.kind == "f" else np.int64, offset // dtype.itemsize, to_si)

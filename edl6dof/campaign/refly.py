@@ -22,7 +22,9 @@ def case_scenario(plan: Plan, number: int) -> LoadedScenario:
         raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
     case = next(plan.cases(number, number + 1))
     name = f"name={plan.name}_case{number}"
-    return check_document(apply_overrides(plan.loaded.document, [*case.overrides(plan.loaded.scenario.truth), name], Scenario))
+    return check_document(
+        apply_overrides(plan.loaded.document, [*case.overrides(plan.loaded.scenario.truth), name], Scenario)
+    )
 
 
 def reflown(plan: Plan, number: int) -> Flight:
@@ -41,13 +43,29 @@ def differences(store: Store, plan: Plan, number: int, flight: Flight) -> list[s
     if number not in found:
         raise ConfigError([Problem(str(store.folder), 0, 0, "", f"case {number} has not flown yet")])
     row = table.slice(found.index(number), 1).to_pylist()[0]
-    mine = {"success": flight.success, "cause": flight.cause, "outcome": flight.outcome, "end_s": flight.time_s, **flight.metrics}
+    mine = {
+        "success": flight.success,
+        "cause": flight.cause,
+        "outcome": flight.outcome,
+        "end_s": flight.time_s,
+        **flight.metrics,
+    }
     case = next(plan.cases(number, number + 1))
-    known = {"case", *mine, *(f"truth.{path}" for path in case.truth), *(f"belief.{path}" for path in case.belief), "profile"}
+    known = {
+        "case",
+        *mine,
+        *(f"truth.{path}" for path in case.truth),
+        *(f"belief.{path}" for path in case.belief),
+        "profile",
+    }
     extra = [name for name, value in row.items() if name not in known and value is not None]
     return [name for name, value in mine.items() if not _same(value, row.get(name))] + extra
 
 
 def _same(value: object, stored: object) -> bool:
-    both_missing = isinstance(value, float) and math.isnan(value) and (stored is None or isinstance(stored, float) and math.isnan(stored))
+    both_missing = (
+        isinstance(value, float)
+        and math.isnan(value)
+        and (stored is None or isinstance(stored, float) and math.isnan(stored))
+    )
     return both_missing or value == stored

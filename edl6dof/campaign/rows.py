@@ -22,7 +22,9 @@ _NUMBERS = re.compile(r"[\[(]|\b\d")
 
 
 def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
-    """Row of a case that has flown: what was changed, how it ended, every figure of the flight, what the caller adds."""
+    """Row of a case that has flown: what was changed, how it ended, every figure of the flight, what the
+    caller adds.
+    """
     row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
     for more in (flight.metrics, collect(flight) if collect is not None else {}):
@@ -33,7 +35,8 @@ def flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: C
 
 
 def _plain(value: Any) -> Any:
-    """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of faults, as JSON text.
+    """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of
+    faults, as JSON text.
 
     Models leave out what they have at the default.
     """
@@ -53,7 +56,15 @@ def failed_row(case: Case, reason: str) -> Row:
         changes["profile"] = case.profile
     words = f"could not fly: {reason.replace('Value error, ', '')}"
     cause = _NUMBERS.split(words)[0].rstrip(" :(")
-    return {"case": case.index, **case.label, **changes, "success": False, "cause": cause, "outcome": words, "end_s": 0.0}
+    return {
+        "case": case.index,
+        **case.label,
+        **changes,
+        "success": False,
+        "cause": cause,
+        "outcome": words,
+        "end_s": 0.0,
+    }
 
 
 def table_of(rows: Iterable[Row]) -> pa.Table:

@@ -58,7 +58,8 @@ def resumed_plan(store: Store) -> Plan:
     """The plan of a campaign that was begun earlier.
 
     Raises:
-        StoreError: it was begun with other sources, plugins, versions or tables: rows of two programs would stand in one table.
+        StoreError: it was begun with other sources, plugins, versions or tables: rows of two programs would
+            stand in one table.
     """
     recorded, text = store.info.identity, store.plan_text
     _require_same(store, differences(recorded, text))
@@ -70,7 +71,13 @@ def resumed_plan(store: Store) -> Plan:
 def _require_same(store: Store, found: list[str]) -> None:
     if found:
         what = "; ".join(found)
-        raise refused(store.folder, f"was begun with another program or other files ({what}); restore them or begin anew with --force")
+        raise refused(
+            store.folder,
+            (
+                f"was begun with another program or other files ({what}); restore them or begin anew with "
+                "--force"
+            ),
+        )
 
 
 def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) -> Tally:
@@ -83,7 +90,11 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     info, parts = store.info, store.parts
     until = Until.parse(info.until) if info.until else None
     ranges = [(first, min(first + PART, plan.count)) for first in range(0, plan.count, PART)]
-    kept = {k: good for k, (first, last) in enumerate(ranges) if (good := parts.successes(k, first, last)) is not None}
+    kept = {
+        k: good
+        for k, (first, last) in enumerate(ranges)
+        if (good := parts.successes(k, first, last)) is not None
+    }
     tally, done = Tally(plan.count), 0
     flown = engine.rows(plan, (cases for k, cases in enumerate(ranges) if k not in kept))
     for index, (_, last) in enumerate(ranges):
@@ -106,7 +117,10 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
 
 def _require_unchanged(store: Store, recorded: Identity) -> None:
     if changed := changed_files(recorded):
-        raise refused(store.folder, f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume")
+        raise refused(
+            store.folder,
+            (f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"),
+        )
 
 
 def summary(plan: Plan, tally: Tally, causes: list[Cause], engine: str) -> Summary:

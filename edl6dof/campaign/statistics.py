@@ -16,7 +16,8 @@ from scipy.stats import rankdata
 class Proportion:
     """Successes among trials, with the Wilson score interval.
 
-    Source: Wilson, J. Am. Stat. Assoc. 22 (1927) 209; it keeps its coverage near 0 and 1, where the normal interval fails.
+    Source: Wilson, J. Am. Stat. Assoc. 22 (1927) 209; it keeps its coverage near 0 and 1, where the normal
+    interval fails.
     """
 
     successes: int
@@ -76,12 +77,18 @@ class Until:
         return proportion.trials > 0 and proportion.half_width <= self.half_width
 
 
-def ellipse(east: np.ndarray, north: np.ndarray, sigmas: float, points: int = 181) -> tuple[np.ndarray, np.ndarray]:
-    """Closed curve at ``sigmas`` standard deviations of the normal distribution with the points' mean and covariance."""
+def ellipse(
+    east: np.ndarray, north: np.ndarray, sigmas: float, points: int = 181
+) -> tuple[np.ndarray, np.ndarray]:
+    """Closed curve at ``sigmas`` standard deviations of the normal distribution with the points' mean and
+    covariance.
+    """
     covariance = np.cov(np.stack([east, north]))
     values, vectors = np.linalg.eigh(covariance)
     angle = np.linspace(0.0, 2.0 * np.pi, points)
-    curve = vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * sigmas * np.stack([np.cos(angle), np.sin(angle)]))
+    curve = vectors @ (
+        np.sqrt(np.maximum(values, 0.0))[:, None] * sigmas * np.stack([np.cos(angle), np.sin(angle)])
+    )
     return curve[0] + east.mean(), curve[1] + north.mean()
 
 
@@ -95,13 +102,19 @@ class Driver:
 
 
 def drivers(inputs: dict[str, np.ndarray], figure: np.ndarray) -> tuple[list[Driver], float]:
-    """Inputs by the size of their effect on a figure, and the share of its variance that the regression explains.
+    """Inputs by the size of their effect on a figure, and the share of its variance that the regression
+    explains.
 
-    Spearman's rank correlation finds every monotonic effect; the standardised regression coefficients add up in squares to the
-    explained share (R2) when the inputs are independent, and then equal first-order Sobol indices of a linear model.
+    Spearman's rank correlation finds every monotonic effect; the standardised regression coefficients add up
+    in squares to the explained share (R2) when the inputs are independent, and then equal first-order Sobol
+    indices of a linear model.
     """
     usable = np.isfinite(figure)
-    columns = {name: values[usable] for name, values in inputs.items() if np.ptp(values[usable]) > 0.0} if usable.any() else {}
+    columns = (
+        {name: values[usable] for name, values in inputs.items() if np.ptp(values[usable]) > 0.0}
+        if usable.any()
+        else {}
+    )
     target = figure[usable]
     if len(target) <= len(columns) + 1 or not columns or np.ptp(target) == 0.0:
         return [], float("nan")
@@ -114,7 +127,9 @@ def drivers(inputs: dict[str, np.ndarray], figure: np.ndarray) -> tuple[list[Dri
         Driver(name, float(np.mean(_standardised(rankdata(values)) * ranks)), float(coefficient))
         for (name, values), coefficient in zip(columns.items(), coefficients, strict=True)
     ]
-    return sorted(found, key=lambda driver: -max(abs(driver.rank_correlation), abs(driver.regression))), explained
+    return sorted(
+        found, key=lambda driver: -max(abs(driver.rank_correlation), abs(driver.regression))
+    ), explained
 
 
 def _standardised(values: np.ndarray) -> np.ndarray:

@@ -1,6 +1,8 @@
-"""Plugins that the user has accepted before: their code may run without being asked for again, as long as it does not change.
+"""Plugins that the user has accepted before: their code may run without being asked for again, as long as it
+does not change.
 
-They stand in a text file of the user's own, a line ``SHA-256  path`` for each, which may be edited or deleted at will.
+They stand in a text file of the user's own, a line ``SHA-256  path`` for each, which may be edited or deleted
+at will.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ def is_accepted(plugin: Path) -> bool:
 
 
 def accept(plugins: Iterable[Path]) -> None:
-    """Remember plugins with their present content; where nothing can be written, they are asked for again the next time."""
+    """Remember plugins with their present content; where nothing can be written, they are asked for again the
+    next time.
+    """
     before = _lines()
     after = before | {_line(plugin) for plugin in plugins if plugin.is_file()}
     if after == before:

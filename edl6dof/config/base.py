@@ -1,7 +1,7 @@
 """The one declaration of a parameter: a pydantic field with unit suffix, bounds, meaning and status.
 
-From it follow the YAML check, the JSON schema, the reference table (``edl6dof params``), the record field that compiled code
-reads (:mod:`edl6dof.config.dtype`) and the dotted path used by ``--set``.
+From it follow the YAML check, the JSON schema, the reference table (``edl6dof params``), the record field
+that compiled code reads (:mod:`edl6dof.config.dtype`) and the dotted path used by ``--set``.
 """
 
 from __future__ import annotations
@@ -17,12 +17,19 @@ from pydantic.fields import FieldInfo
 
 from edl6dof.config.units import split_unit
 
-#: published: printed by a named source; derived: calculated from published data; recalled: quoted in the literature, not re-read;
-#: estimate: engineering estimate, free to change; design: a choice of this software (gain, rate, switch), no claim on hardware.
+#: published: printed by a named source; derived: calculated from published data; recalled: quoted in the
+#: literature, not re-read; estimate: engineering estimate, free to change; design: a choice of this software
+#: (gain, rate, switch), no claim on hardware.
 Status = Literal["published", "derived", "recalled", "estimate", "design"]
 
 #: The marks used beside numbers in YAML comments.
-STATUS_MARKS: dict[str, Status] = {"P": "published", "D": "derived", "R": "recalled", "E": "estimate", "S": "design"}
+STATUS_MARKS: dict[str, Status] = {
+    "P": "published",
+    "D": "derived",
+    "R": "recalled",
+    "E": "estimate",
+    "S": "design",
+}
 
 REQUIRED: Any = ...
 
@@ -40,7 +47,9 @@ def _key(value: str) -> str:
 
 def _title(value: str) -> str:
     if not value.isprintable() or not 0 < len(value.strip()) <= _LONGEST_TITLE:
-        raise ValueError(f"must be one line of at most {_LONGEST_TITLE} printable characters (got {value[:60]!r})")
+        raise ValueError(
+            f"must be one line of at most {_LONGEST_TITLE} printable characters (got {value[:60]!r})"
+        )
     return value
 
 
@@ -52,7 +61,9 @@ Title = Annotated[str, AfterValidator(_title)]
 
 @dataclass(frozen=True)
 class Within:
-    """Annotation of a field: the largest magnitude of its number, or of each of its numbers, where no bound of its own is narrower."""
+    """Annotation of a field: the largest magnitude of its number, or of each of its numbers, where no bound
+    of its own is narrower.
+    """
 
     largest: float
 
@@ -63,22 +74,36 @@ class Within:
     def _narrowed(self, schema: Any) -> Any:
         if schema["type"] in ("float", "int"):
             return {**self.bounds(schema["type"] == "int", schema), **schema}
-        inner = {key: self._narrowed(schema[key]) for key in ("schema", "items_schema") if isinstance(schema.get(key), dict)}
+        inner = {
+            key: self._narrowed(schema[key])
+            for key in ("schema", "items_schema")
+            if isinstance(schema.get(key), dict)
+        }
         if isinstance(items := schema.get("items_schema"), list):
             inner["items_schema"] = [self._narrowed(item) for item in items]
         return {**schema, **inner} if schema["type"] in ("nullable", "default", "list", "tuple") else schema
 
     def bounds(self, whole: bool, own: Container[str]) -> dict[str, float]:
-        """Bounds by their pydantic names, without the sides that ``own`` bounds; whole numbers must fit the 64 bits of a record."""
+        """Bounds by their pydantic names, without the sides that ``own`` bounds; whole numbers must fit the
+        64 bits of a record.
+        """
         largest = int(min(self.largest, 2**63 - 1)) if whole else self.largest
         sides = {"ge": (("ge", "gt"), -largest), "le": (("le", "lt"), largest)}
-        return {name: value for name, (same, value) in sides.items() if abs(value) < inf and not any(key in own for key in same)}
+        return {
+            name: value
+            for name, (same, value) in sides.items()
+            if abs(value) < inf and not any(key in own for key in same)
+        }
 
 
 class Params(BaseModel):
-    """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for their unit are errors."""
+    """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for
+    their unit are errors.
+    """
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True
+    )
 
     #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
     moved: ClassVar[Mapping[str, str]] = {}
@@ -102,7 +127,9 @@ class Hardware(Params):
 
 @dataclass(frozen=True)
 class Capacity:
-    """Annotation of a ``list[Model]`` field: how many slots its record array has; a longer list is a validation error."""
+    """Annotation of a ``list[Model]`` field: how many slots its record array has; a longer list is a
+    validation error.
+    """
 
     slots: int
 

@@ -1,8 +1,10 @@
-"""Record layout (numpy structured dtype) of a parameter model, and the copy of a validated model into a record.
+"""Record layout (numpy structured dtype) of a parameter model, and the copy of a validated model into a
+record.
 
-Rules: a float becomes ``f8`` in SI units under its name without the unit suffix; an int or bool ``i8``; a ``Literal`` the index
-of its value as ``i8``; a tuple a sub-array; a sub-model a nested record; a ``list`` with a :class:`Capacity` a fixed array plus
-``n_<name>``; text and fields declared ``record=False`` stay in Python.
+Rules: a float becomes ``f8`` in SI units under its name without the unit suffix; an int or bool ``i8``; a
+``Literal`` the index of its value as ``i8``; a tuple a sub-array; a sub-model a nested record; a ``list``
+with a :class:`Capacity` a fixed array plus ``n_<name>``; text and fields declared ``record=False`` stay in
+Python.
 """
 
 from __future__ import annotations
@@ -76,13 +78,17 @@ def refill(record: np.ndarray | np.void, model: BaseModel, before: BaseModel) ->
 
 
 def duplicate(records: np.ndarray) -> np.ndarray:
-    """A copy of a record array.  Bytes are copied at once; ``copy`` would go through the fields one by one, in fifty times the time."""
+    """A copy of a record array.  Bytes are copied at once; ``copy`` would go through the fields one by one,
+    in fifty times the time.
+    """
     return records.view(np.uint8).copy().view(records.dtype)
 
 
 def _alike(items: list[Any], others: list[Any]) -> bool:
     """Whether two lists hold models of the same types in the same order."""
-    return list(map(type, items)) == list(map(type, others)) and all(isinstance(item, BaseModel) for item in items)
+    return list(map(type, items)) == list(map(type, others)) and all(
+        isinstance(item, BaseModel) for item in items
+    )
 
 
 def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
@@ -103,7 +109,9 @@ def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
 
 
 class _Place(NamedTuple):
-    """Where a field of a model goes in its record: read from the declaration once, as records are filled for every case."""
+    """Where a field of a model goes in its record: read from the declaration once, as records are filled for
+    every case.
+    """
 
     name: str
     target: str
@@ -122,7 +130,17 @@ def _places(model: type[BaseModel]) -> tuple[_Place, ...]:
             target, unit = split_unit(name)
             annotation, slots = _bare(info.annotation), capacity_of(info)
             item_names = literal_values(get_args(annotation)[0]) if slots is not None else None
-            places.append(_Place(name, target, unit.to_si, slots, literal_values(annotation), item_names, _is_float(info.annotation)))
+            places.append(
+                _Place(
+                    name,
+                    target,
+                    unit.to_si,
+                    slots,
+                    literal_values(annotation),
+                    item_names,
+                    _is_float(info.annotation),
+                )
+            )
     return tuple(places)
 
 

@@ -28,11 +28,12 @@ def dump_resolved(
     Args:
         instance: validated model.
         header_lines: comment lines at the top (package version, source hash, ...).
-        status: dotted path to status name, as :class:`~edl6dof.config.document.source.Document` collects it from the file's marks.
+        status: dotted path to status name, as :class:`~edl6dof.config.document.source.Document` collects it
+            from the file's marks.
         sources: dotted path to the text behind the mark.
 
-    A value without a mark of its own is marked with its declared status only as long as it is the declared default: the claim
-    belongs to that number, not to another one put in its place.
+    A value without a mark of its own is marked with its declared status only as long as it is the declared
+    default: the claim belongs to that number, not to another one put in its place.
     """
     header = [f"# {line}".rstrip() for text in header_lines for line in (text.splitlines() or [""])]
     body = list(_Writer(status or {}, sources or {}).mapping(instance, "", 0))
@@ -52,7 +53,9 @@ class _Writer:
             yield pad + "{}"
         for name, item, info in pairs:
             path = f"{prefix}{name}"
-            yield from self._entry(f"{pad}{write_scalar(name)}:", item, path, indent, self._mark(path, item, info))
+            yield from self._entry(
+                f"{pad}{write_scalar(name)}:", item, path, indent, self._mark(path, item, info)
+            )
 
     def _entry(self, start: str, value: Any, path: str, indent: int, mark: str) -> Iterator[str]:
         """Lines of one value after ``start``, which is ``key:`` or ``-``."""
@@ -113,7 +116,12 @@ def _pairs(value: BaseModel | dict[str, Any]) -> Iterator[tuple[str, Any, FieldI
 
 
 def _has_entries(value: Any) -> bool:
-    return isinstance(value, BaseModel) and bool(type(value).model_fields) or isinstance(value, dict) and bool(value)
+    return (
+        isinstance(value, BaseModel)
+        and bool(type(value).model_fields)
+        or isinstance(value, dict)
+        and bool(value)
+    )
 
 
 def _declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake and where it stands; ``line`` and ``column`` count from 1, 0 means that the place has no lines."""
+    """One mistake and where it stands; ``line`` and ``column`` count from 1, 0 means that the place has no
+    lines.
+    """
 
     file: str
     line: int
@@ -24,7 +26,9 @@ class Problem:
 
 
 class ConfigError(Exception):
-    """A configuration that cannot be used; ``problems`` holds every mistake found, in the order of the files and lines."""
+    """A configuration that cannot be used; ``problems`` holds every mistake found, in the order of the files
+    and lines.
+    """
 
     def __init__(self, problems: Iterable[Problem]):
         found = tuple(dict.fromkeys(problems))
@@ -42,7 +46,8 @@ def refusal(place: object, message: str) -> ConfigError:
 
 
 class Inconsistent(ValueError):
-    """Raised by a model validator for values that do not fit together: each problem at its own key instead of at the section's.
+    """Raised by a model validator for values that do not fit together: each problem at its own key instead of
+    at the section's.
 
     >>> raise Inconsistent({"simulation.step_s": "must divide the base cycle"})
     """
@@ -50,4 +55,6 @@ class Inconsistent(ValueError):
     def __init__(self, problems: Mapping[str, str]):
         """``problems``: dotted path below the validated section (empty for the section itself) to message."""
         self.problems = dict(problems)
-        super().__init__("; ".join(": ".join(part for part in pair if part) for pair in self.problems.items()))
+        super().__init__(
+            "; ".join(": ".join(part for part in pair if part) for pair in self.problems.items())
+        )

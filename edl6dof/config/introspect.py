@@ -1,4 +1,6 @@
-"""What a parameter model allows at a dotted path: the one walk that validation messages, ``--set`` and the reference share."""
+"""What a parameter model allows at a dotted path: the one walk that validation messages, ``--set`` and the
+reference share.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +61,9 @@ class Slot:
         if not found:
             return None
         options = tuple(dict.fromkeys(option for slot in found for option in slot.options))
-        inherited = tuple(limit for limit in self.limits if isinstance(limit, Within)) if isinstance(key, int) else ()
+        inherited = (
+            tuple(limit for limit in self.limits if isinstance(limit, Within)) if isinstance(key, int) else ()
+        )
         limits = (*(limit for slot in found for limit in slot.limits), *inherited)
         return Slot(found[0].name, options, any(slot.optional for slot in found), limits, found[0].info)
 
@@ -81,10 +85,16 @@ def is_model(option: Any) -> bool:
 
 
 def is_tag_of(option: Any, tag: Any) -> bool:
-    """Whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a ``Literal`` field."""
+    """Whether pydantic calls this alternative of a union ``tag``: by class name or by the value of a
+    ``Literal`` field.
+    """
     if not is_model(option):
         return getattr(option, "__name__", None) == tag
-    literals = (get_args(info.annotation) for info in option.model_fields.values() if get_origin(info.annotation) is Literal)
+    literals = (
+        get_args(info.annotation)
+        for info in option.model_fields.values()
+        if get_origin(info.annotation) is Literal
+    )
     return option.__name__ == tag or any(tag in values for values in literals)
 
 
@@ -94,7 +104,9 @@ def literal_names(slot: Slot) -> list[Any]:
 
 
 def bounds(slot: Slot) -> dict[str, Any]:
-    """Bounds by their pydantic name (``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``), those of the unit included."""
+    """Bounds by their pydantic name (``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length``), those
+    of the unit included.
+    """
     found = own_bounds(slot)
     if number := {float, int}.intersection(slot.options):
         for limit in (limit for limit in slot.limits if isinstance(limit, Within)):

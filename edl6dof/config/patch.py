@@ -1,7 +1,8 @@
 """Change a few values of a validated model without validating all the others again.
 
-A model on the way to a changed value is copied and its own checks run on the copy; every other model is shared with the original, as
-the same object.  What this cannot do, or finds at fault, is left to the long way, which also words the message: validating the data anew.
+A model on the way to a changed value is copied and its own checks run on the copy; every other model is
+shared with the original, as the same object.  What this cannot do, or finds at fault, is left to the long
+way, which also words the message: validating the data anew.
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ class LongWay(Exception):
 
 
 def patched(model: Model, changes: Iterable[tuple[Keys, Any]]) -> Model:
-    """A copy of ``model`` with numbers, or tuples of numbers, put at keys of fields and indices of list items.
+    """A copy of ``model`` with numbers, or tuples of numbers, put at keys of fields and indices of list
+    items.
 
     Raises:
         LongWay: the model has checks that only a validation can run, or it refused the values.
@@ -58,7 +60,9 @@ def _patched(model: Model, changes: list[tuple[Keys, Any]]) -> Model:
 
 
 def _copied(model: Model, update: dict[str, Any]) -> Model:
-    """``model.model_copy(update=update)`` of a model without extra or private fields, in a quarter of the time."""
+    """``model.model_copy(update=update)`` of a model without extra or private fields, in a quarter of the
+    time.
+    """
     copy = object.__new__(type(model))
     object.__setattr__(copy, "__dict__", {**model.__dict__, **update})
     object.__setattr__(copy, "__pydantic_extra__", None)
@@ -92,7 +96,9 @@ def _replaced(old: Any, changes: list[tuple[Keys, Any]]) -> Any:
 
 @dataclass(frozen=True)
 class _Rules:
-    """What a parameter model itself asks of its values: names of the checks of the whole, and checks of single fields."""
+    """What a parameter model itself asks of its values: names of the checks of the whole, and checks of
+    single fields.
+    """
 
     fields: dict[str, FieldInfo]
     checks: tuple[str, ...]
@@ -103,9 +109,14 @@ class _Rules:
         """What validates a field that holds no models."""
         if name not in self._leaves:
             if name in self.of_field:
-                raise ValueError("a check may bring a value to its normal form, and what is kept of it here has that form already")
+                raise ValueError(
+                    "a check may bring a value to its normal form, and what is kept of it here has that "
+                    "form already"
+                )
             info = self.fields[name]
-            self._leaves[name] = TypeAdapter(Annotated[info.annotation, info], config=ConfigDict(strict=True, allow_inf_nan=False))
+            self._leaves[name] = TypeAdapter(
+                Annotated[info.annotation, info], config=ConfigDict(strict=True, allow_inf_nan=False)
+            )
         return self._leaves[name]
 
 

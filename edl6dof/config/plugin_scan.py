@@ -13,7 +13,8 @@ from edl6dof.config.document.locate import find_shipped
 #: Environment variable that names plugin files, separated as in PATH.
 VARIABLE = "EDL6DOF_PLUGINS"
 
-#: Size, in bytes, of the largest file that is read as a scenario; a page with a scenario printed in it is none.
+#: Size, in bytes, of the largest file that is read as a scenario; a page with a scenario printed in it is
+#: none.
 LARGEST = 2_000_000
 
 #: Files by which a folder is known to hold results, perhaps somebody else's.
@@ -30,7 +31,9 @@ def files_from_environment() -> list[Path]:
 
 
 def files_naming_plugins(operand: str | Path) -> Iterator[Path]:
-    """Files with a ``plugins`` key among what a command was given to fly (a file, a scenario's name, a campaign's folder) and its bases."""
+    """Files with a ``plugins`` key among what a command was given to fly (a file, a scenario's name, a
+    campaign's folder) and its bases.
+    """
     seen: set[Path] = set()
     file = _scenario(str(operand), Path())
     while file is not None and file not in seen:
@@ -43,7 +46,9 @@ def files_naming_plugins(operand: str | Path) -> Iterator[Path]:
 
 
 def is_result(file: Path) -> bool:
-    """Whether a scenario or campaign file lies in a folder of results: such a folder may come from anybody."""
+    """Whether a scenario or campaign file lies in a folder of results: such a folder may come from
+    anybody.
+    """
     return any(isfile(join(file.parent, mark)) for mark in RESULT_MARKS)
 
 

@@ -1,4 +1,6 @@
-"""JSON schema of a model, for completion and checks in editors (the YAML extension of VS Code reads draft 7)."""
+"""JSON schema of a model, for completion and checks in editors (the YAML extension of VS Code reads draft
+7).
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ def _draft7(node: Any) -> Any:
 
 
 def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
-    """A property with unit, status and source in the description, where an editor shows them, and without our own keywords."""
+    """A property with unit, status and source in the description, where an editor shows them, and without our
+    own keywords.
+    """
     plain = {key: value for key, value in field.items() if key not in ("record", "status", "source")}
     unit = split_unit(name)[1].label
     claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)

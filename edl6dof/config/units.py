@@ -1,7 +1,8 @@
 """Unit suffixes of parameter names, and their conversion to SI.
 
-A parameter or telemetry channel carries its unit as the suffix of its name (``mass_kg``, ``bank_deg``).  Inside records and
-kernels the suffix is gone and the value is in SI units and radians; this table is the only place where units are converted.
+A parameter or telemetry channel carries its unit as the suffix of its name (``mass_kg``, ``bank_deg``).
+Inside records and kernels the suffix is gone and the value is in SI units and radians; this table is the only
+place where units are converted.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ class Unit(NamedTuple):
     Attributes:
         label: printed form.
         to_si: factor that turns a value into SI.
-        largest: magnitude, in this unit, beyond which a parameter can only be a mistake; parameters with bounds of their own keep them.
+        largest: magnitude, in this unit, beyond which a parameter can only be a mistake; parameters with
+            bounds of their own keep them.
     """
 
     label: str
@@ -71,7 +73,8 @@ DIMENSIONLESS = Unit("", 1.0, inf)
 
 @cache
 def split_unit(name: str) -> tuple[str, Unit]:
-    """Split ``bank_deg`` into ``("bank", Unit("deg", pi/180))``; a name without a known suffix is dimensionless.
+    """Split ``bank_deg`` into ``("bank", Unit("deg", pi/180))``; a name without a known suffix is
+    dimensionless.
 
     The longest suffix wins, so ``rate_deg_s`` is degrees per second and not seconds.
     """

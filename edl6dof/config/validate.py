@@ -1,4 +1,6 @@
-"""Check a document against a parameter model; all mistakes at once, in plain words, each with its file, line and key."""
+"""Check a document against a parameter model; all mistakes at once, in plain words, each with its file, line
+and key.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,8 @@ def validate(model: type[Model], document: Document) -> Model:
         ConfigError: every problem of every value.
     """
     try:
-        # JSON mode is pydantic's strict mode for text formats: a list is accepted for a tuple, text never for a number.
+        # JSON mode is pydantic's strict mode for text formats: a list is accepted for a tuple, text never for
+        # a number.
         return model.model_validate_json(json.dumps(document.data, allow_nan=False))
     except ValidationError as error:
         found = error.errors(include_url=False)
@@ -57,17 +60,22 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
         # Each alternative of a union reports on its own; the first report already names all alternatives.
         problems.setdefault(path, document.problem(path, _message(error, path, slot, parent, value)))
     # Where another alternative got further inside, only what it found there is of use.
-    outer = {path for path in refused if any(path == other[: len(path)] and path != other for other in problems)}
+    outer = {
+        path for path in refused if any(path == other[: len(path)] and path != other for other in problems)
+    }
     return [problem for path, problem in problems.items() if path not in outer]
 
 
 def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[tuple, Slot, Slot | None]:
-    """Path in the document of a pydantic location (which also holds names of union alternatives), its place and its parent's."""
+    """Path in the document of a pydantic location (which also holds names of union alternatives), its place
+    and its parent's.
+    """
     path: list[str | int] = []
     slot, parent, tagged = root_slot(model), None, False
     for position, key in enumerate(loc):
         if len(slot.options) > 1 and not tagged:
-            # Pydantic names the alternative before it goes on; narrow only models, so that messages list all simple types.
+            # Pydantic names the alternative before it goes on; narrow only models, so that messages list all
+            # simple types.
             chosen = tuple(option for option in slot.models if is_tag_of(option, key))
             slot = replace(slot, options=chosen or slot.options)
             tagged = True
@@ -118,7 +126,11 @@ def _message(error: Any, path: tuple, slot: Slot, parent: Slot | None, value: An
     if kind in _LENGTH and (words := in_length(slot, context)) and not _fixed(slot):
         unit = "characters" if isinstance(value, str) else "entries"
         return f"must have {words} {unit} (got {len(value)})"
-    if kind.endswith(("_type", "_parsing", "_error", "_float", "_number")) or kind in {"missing", "too_short", "too_long"}:
+    if kind.endswith(("_type", "_parsing", "_error", "_float", "_number")) or kind in {
+        "missing",
+        "too_short",
+        "too_long",
+    }:
         return f"must be {expected(slot)} (got {got(value)}{_count(value, slot)}){_hint(slot, value)}"
     words = error["msg"].replace("Input should", "must").replace("String should", "must")
     return f"{words} (got {got(value)})"
@@ -149,7 +161,9 @@ def _tag_key(context: dict[str, Any]) -> str:
 def _tags(slot: Slot, key: str) -> list[str]:
     """Allowed values of the key that chooses among the models of a union."""
     kinds = (model.model_fields[key].annotation for model in slot.models if key in model.model_fields)
-    return list(dict.fromkeys(str(value) for kind in kinds if get_origin(kind) is Literal for value in get_args(kind)))
+    return list(
+        dict.fromkeys(str(value) for kind in kinds if get_origin(kind) is Literal for value in get_args(kind))
+    )
 
 
 def _fixed(slot: Slot) -> bool:

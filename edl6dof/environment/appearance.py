@@ -21,5 +21,9 @@ class AppearanceParams(Params):
     sky_scale_m: float = param(10e3, "height over which the sky darkens by e", record=False, gt=0.0)
     sky_top_m: float = param(100e3, "height above which there is no sky", record=False, gt=0.0)
     relief: list[Tint] = param(
-        None, "height in km and colour of the ground on the globe, rising", record=False, factory=lambda: [(0.0, *GREY)], min_length=1
+        None,
+        "height in km and colour of the ground on the globe, rising",
+        record=False,
+        factory=lambda: [(0.0, *GREY)],
+        min_length=1,
     )

@@ -1,7 +1,9 @@
-"""Density, pressure, temperature and speed of sound against altitude, with optional random density perturbation.
+"""Density, pressure, temperature and speed of sound against altitude, with optional random density
+perturbation.
 
-Pressure is p = rho R T throughout.  The Mars-GRAM table holds density and temperature, and they balance the weight of the air
-only to a few per cent (tides, rounding); p = rho R T is the choice that agrees with both and keeps a^2 = gamma p / rho.
+Pressure is p = rho R T throughout.  The Mars-GRAM table holds density and temperature, and they balance the
+weight of the air only to a few per cent (tides, rounding); p = rho R T is the choice that agrees with both
+and keeps a^2 = gamma p / rho.
 """
 
 from __future__ import annotations
@@ -14,7 +16,14 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, build_table, cubic, cubic_coefficients, row_at, straight_beyond
+from edl6dof.environment.atmosphere_table import (
+    MAX_ROWS,
+    build_table,
+    cubic,
+    cubic_coefficients,
+    row_at,
+    straight_beyond,
+)
 from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.environment.layout import extended
 from edl6dof.environment.planet import PlanetParams
@@ -25,25 +34,34 @@ from edl6dof.spatial.lookups import held
 
 TABLE, EXPONENTIAL, US76, NONE = range(4)
 
-#: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km (sigma_scale 1).
+#: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km
+#: (sigma_scale 1).
 _LEAST = 0.05
 
 
 class ExponentialParams(Params):
-    """Isothermal atmosphere: density falls by e every scale height above the areoid; a uniform one is a very large scale height."""
+    """Isothermal atmosphere: density falls by e every scale height above the areoid; a uniform one is a very
+    large scale height.
+    """
 
     density_kg_m3: float = param(REQUIRED, "density at altitude 0", gt=0.0, le=1e20)
     scale_height_m: float = param(REQUIRED, "scale height", gt=0.0, le=1e16)
-    temperature_k: float = param(REQUIRED, "temperature; also that of model none, for a finite Mach number", gt=0.0)
+    temperature_k: float = param(
+        REQUIRED, "temperature; also that of model none, for a finite Mach number", gt=0.0
+    )
 
 
 class PerturbationParams(Params):
-    """Random density profile of a case: relative sigma of the table times a Gauss-Markov sequence of altitude."""
+    """Random density profile of a case: relative sigma of the table times a Gauss-Markov sequence of
+    altitude.
+    """
 
     enabled: bool = param(False, "whether density is perturbed")
     sigma_scale: float = param(1.0, "factor on the sigma of the table", ge=0.0, le=5.0)
     sigma: float = param(0.02, "relative sigma when the table has none", status="estimate", ge=0.0, le=0.5)
-    correlation_length_m: float = param(5000.0, "altitude over which the correlation falls to 1/e", status="estimate", ge=500.0)
+    correlation_length_m: float = param(
+        5000.0, "altitude over which the correlation falls to 1/e", status="estimate", ge=500.0
+    )
 
 
 class AtmosphereParams(Params):
@@ -54,10 +72,15 @@ class AtmosphereParams(Params):
         "heat_capacity_ratio": "planet.gas.heat_capacity_ratio",
     }
 
-    model: Literal["table", "exponential", "us76", "none"] = param("table", "which atmosphere (us76 brings its own gas)")
+    model: Literal["table", "exponential", "us76", "none"] = param(
+        "table", "which atmosphere (us76 brings its own gas)"
+    )
     table: str = param(
         "",
-        "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds and of density sigma",
+        (
+            "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds "
+            "and of density sigma"
+        ),
         record=False,
     )
     bottom_m: float = param(
@@ -67,12 +90,19 @@ class AtmosphereParams(Params):
         ge=-50e3,
         le=0.0,
     )
-    top_m: float = param(150e3, "altitude up to which the flight computer knows the air at least", record=False, gt=0.0, le=1e7)
+    top_m: float = param(
+        150e3, "altitude up to which the flight computer knows the air at least", record=False, gt=0.0, le=1e7
+    )
     extension_gravity_m_s2: float | None = param(
-        None, "gravity of the hydrostatic extension below the table; mu / mean radius^2 when not given", record=False, gt=0.0
+        None,
+        "gravity of the hydrostatic extension below the table; mu / mean radius^2 when not given",
+        record=False,
+        gt=0.0,
     )
     density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
-    exponential: ExponentialParams | None = param(None, "used by the models exponential and, for its temperature, none")
+    exponential: ExponentialParams | None = param(
+        None, ("used by the models exponential and, for its temperature, none")
+    )
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
 
     @model_validator(mode="after")
@@ -89,7 +119,8 @@ ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4))
 
 @kernel
 def air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (= areoid here).
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (=
+    areoid here).
 
     ``gas``: the ``GAS`` record of the planet.
     """
@@ -136,7 +167,9 @@ def fill_atmosphere_table(record: np.void, params: AtmosphereParams, planet: Pla
     )
 
 
-def fill_atmosphere(record: np.void, params: AtmosphereParams, table: np.void, seed: int = 0, case: int = 0) -> None:
+def fill_atmosphere(
+    record: np.void, params: AtmosphereParams, table: np.void, seed: int = 0, case: int = 0
+) -> None:
     """Copy the parameters and draw the density profile that belongs to (seed, case)."""
     fill(record, params)
     record["density_change"] = 0.0

@@ -1,9 +1,12 @@
-"""Shared table of the atmosphere against altitude: uniform grid, Hermite slopes, extended below and above its file.
+"""Shared table of the atmosphere against altitude: uniform grid, Hermite slopes, extended below and above its
+file.
 
-Uniform, so that a lookup is one multiplication; Hermite, so that ln density, temperature and winds have continuous slopes and the
-integrator sees no kinks; Fritsch-Carlson slopes, so that nothing overshoots between nodes.
+Uniform, so that a lookup is one multiplication; Hermite, so that ln density, temperature and winds have
+continuous slopes and the integrator sees no kinks; Fritsch-Carlson slopes, so that nothing overshoots between
+nodes.
 
-Source: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304 (slopes on a uniform grid: harmonic mean).
+Source: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304 (slopes on a uniform grid: harmonic
+mean).
 """
 
 from __future__ import annotations
@@ -22,8 +25,9 @@ MAX_ROWS = 512
 _DATA = Path(__file__).resolve().parents[1] / "data" / "atmosphere"
 _CURVES = ("ln_density", "temperature", "east", "north")
 
-#: ``bottom`` m and ``per_step`` 1/m place row 0 and the spacing of ``rows`` rows.  Density kg/m3 (natural log), temperature K,
-#: mean wind towards east and north m/s: per row the four coefficients of the cubic up to the next row.  Sigma: relative 1-sigma.
+#: ``bottom`` m and ``per_step`` 1/m place row 0 and the spacing of ``rows`` rows.  Density kg/m3 (natural
+#: log), temperature K, mean wind towards east and north m/s: per row the four coefficients of the cubic up to
+#: the next row.  Sigma: relative 1-sigma.
 ATMOSPHERE_TABLE = np.dtype(
     [("bottom", "f8"), ("per_step", "f8"), ("rows", "i8"), ("sigma", "f8", (MAX_ROWS,))]
     + [(name, "f8", (MAX_ROWS, 4)) for name in _CURVES],
@@ -33,7 +37,9 @@ ATMOSPHERE_TABLE = np.dtype(
 
 @kernel
 def row_at(table, alt):
-    """Row below ``alt`` (m) and the position above it in rows: in 0..1 inside the table, outside it the distance beyond."""
+    """Row below ``alt`` (m) and the position above it in rows: in 0..1 inside the table, outside it the
+    distance beyond.
+    """
     return cell((alt - table.bottom) * table.per_step, table.rows - 1)
 
 
@@ -59,7 +65,9 @@ def table_path(name: str) -> Path:
 
 
 def read_table(name: str) -> dict[str, np.ndarray]:
-    """Columns of a csv of edl6dof/data/atmosphere (or an absolute path) in SI units; a missing wind or sigma is zero."""
+    """Columns of a csv of edl6dof/data/atmosphere (or an absolute path) in SI units; a missing wind or sigma
+    is zero.
+    """
     rows = list(csv.reader(read_regular_text(table_path(name)).splitlines()))
     columns = {heading.strip(): [float(row[k]) for row in rows[1:]] for k, heading in enumerate(rows[0])}
     found = {}
@@ -71,7 +79,9 @@ def read_table(name: str) -> dict[str, np.ndarray]:
         ("north", "NWind", 1.0),
         ("sigma", "sigma", 0.01),
     ):
-        matches = [np.array(values) * to_si for heading, values in columns.items() if heading.startswith(prefix)]
+        matches = [
+            np.array(values) * to_si for heading, values in columns.items() if heading.startswith(prefix)
+        ]
         if not matches and key in ("altitude", "density", "temperature"):
             raise ValueError(f"{name}: no column that begins with {prefix!r}")
         found[key] = matches[0] if matches else np.zeros(len(rows) - 1)
@@ -80,12 +90,15 @@ def read_table(name: str) -> dict[str, np.ndarray]:
     return found
 
 
-def build_table(record: np.void, name: str, bottom_m: float, gas_constant: float, gravity: float, sigma: float = 0.0) -> None:
-    """Fill the shared table from a csv; ``sigma`` holds where the csv has none; without a csv only the grid and sigma count.
+def build_table(
+    record: np.void, name: str, bottom_m: float, gas_constant: float, gravity: float, sigma: float = 0.0
+) -> None:
+    """Fill the shared table from a csv; ``sigma`` holds where the csv has none; without a csv only the grid
+    and sigma count.
 
-    Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls by g / (R T) per
-    metre; this is also the shape of the COSPAR reference below 0 km.  Winds and sigma keep their lowest value [E].  Beyond both
-    ends the kernels continue ln density, the rest is held.
+    Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls
+    by g / (R T) per metre; this is also the shape of the COSPAR reference below 0 km.  Winds and sigma keep
+    their lowest value [E].  Beyond both ends the kernels continue ln density, the rest is held.
     """
     if not name:
         altitude = np.array([bottom_m, 200e3])
@@ -113,19 +126,30 @@ def build_table(record: np.void, name: str, bottom_m: float, gas_constant: float
         if key == "ln_density" and name:
             curve[:below] += (first - grid[:below]) * gravity / (gas_constant * data["temperature"][0])
         record[key] = 0.0
-        record[key][: len(grid) - 1] = cubic_coefficients(curve, monotone_slopes(curve, sloping_ends=key == "ln_density"))
+        record[key][: len(grid) - 1] = cubic_coefficients(
+            curve, monotone_slopes(curve, sloping_ends=key == "ln_density")
+        )
 
 
 def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads them."""
+    """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads
+    them.
+    """
     s0, s1, rise = slope[:-1], slope[1:], np.diff(curve)
     out = np.empty((len(rise), 4))
-    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = curve[:-1], s0, 3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise
+    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = (
+        curve[:-1],
+        s0,
+        3.0 * rise - 2.0 * s0 - s1,
+        s0 + s1 - 2.0 * rise,
+    )
     return out
 
 
 def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
-    """Slopes per row: harmonic mean of the two neighbouring rises, zero at extremes; at the ends the rise or zero."""
+    """Slopes per row: harmonic mean of the two neighbouring rises, zero at extremes; at the ends the rise or
+    zero.
+    """
     rise = np.diff(curve)
     product = rise[:-1] * rise[1:]
     inner = np.zeros(len(curve) - 2)

@@ -1,11 +1,13 @@
-"""Gravitational acceleration of the planet in the planet-fixed frame: spherical harmonics, J2, central or none.
+"""Gravitational acceleration of the planet in the planet-fixed frame: spherical harmonics, J2, central or
+none.
 
-The gradient of a solid harmonic is again a sum of solid harmonics, one degree higher.  The weights of that sum are worked out
-once (:func:`fill_gravity`), which leaves one pass over the triangle of harmonics per call: no scratch arrays, no trigonometry,
-no singularity at the poles.
+The gradient of a solid harmonic is again a sum of solid harmonics, one degree higher.  The weights of that
+sum are worked out once (:func:`fill_gravity`), which leaves one pass over the triangle of harmonics per call:
+no scratch arrays, no trigonometry, no singularity at the poles.
 
-Source: Cunningham, Celestial Mechanics 2 (1970) 207-216; Montenbruck and Gill, Satellite Orbits, eq. 3.29-3.33; normalisation as
-in Holmes and Featherstone, Journal of Geodesy 76 (2002) 279-299, eq. 11.  Left out: tides, polar motion, other bodies.
+Source: Cunningham, Celestial Mechanics 2 (1970) 207-216; Montenbruck and Gill, Satellite Orbits, eq.
+3.29-3.33; normalisation as in Holmes and Featherstone, Journal of Geodesy 76 (2002) 279-299, eq. 11.  Left
+out: tides, polar motion, other bodies.
 """
 
 from __future__ import annotations
@@ -36,11 +38,24 @@ class GravityParams(Params):
 
     model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "how detailed the field is")
     degree: int = param(4, "highest degree and order that is used of the harmonics", ge=2, le=MAX_DEGREE)
-    mu_m3_s2: float = param(REQUIRED, "gravitational parameter", status="published", source="planet file", gt=0.0)
-    reference_radius_m: float = param(
-        REQUIRED, "radius that the harmonics and J2 refer to", status="published", source="planet file", gt=0.0
+    mu_m3_s2: float = param(
+        REQUIRED, "gravitational parameter", status="published", source="planet file", gt=0.0
     )
-    j2: float = param(REQUIRED, "oblateness, not normalised; used by model j2", status="published", source="planet file", ge=0.0, lt=0.1)
+    reference_radius_m: float = param(
+        REQUIRED,
+        "radius that the harmonics and J2 refer to",
+        status="published",
+        source="planet file",
+        gt=0.0,
+    )
+    j2: float = param(
+        REQUIRED,
+        "oblateness, not normalised; used by model j2",
+        status="published",
+        source="planet file",
+        ge=0.0,
+        lt=0.1,
+    )
     coefficients: str = param("", "harmonics file in edl6dof/data/gravity, or an absolute path", record=False)
 
     @model_validator(mode="after")
@@ -50,8 +65,8 @@ class GravityParams(Params):
         return self
 
 
-#: The parameters; ``term[k]``: weights of (V, W) in ax, ay, az and the factor of the step to the next degree, for each harmonic
-#: (order, then degree).
+#: The parameters; ``term[k]``: weights of (V, W) in ax, ay, az and the factor of the step to the next degree,
+#: for each harmonic (order, then degree).
 GRAVITY = extended(GravityParams, term=("f8", (_ROWS, 7)))
 
 
@@ -94,8 +109,9 @@ def departure_F(g, x, y, z):
 def _harmonics_F(g, x, y, z):
     """The weighted solid harmonics V, W, order by order, each order from its sector upwards in degree.
 
-    A harmonic is scaled to one as the coefficient of its leading power, which saves two factors in each step.  Without coefficients
-    of degree 1 (the origin is the centre of mass) the sum begins with harmonics of degree 3.
+    A harmonic is scaled to one as the coefficient of its leading power, which saves two factors in each step.
+    Without coefficients of degree 1 (the origin is the centre of mass) the sum begins with harmonics of
+    degree 3.
     """
     term = g.term
     radius = g.reference_radius
@@ -169,7 +185,8 @@ def fill_gravity(record: np.void, params: GravityParams) -> None:
 
 
 def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:
-    """Weights and recursion factors for normalised coefficients ``C[n, m]``, ``S[n, m]`` up to ``record["degree"]``.
+    """Weights and recursion factors for normalised coefficients ``C[n, m]``, ``S[n, m]`` up to
+    ``record["degree"]``.
 
     ``C[0, 0]`` counts as one and is left to the closed form.
     """
@@ -192,7 +209,9 @@ def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:
 
 
 def _gradient_weights(C: np.ndarray, S: np.ndarray, degree: int) -> np.ndarray:
-    """Weights (n, m, [ax of V, ax of W, ay of V, ay of W, az of V, az of W]): Montenbruck and Gill eq. 3.33, transposed."""
+    """Weights (n, m, [ax of V, ax of W, ay of V, ay of W, az of V, az of W]): Montenbruck and Gill eq. 3.33,
+    transposed.
+    """
     out = np.zeros((degree + 2, degree + 2, 6))
     for n in range(degree + 1):
         for m in range(n + 1):

@@ -9,7 +9,9 @@ from edl6dof.config.dtype import dtype_of
 
 
 def extended(model: type[BaseModel], **fields: object) -> np.dtype:
-    """The aligned dtype of ``model`` with ``fields`` (name = dtype) added, or put in place of fields of the same name."""
+    """The aligned dtype of ``model`` with ``fields`` (name = dtype) added, or put in place of fields of the
+    same name.
+    """
     base = dtype_of(model)
     layout = {name: base[name] for name in base.names or ()}
     layout.update({name: np.dtype(kind) for name, kind in fields.items()})  # type: ignore[call-overload]

@@ -13,20 +13,41 @@ from edl6dof.environment.layout import extended
 
 
 class PlanetParams(Params):
-    """Reference ellipsoid, rotation, gravity field and gas of the atmosphere; one file each in edl6dof/data/planets."""
+    """Reference ellipsoid, rotation, gravity field and gas of the atmosphere; one file each in
+    edl6dof/data/planets.
+    """
 
     name: Title = param(REQUIRED, "name of the planet", record=False)
     equatorial_radius_m: float = param(
-        REQUIRED, "equatorial radius of the reference ellipsoid", status="published", source="planet file", gt=0.0
+        REQUIRED,
+        "equatorial radius of the reference ellipsoid",
+        status="published",
+        source="planet file",
+        gt=0.0,
     )
     mean_radius_m: float = param(
-        REQUIRED, "mean radius: turns angles into distances over ground", status="published", source="planet file", record=False, gt=0.0
+        REQUIRED,
+        "mean radius: turns angles into distances over ground",
+        status="published",
+        source="planet file",
+        record=False,
+        gt=0.0,
     )
     flattening: float = param(
-        REQUIRED, "flattening of the reference ellipsoid (0: sphere)", status="published", source="planet file", ge=0.0, lt=0.1
+        REQUIRED,
+        "flattening of the reference ellipsoid (0: sphere)",
+        status="published",
+        source="planet file",
+        ge=0.0,
+        lt=0.1,
     )
     rotation_rate_rad_s: float = param(
-        REQUIRED, "rotation rate about the north pole", status="published", source="planet file", ge=-1e-3, le=1e-3
+        REQUIRED,
+        "rotation rate about the north pole",
+        status="published",
+        source="planet file",
+        ge=-1e-3,
+        le=1e-3,
     )
     gravity: GravityParams = section("gravity field")
     gas: GasParams = section("gas of the atmosphere")

@@ -1,8 +1,10 @@
-"""Random profiles against altitude: seeded Gauss-Markov sequences made when a case is built, read smoothly in flight.
+"""Random profiles against altitude: seeded Gauss-Markov sequences made when a case is built, read smoothly in
+flight.
 
 A case carries its own profiles, so a flight gives the same bits alone, in threads or on a cluster.
 
-Source: Gauss-Markov sequence, Gelb, Applied Optimal Estimation (1974), section 3.8; Philox, Salmon et al., SC11 (2011).
+Source: Gauss-Markov sequence, Gelb, Applied Optimal Estimation (1974), section 3.8; Philox, Salmon et al.,
+SC11 (2011).
 """
 
 from __future__ import annotations
@@ -23,14 +25,18 @@ def stream(seed: int, case: int, source: int) -> np.random.Generator:
 
 
 def gauss_markov(rng: np.random.Generator, count: int, spacing: float) -> np.ndarray:
-    """Standard normals with correlation exp(-distance); ``spacing``: distance of neighbours in correlation lengths."""
+    """Standard normals with correlation exp(-distance); ``spacing``: distance of neighbours in correlation
+    lengths.
+    """
     out = rng.standard_normal(count)
     _correlate(out, exp(-spacing))
     return out
 
 
 def central_slopes(profile: np.ndarray) -> np.ndarray:
-    """Slopes per row of a profile: half the rise between its two neighbours (Catmull-Rom), at an end half of the one rise."""
+    """Slopes per row of a profile: half the rise between its two neighbours (Catmull-Rom), at an end half of
+    the one rise.
+    """
     padded = np.concatenate([profile[:1], profile, profile[-1:]])
     return 0.5 * (padded[2:] - padded[:-2])
 

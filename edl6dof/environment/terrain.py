@@ -1,8 +1,8 @@
 """Height and slope of the ground.
 
-Heights count from the areoid, which this product takes equal to the reference ellipsoid: altitude, atmosphere and ground share
-one zero.  (The true areoid departs from the ellipsoid by up to about 2 km; with one zero the height of air and ground above each
-other is right, and that is what a descent feels.)
+Heights count from the areoid, which this product takes equal to the reference ellipsoid: altitude, atmosphere
+and ground share one zero.  (The true areoid departs from the ellipsoid by up to about 2 km; with one zero the
+height of air and ground above each other is right, and that is what a descent feels.)
 Left out: relief below one degree; around the site a plane stands for it.
 """
 
@@ -26,24 +26,33 @@ MOLA, PLANE, NONE = range(3)
 class TerrainParams(Params):
     """Ground of the truth: a global map or nothing, and a plane around the landing site."""
 
-    model: Literal["mola", "plane", "none"] = param("mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m")
+    model: Literal["mola", "plane", "none"] = param(
+        "mola", ("mola: 1-degree map fitted to the site; plane: site only; none: 0 m")
+    )
     site_elevation_m: float = param(REQUIRED, "height of the site above the areoid", ge=-9e3, le=22e3)
     site_latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-89.0, le=89.0)
     site_longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
     slope_deg: float = param(0.0, "tilt of the plane through the site", ge=0.0, le=45.0)
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
-    slope_radius_m: float = param(2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3)
-    ellipse_length_m: float = param(0.0, "planned landing ellipse, for drawings: long axis; 0 for none", record=False, ge=0.0, le=1e6)
+    slope_radius_m: float = param(
+        2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3
+    )
+    ellipse_length_m: float = param(
+        0.0, "planned landing ellipse, for drawings: long axis; 0 for none", record=False, ge=0.0, le=1e6
+    )
     ellipse_width_m: float = param(0.0, "planned landing ellipse: short axis", record=False, ge=0.0, le=1e6)
-    ellipse_azimuth_deg: float = param(0.0, "planned landing ellipse: direction of the long axis", record=False, ge=-360.0, le=360.0)
+    ellipse_azimuth_deg: float = param(
+        0.0, "planned landing ellipse: direction of the long axis", record=False, ge=-360.0, le=360.0
+    )
 
 
-#: The parameters; ``radius`` m: turns angles into metres; ``offset`` m: added to the map so that it agrees with the site; ``tilt_*``:
-#: rise per metre.
+#: The parameters; ``radius`` m: turns angles into metres; ``offset`` m: added to the map so that it agrees
+#: with the site; ``tilt_*``: rise per metre.
 TERRAIN = extended(TerrainParams, radius="f8", offset="f8", tilt_north="f8", tilt_east="f8")
 
-#: Shared map: metres above the areoid, rows of planetocentric latitude 89.5 to -89.5, columns of longitude -179.5 to 179.5 deg;
-#: ``radius`` m: mean radius of its planet; ``centric``: geocentric = geodetic - this * sin(2 geodetic), to 2e-5 rad.
+#: Shared map: metres above the areoid, rows of planetocentric latitude 89.5 to -89.5, columns of longitude
+#: -179.5 to 179.5 deg; ``radius`` m: mean radius of its planet; ``centric``: geocentric = geodetic - this *
+#: sin(2 geodetic), to 2e-5 rad.
 TERRAIN_GRID = np.dtype([("height", "f4", (180, 360)), ("radius", "f8"), ("centric", "f8")], align=True)
 
 
@@ -65,7 +74,9 @@ def ground(terrain, grid, lat, lon):
 
 @kernel
 def _site_plane(terrain, lat, lon):
-    """The tilt around the site; beyond ``slope_radius`` the height stays what it is on the rim in that direction."""
+    """The tilt around the site; beyond ``slope_radius`` the height stays what it is on the rim in that
+    direction.
+    """
     tilt_north = terrain.tilt_north
     tilt_east = terrain.tilt_east
     if tilt_north == 0.0 and tilt_east == 0.0:
@@ -84,7 +95,9 @@ def _site_plane(terrain, lat, lon):
 
 @kernel
 def mola(grid, lat, lon):
-    """Map height (m) and rise per metre towards north and east: bilinear, so heights are continuous and slopes are not."""
+    """Map height (m) and rise per metre towards north and east: bilinear, so heights are continuous and
+    slopes are not.
+    """
     centric = lat - grid.centric * sin(2.0 * lat)
     row, u = held_cell(89.5 - centric * (180.0 / pi), 179)
     column, t = cell(wrapped(lon * (180.0 / pi) + 179.5, 360.0), 360)

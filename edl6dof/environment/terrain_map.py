@@ -32,7 +32,8 @@ def require_map_of(planet_radius_m: float) -> None:
     radius = _planet()["mean_radius_m"]
     if abs(planet_radius_m / radius - 1.0) > _SAME_PLANET:
         raise ValueError(
-            f"'mola' is the map of a planet of planet.mean_radius_m {radius:.0f}, not {planet_radius_m:.0f}: use 'plane' or 'none'"
+            f"'mola' is the map of a planet of planet.mean_radius_m {radius:.0f}, not "
+            f"{planet_radius_m:.0f}: use 'plane' or 'none'"
         )
 
 

@@ -1,7 +1,8 @@
 """U.S. Standard Atmosphere 1976 up to 86 km, from its defining lapse rates.
 
-Source: U.S. Standard Atmosphere, 1976, NOAA/NASA/USAF, table 4 and eq. 18, 23, 33a, 33b, 42, 50.  Temperature is the
-molecular-scale temperature; above 86 km the last layer is continued, which is outside the validity of these equations.
+Source: U.S. Standard Atmosphere, 1976, NOAA/NASA/USAF, table 4 and eq. 18, 23, 33a, 33b, 42, 50.  Temperature
+is the molecular-scale temperature; above 86 km the last layer is continued, which is outside the validity of
+these equations.
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ def _layers() -> tuple[np.ndarray, np.ndarray]:
     for thickness, lapse in zip(np.diff(_BASE), _LAPSE[:-1], strict=True):
         t0 = temperature[-1]
         temperature.append(t0 + lapse * thickness)
-        ratio = (temperature[-1] / t0) ** (-_HYDROSTATIC / lapse) if lapse else np.exp(-_HYDROSTATIC * thickness / t0)
+        ratio = (
+            (temperature[-1] / t0) ** (-_HYDROSTATIC / lapse)
+            if lapse
+            else np.exp(-_HYDROSTATIC * thickness / t0)
+        )
         pressure.append(pressure[-1] * ratio)
     return np.array(temperature), np.array(pressure)
 
@@ -37,7 +42,9 @@ _TEMPERATURE, _PRESSURE = _layers()
 
 @kernel
 def us76(alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at the geometric altitude ``alt``, m."""
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at the geometric altitude ``alt``,
+    m.
+    """
     height = _RADIUS * alt / (_RADIUS + alt)
     layer = 0
     while layer < 6 and height >= _BASE[layer + 1]:

@@ -1,7 +1,9 @@
 """Mean wind, random gust and one discrete gust against altitude.
 
-Directions are those the air moves towards.  The wind depends on altitude alone: no change over ground or time.
-Source: discrete gust, MIL-F-8785C section 3.7.1.3 (1-cosine); strength and scale of the random gust are estimates [E].
+Directions are those the air moves towards.  The wind depends on altitude alone: no change over ground or
+time.
+Source: discrete gust, MIL-F-8785C section 3.7.1.3 (1-cosine); strength and scale of the random gust are
+estimates [E].
 """
 
 from __future__ import annotations
@@ -33,11 +35,22 @@ class GustParams(Params):
     enabled: bool = param(False, "whether the random gust blows")
     sigma_scale: float = param(1.0, "factor on the sigmas", ge=0.0, le=5.0)
     altitudes_m: Vec3 = param((0.0, 20e3, 60e3), "altitudes of the sigmas, rising", status="estimate")
-    sigma_m_s: Vec3 = param((3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate")
+    sigma_m_s: Vec3 = param(
+        (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
+    )
     vertical_ratio: float = param(0.5, "vertical over horizontal sigma", status="estimate", ge=0.0, le=1.0)
-    scale_length_m: float = param(300.0, "altitude over which the correlation falls to 1/e, at 0 m and below", status="estimate", ge=100.0)
+    scale_length_m: float = param(
+        300.0,
+        "altitude over which the correlation falls to 1/e, at 0 m and below",
+        status="estimate",
+        ge=100.0,
+    )
     scale_growth: float = param(
-        0.085, "growth of the scale length per metre of altitude: 2 km at 20 km", status="estimate", gt=1e-3, le=1.0
+        0.085,
+        "growth of the scale length per metre of altitude: 2 km at 20 km",
+        status="estimate",
+        gt=1e-3,
+        le=1.0,
     )
 
     @model_validator(mode="after")
@@ -54,7 +67,9 @@ class DiscreteGustParams(Params):
     amplitude_m_s: float = param(20.0, "greatest speed", status="estimate", ge=0.0, le=200.0)
     altitude_m: float = param(5000.0, "altitude of the greatest speed", ge=-10e3, le=200e3)
     half_length_m: float = param(100.0, "altitude from its edge to its middle", status="estimate", gt=0.0)
-    azimuth_deg: float = param(90.0, "direction it blows towards, from north through east", ge=-360.0, le=360.0)
+    azimuth_deg: float = param(
+        90.0, "direction it blows towards, from north through east", ge=-360.0, le=360.0
+    )
 
 
 class WindParams(Params):
@@ -64,13 +79,18 @@ class WindParams(Params):
     scale: float = param(1.0, "factor on the mean wind", ge=-10.0, le=10.0)
     east_m_s: float = param(0.0, "wind towards east; of model shear at altitude 0", ge=-200.0, le=200.0)
     north_m_s: float = param(0.0, "wind towards north; of model shear at altitude 0", ge=-200.0, le=200.0)
-    east_shear: float = param(0.0, "growth of the wind towards east, (m/s) per metre of altitude", ge=-1.0, le=1.0)
-    north_shear: float = param(0.0, "growth of the wind towards north, (m/s) per metre of altitude", ge=-1.0, le=1.0)
+    east_shear: float = param(
+        0.0, "growth of the wind towards east, (m/s) per metre of altitude", ge=-1.0, le=1.0
+    )
+    north_shear: float = param(
+        0.0, "growth of the wind towards north, (m/s) per metre of altitude", ge=-1.0, le=1.0
+    )
     gust: GustParams = group(GustParams, "random gust")
     discrete_gust: DiscreteGustParams = group(DiscreteGustParams, "single gust of shape 1-cosine")
 
 
-#: The parameters, and the random gust of this case (m/s): cubics between rows evenly spaced in :func:`gust_coordinate`.
+#: The parameters, and the random gust of this case (m/s): cubics between rows evenly spaced in
+#: :func:`gust_coordinate`.
 WIND = extended(
     WindParams,
     gust_east=("f8", (MAX_ROWS - 1, 4)),
@@ -110,7 +130,8 @@ def wind(w, table, alt):
 
 @kernel
 def gust_coordinate(alt, length, growth):
-    """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth * max(h, 0).
+    """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth * max(h,
+    0).
 
     Evenly spaced rows in it resolve 300 m near the ground and kilometres higher up with one short array.
     """
@@ -121,7 +142,9 @@ def gust_coordinate(alt, length, growth):
 
 @kernel
 def _random_gust(w, alt):
-    row, t = held_cell(gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing, MAX_ROWS - 1)
+    row, t = held_cell(
+        gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing, MAX_ROWS - 1
+    )
     return cubic(w.gust_east, row, t), cubic(w.gust_north, row, t), cubic(w.gust_up, row, t)
 
 
@@ -151,9 +174,13 @@ def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0
 
 @lru_cache(maxsize=8)
 def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
-    """Distance of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each: the same for most cases."""
+    """Distance of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each: the
+    same for most cases.
+    """
     top = gust_coordinate(_GUST_TOP, gust.scale_length_m, gust.scale_growth)
-    return top / (MAX_ROWS - 1), gust.sigma_scale * np.interp(gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s)
+    return top / (MAX_ROWS - 1), gust.sigma_scale * np.interp(
+        gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s
+    )
 
 
 def gust_altitudes(gust: GustParams) -> np.ndarray:

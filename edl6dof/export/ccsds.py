@@ -1,7 +1,8 @@
-"""CCSDS ephemeris messages in keyword = value notation: orbit (OEM, CCSDS 502.0-B-2) and attitude (AEM, CCSDS 504.0-B-1).
+"""CCSDS ephemeris messages in keyword = value notation: orbit (OEM, CCSDS 502.0-B-2) and attitude (AEM, CCSDS
+504.0-B-1).
 
-The inertial frame of a flight is the planet-fixed frame stopped at the start; messages are written in ICRF, by the planet's published
-orientation at the epoch of the scenario.
+The inertial frame of a flight is the planet-fixed frame stopped at the start; messages are written in ICRF,
+by the planet's published orientation at the epoch of the scenario.
 """
 
 from __future__ import annotations
@@ -34,20 +35,31 @@ def parse_epoch(text: str) -> datetime:
     return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
 
 
-def write_oem(stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]) -> int:
+def write_oem(
+    stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]
+) -> int:
     """Write position (km) and velocity (km/s) of each row; returns the rows written."""
     turn = icrf_to_fixed(planet, epoch)
-    position, velocity = (np.stack([columns[f"truth.{s}_I_{a}_{u}"] for a in "xyz"], 1) @ turn / 1e3 for s, u in (("r", "m"), ("v", "m_s")))
+    position, velocity = (
+        np.stack([columns[f"truth.{s}_I_{a}_{u}"] for a in "xyz"], 1) @ turn / 1e3
+        for s, u in (("r", "m"), ("v", "m_s"))
+    )
     stamps, rows = _stamps(epoch, columns["t_s"])
     stream.writelines(_header("OEM", "2.0", comments))
     stream.writelines(_metadata(name, planet, stamps, {"REF_FRAME": "ICRF"}))
     for stamp, row in zip(stamps, rows, strict=True):
-        numbers = " ".join(f"{value:.9f}" for value in position[row]) + " " + " ".join(f"{value:.12f}" for value in velocity[row])
+        numbers = (
+            " ".join(f"{value:.9f}" for value in position[row])
+            + " "
+            + " ".join(f"{value:.12f}" for value in velocity[row])
+        )
         stream.write(f"{stamp} {numbers}\n")
     return len(stamps)
 
 
-def write_aem(stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]) -> int:
+def write_aem(
+    stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]
+) -> int:
     """Write the quaternion from ICRF to body axes of each row, scalar last; returns the rows written."""
     from scipy.spatial.transform import Rotation
 
@@ -55,11 +67,14 @@ def write_aem(stream: TextIO, name: str, planet: str, epoch: datetime, columns: 
     body = Rotation.from_quat(np.stack([columns[f"truth.q_I2B_{c}"] for c in "xyzw"], 1))
     quaternion = (to_inertial * body).as_quat()
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
-    quaternion[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]  # no jump of sign for a reader who interpolates
+    # no jump of sign for a reader who interpolates
+    quaternion[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]
     stamps, rows = _stamps(epoch, columns["t_s"])
     frames = {"REF_FRAME_A": "ICRF", "REF_FRAME_B": "SC_BODY_1", "ATTITUDE_DIR": "A2B"}
     stream.writelines(_header("AEM", "1.0", comments))
-    stream.writelines(_metadata(name, planet, stamps, frames, {"ATTITUDE_TYPE": "QUATERNION", "QUATERNION_TYPE": "LAST"}))
+    stream.writelines(
+        _metadata(name, planet, stamps, frames, {"ATTITUDE_TYPE": "QUATERNION", "QUATERNION_TYPE": "LAST"})
+    )
     stream.write("DATA_START\n")
     for stamp, row in zip(stamps, rows, strict=True):
         stream.write(f"{stamp} " + " ".join(f"{value:.12f}" for value in quaternion[row]) + "\n")
@@ -68,7 +83,9 @@ def write_aem(stream: TextIO, name: str, planet: str, epoch: datetime, columns: 
 
 
 def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
-    """Times of the rows as UTC to the microsecond, and the rows they belong to; a time that does not rise is left out."""
+    """Times of the rows as UTC to the microsecond, and the rows they belong to; a time that does not rise is
+    left out.
+    """
     stamps: list[str] = []
     rows: list[int] = []
     for row, seconds in enumerate(t):
@@ -80,7 +97,9 @@ def _stamps(epoch: datetime, t: np.ndarray) -> tuple[list[str], list[int]]:
 
 
 def _value(text: str) -> str:
-    """Text as the value of a keyword: one line of printable ASCII that no reader takes for a keyword of its own."""
+    """Text as the value of a keyword: one line of printable ASCII that no reader takes for a keyword of its
+    own.
+    """
     return " ".join(re.sub(r"[^ -~]|=", " ", text).split())[:LONGEST_VALUE] or "UNKNOWN"
 
 
@@ -91,7 +110,9 @@ def _header(kind: str, version: str, comments: list[str]) -> Iterator[str]:
     yield f"ORIGINATOR = {ORIGINATOR}\n\n"
 
 
-def _metadata(name: str, planet: str, stamps: list[str], frames: dict[str, str], more: dict[str, str] | None = None) -> Iterator[str]:
+def _metadata(
+    name: str, planet: str, stamps: list[str], frames: dict[str, str], more: dict[str, str] | None = None
+) -> Iterator[str]:
     pairs = {
         "OBJECT_NAME": _value(name).upper(),
         "OBJECT_ID": _value(name).upper(),

@@ -1,7 +1,9 @@
-"""Tables in the form of the NASA NESC 6-DOF check cases: their columns, their English units, one row each 0.1 s.
+"""Tables in the form of the NASA NESC 6-DOF check cases: their columns, their English units, one row each 0.1
+s.
 
-Source: NASA/TM-2015-218675 and the header of its simulations' files.  Everything is formed from the telemetry; what telemetry does not
-hold (Euler angles, gravitation, pressure, speed of sound) is worked out here, so that ordinary flights need not log it.
+Source: NASA/TM-2015-218675 and the header of its simulations' files.  Everything is formed from the
+telemetry; what telemetry does not hold (Euler angles, gravitation, pressure, speed of sound) is worked out
+here, so that ordinary flights need not log it.
 """
 
 from __future__ import annotations
@@ -27,15 +29,24 @@ RANKINE = 5.0 / 9.0  # K
 _DIRECT: tuple[tuple[str, str, float], ...] = (
     *((f"eiPosition_ft_{a.upper()}", f"truth.r_I_{a}_m", FOOT) for a in "xyz"),
     *((f"eiVelocity_ft_s_{a.upper()}", f"truth.v_I_{a}_m_s", FOOT) for a in "xyz"),
-    *((f"feVelocity_ft_s_{a}", f"truth.v_{way}_m_s", FOOT) for a, way in zip("XYZ", ("north", "east", "down"), strict=True)),
+    *(
+        (f"feVelocity_ft_s_{a}", f"truth.v_{way}_m_s", FOOT)
+        for a, way in zip("XYZ", ("north", "east", "down"), strict=True)
+    ),
     ("altitudeMsl_ft", "truth.altitude_m", FOOT),
     ("longitude_deg", "truth.longitude_deg", 1.0),
     ("latitude_deg", "truth.latitude_deg", 1.0),
-    *((f"bodyAngularRateWrtEi_deg_s_{a}", f"truth.rate_{c}_deg_s", 1.0) for a, c in zip(("Roll", "Pitch", "Yaw"), "pqr", strict=True)),
+    *(
+        (f"bodyAngularRateWrtEi_deg_s_{a}", f"truth.rate_{c}_deg_s", 1.0)
+        for a, c in zip(("Roll", "Pitch", "Yaw"), "pqr", strict=True)
+    ),
     ("airDensity_slug_ft3", "truth.density_kg_m3", SLUG / FOOT**3),
     ("ambientTemperature_dgR", "truth.temperature_k", RANKINE),
     *((f"aero_bodyForce_lbf_{a.upper()}", f"truth.aero_force_{a}_n", POUND) for a in "xyz"),
-    *((f"aero_bodyMoment_ftlbf_{c}", f"truth.aero_moment_{a}_nm", POUND * FOOT) for c, a in zip("LMN", "xyz", strict=True)),
+    *(
+        (f"aero_bodyMoment_ftlbf_{c}", f"truth.aero_moment_{a}_nm", POUND * FOOT)
+        for c, a in zip("LMN", "xyz", strict=True)
+    ),
     ("mach", "truth.mach", 1.0),
     ("dynamicPressure_lbf_ft2", "truth.dynamic_pressure_pa", POUND / FOOT**2),
 )
@@ -67,7 +78,11 @@ def check_case_table(
     """
     t = np.asarray(telemetry["t_s"])
     kept = np.abs(t / interval_s - np.round(t / interval_s)) * interval_s < 1e-6
-    rows = {name: np.asarray(values)[kept] for name, values in telemetry.items() if name == "t_s" or name.startswith("truth.")}
+    rows = {
+        name: np.asarray(values)[kept]
+        for name, values in telemetry.items()
+        if name == "t_s" or name.startswith("truth.")
+    }
     table = {column: rows[channel] / unit for column, channel, unit in _DIRECT}
     table["time"] = np.round(rows["t_s"], 9)  # 0.1, 0.2, ... as the check cases print it
     table.update(_derived(rows, case, atmosphere))
@@ -87,7 +102,9 @@ def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void)
         inertial = longitude + spin * t
         q_I2N = ned_attitude(sin(latitude), cos(latitude), sin(inertial), cos(inertial))
         yaw, pitch, roll = euler_321(multiply(conjugate(q_I2N), tuple(attitude[i])))
-        _, pressure, _, sound = air(case["atmosphere"], case["planet"]["gas"], atmosphere, rows["truth.altitude_m"][i])
+        _, pressure, _, sound = air(
+            case["atmosphere"], case["planet"]["gas"], atmosphere, rows["truth.altitude_m"][i]
+        )
         found[i] = sqrt(gx * gx + gy * gy + gz * gz), yaw, pitch, roll, pressure, sound
     gravity, yaw, pitch, roll, pressure, sound = found.T
     return {

@@ -1,7 +1,8 @@
 """Where a planet's pole and prime meridian point in the International Celestial Reference Frame.
 
-Source: Archinal et al. 2011, Report of the IAU Working Group on Cartographic Coordinates and Rotational Elements: 2009, table 1; the
-same set as NAIF's pck00010.  The elements of the Earth in it are good to about 0.1 deg.
+Source: Archinal et al. 2011, Report of the IAU Working Group on Cartographic Coordinates and Rotational
+Elements: 2009, table 1; the same set as NAIF's pck00010.  The elements of the Earth in it are good to about
+0.1 deg.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ LEAP_SECONDS: tuple[tuple[datetime, int], ...] = tuple(
 
 
 class Elements(NamedTuple):
-    """Right ascension and declination of the pole (deg, deg per century) and prime meridian (deg, deg per day)."""
+    """Right ascension and declination of the pole (deg, deg per century) and prime meridian (deg, deg per
+    day).
+    """
 
     ascension: tuple[float, float]
     declination: tuple[float, float]
@@ -44,7 +47,8 @@ ELEMENTS = {
 
 
 def days_since_j2000(utc: datetime) -> float:
-    """Days of dynamical time since J2000 (2000-01-01 12:00 TDB); TDB is taken as TT, which differs by 2 ms at most.
+    """Days of dynamical time since J2000 (2000-01-01 12:00 TDB); TDB is taken as TT, which differs by 2 ms at
+    most.
 
     Raises:
         ValueError: the date lies before leap seconds.
@@ -62,7 +66,9 @@ def icrf_to_fixed(planet: str, utc: datetime) -> np.ndarray:
         ValueError: no elements of the planet are known, or the date lies before leap seconds.
     """
     if planet not in ELEMENTS:
-        raise ValueError(f"the orientation of {planet!r} in the celestial frame is not known; known: {', '.join(ELEMENTS)}")
+        raise ValueError(
+            f"the orientation of {planet!r} in the celestial frame is not known; known: {', '.join(ELEMENTS)}"
+        )
     days = days_since_j2000(utc)
     pole, tilt, meridian = ELEMENTS[planet]
     ascension, declination = (np.radians(angle + rate * days / CENTURY_D) for angle, rate in (pole, tilt))

@@ -32,7 +32,9 @@ def write_csv(path: Path, columns: Columns) -> None:
 
 
 def write_mat(path: Path, columns: Columns, about: Description) -> None:
-    """A MATLAB 5 file: ``t_s``, and one struct for each group of channels, ``truth.altitude_m`` as in Python; units in ``units``."""
+    """A MATLAB 5 file: ``t_s``, and one struct for each group of channels, ``truth.altitude_m`` as in Python;
+    units in ``units``.
+    """
     from scipy.io import savemat
 
     content: dict[str, Any] = {"t_s": np.asarray(columns["t_s"]), "about": dict(about.words), "units": {}}
@@ -44,7 +46,9 @@ def write_mat(path: Path, columns: Columns, about: Description) -> None:
 
 
 def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
-    """A netCDF-3 file with 64-bit offsets and the dimension ``time``; ``truth.altitude_m`` becomes ``truth_altitude_m``."""
+    """A netCDF-3 file with 64-bit offsets and the dimension ``time``; ``truth.altitude_m`` becomes
+    ``truth_altitude_m``.
+    """
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w", version=2) as file:
@@ -60,5 +64,7 @@ def write_netcdf(path: Path, columns: Columns, about: Description) -> None:
 
 
 def plain(name: str) -> str:
-    """A name of at most 63 letters, digits and underscores that begins with a letter, as MATLAB and netCDF want it."""
+    """A name of at most 63 letters, digits and underscores that begins with a letter, as MATLAB and netCDF
+    want it.
+    """
     return re.sub(r"^(?=[^a-zA-Z])", "n", re.sub(r"\W", "_", name, flags=re.ASCII))[:63]

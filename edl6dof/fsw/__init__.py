@@ -1,6 +1,8 @@
-"""The flight software: navigation, mission sequence, guidance, attitude control, allocation, pulse modulation.
+"""The flight software: navigation, mission sequence, guidance, attitude control, allocation, pulse
+modulation.
 
-Nothing here may import the truth (``edl6dof.vehicle``, ``edl6dof.environment``, ``edl6dof.sensors``) or receive ``case`` or ``plant``: what
-crosses stands in ``edl6dof.interface``; a contract test checks it.  Kernels get the ``onboard`` record (what the flight computer
-believes), sensor or navigation data, and their own memory.
+Nothing here may import the truth (``edl6dof.vehicle``, ``edl6dof.environment``, ``edl6dof.sensors``) or
+receive ``case`` or ``plant``: what crosses stands in ``edl6dof.interface``; a contract test checks it.
+Kernels get the ``onboard`` record (what the flight computer believes), sensor or navigation data, and their
+own memory.
 """

@@ -1,8 +1,9 @@
 """Check-out of thrusters before they are needed: each is pulsed alone, and its work is judged by the gyros.
 
-In the first periods of the first phase the two 250 N thrusters of bank control are switched on and off; one that does not turn the
-vehicle is taken out of the selection for the rest of the flight.  Source: Hu et al. 2022, section 3 (pulse length and threshold are
-estimates).  Attitude control rests meanwhile, a few tenths of a second in which the vehicle hardly moves.
+In the first periods of the first phase the two 250 N thrusters of bank control are switched on and off; one
+that does not turn the vehicle is taken out of the selection for the rest of the flight.  Source: Hu et al.
+2022, section 3 (pulse length and threshold are estimates).  Attitude control rests meanwhile, a few tenths of
+a second in which the vehicle hardly moves.
 """
 
 from __future__ import annotations
@@ -24,11 +25,22 @@ class CheckOutParams(Params):
     """Pulses at the start of the first phase that show which thrusters work."""
 
     thrusters: list[str] = param(
-        None, "thrusters that are tried, in order; none for no check-out", record=False, factory=list, max_length=MAX_CHECKED
+        None,
+        "thrusters that are tried, in order; none for no check-out",
+        record=False,
+        factory=list,
+        max_length=MAX_CHECKED,
     )
     pulse_s: float = param(0.08, "length of the trial pulse", status="estimate", ge=0.02, le=1.0)
-    settle_s: float = param(0.08, "time after the pulse at which the gyros are read: valve decay and sensor delay", ge=0.0, le=1.0)
-    share: float = param(0.5, "share of the expected rate change below which a thruster counts as dead", gt=0.0, lt=1.0)
+    settle_s: float = param(
+        0.08,
+        ("time after the pulse at which the gyros are read: valve decay and sensor delay"),
+        ge=0.0,
+        le=1.0,
+    )
+    share: float = param(
+        0.5, "share of the expected rate change below which a thruster counts as dead", gt=0.0, lt=1.0
+    )
 
 
 CHECK_OUT = np.dtype(
@@ -38,7 +50,13 @@ CHECK_OUT = np.dtype(
 
 #: ``next`` counts the thrusters done; ``response`` is the rate change of each over the expected one.
 CHECK_OUT_MEMORY = np.dtype(
-    [("next", whole(0, MAX_CHECKED)), ("under_way", FLAG), ("since", "f8"), ("rate", "f8", (3,)), ("response", "f8", (MAX_CHECKED,))],
+    [
+        ("next", whole(0, MAX_CHECKED)),
+        ("under_way", FLAG),
+        ("since", "f8"),
+        ("rate", "f8", (3,)),
+        ("response", "f8", (MAX_CHECKED,)),
+    ],
     align=True,
 )
 
@@ -71,13 +89,19 @@ def response(effect, inertia, pulse, before, after):
         before: rate before it, rad/s.
         after: rate after it, rad/s.
     """
-    expected = (effect[3] * pulse / inertia[0], effect[4] * pulse / inertia[1], effect[5] * pulse / inertia[2])
+    expected = (
+        effect[3] * pulse / inertia[0],
+        effect[4] * pulse / inertia[1],
+        effect[5] * pulse / inertia[2],
+    )
     return dot(sub(after, before), expected) / max(dot(expected, expected), 1e-30)
 
 
 @kernel
 def check_out(onboard, dt, fsw):
-    """One control cycle of check-out: writes the valve intervals and, at the end of a trial, ``fsw.healthy``; false once all is done."""
+    """One control cycle of check-out: writes the valve intervals and, at the end of a trial, ``fsw.healthy``;
+    false once all is done.
+    """
     p, memory, nav = onboard.check_out, fsw.check_out, fsw.nav
     if fsw.phase != 0 or memory.next >= p.count:
         return False

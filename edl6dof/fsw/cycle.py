@@ -1,4 +1,6 @@
-"""One base cycle of the flight software: navigation, mission phase, guidance, attitude control, allocation, pulse modulation."""
+"""One base cycle of the flight software: navigation, mission phase, guidance, attitude control, allocation,
+pulse modulation.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,9 @@ G0 = 9.80665
 
 @kernel
 def note_requests(onboard, nav, fsw):
-    """What the flight computer concludes from its own deployment commands: configuration, mass, wing and engine state."""
+    """What the flight computer concludes from its own deployment commands: configuration, mass, wing and
+    engine state.
+    """
     request = fsw.command.request
     vehicle = onboard.vehicle
     if request[TRIM_WING] != 0:
@@ -68,7 +72,9 @@ def keep_mass(onboard, dt, fsw):
 
 @kernel
 def guide_vehicle(onboard, kind, k, entered, fsw):
-    """Run the guidance of the present phase when its division of the base cycle comes up, and at once in a new phase."""
+    """Run the guidance of the present phase when its division of the base cycle comes up, and at once in a
+    new phase.
+    """
     nav, guide = fsw.nav, fsw.guide
     rates = onboard.rates
     entry = onboard.guidance.entry
@@ -85,7 +91,9 @@ def guide_vehicle(onboard, kind, k, entered, fsw):
     if not entered and k % rates.powered_guidance_every != 0:
         return
     if kind == G_POWERED:
-        north, east, up, tilt_limit = powered_guidance(onboard.guidance.powered.law, onboard, nav, fsw.powered, guide)
+        north, east, up, tilt_limit = powered_guidance(
+            onboard.guidance.powered.law, onboard, nav, fsw.powered, guide
+        )
         command_thrust(onboard, fsw.mass, (north, east, up), tilt_limit, guide)
         if fsw.ignited != 0:
             start_or_throttle(onboard, guide, nav.t - fsw.ignition_time)
@@ -104,7 +112,9 @@ def look_for_faults(onboard, dt, fsw):
     load = abs(seen[0] + fsw.guide.thrust) if fsw.ignited != 0 else abs(seen[0])
     effect, healthy, isolate = fsw.allocator.effect, fsw.healthy, fsw.command.isolate
     count, t = onboard.vehicle.n_thrusters, fsw.nav.t
-    diagnose(onboard.diagnosis, count, effect, fsw.activity, load, seen, t, dt, fsw.diagnosis, healthy, isolate)
+    diagnose(
+        onboard.diagnosis, count, effect, fsw.activity, load, seen, t, dt, fsw.diagnosis, healthy, isolate
+    )
 
 
 @kernel
@@ -130,7 +140,9 @@ def test_thrusters(onboard, dt, fsw):
 
 @kernel
 def usable_groups(phase, boosting, thrusters, count, healthy):
-    """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or for a lost attitude one."""
+    """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or
+    for a lost attitude one.
+    """
     allowed = 1 << AXIAL if boosting else 0
     for i in range(phase.n_thrusters):
         allowed |= 1 << phase.thrusters[i]
@@ -169,7 +181,18 @@ def steer(onboard, phase, dt, fsw):
         allowed = usable_groups(phase, boosting, vehicle.thrusters, count, fsw.healthy)
         translating = guide.translating != 0
         p, work = onboard.allocation, fsw.allocator
-        allocate(p.method, p, vehicle.thrusters, count, fsw.healthy, allowed, translating, boosting, fsw.demand, work)
+        allocate(
+            p.method,
+            p,
+            vehicle.thrusters,
+            count,
+            fsw.healthy,
+            allowed,
+            translating,
+            boosting,
+            fsw.demand,
+            work,
+        )
     else:
         for i in range(count):
             duty[i] = 0.0
@@ -179,7 +202,17 @@ def steer(onboard, phase, dt, fsw):
     for i in range(3, 6):
         if abs(fsw.allocator.undelivered[i]) > 0.2 * onboard.allocation.torque_scale:
             fsw.saturated = 1
-    modulate(onboard.modulation, vehicle.thrusters, count, duty, nav.t, dt, fsw.modulator, fsw.command.opens, fsw.command.closes)
+    modulate(
+        onboard.modulation,
+        vehicle.thrusters,
+        count,
+        duty,
+        nav.t,
+        dt,
+        fsw.modulator,
+        fsw.command.opens,
+        fsw.command.closes,
+    )
     if guide.translating != 0:
         test_thrusters(onboard, dt, fsw)
     remember(fsw.command.opens, fsw.command.closes, count, fsw.activity)

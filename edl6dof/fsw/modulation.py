@@ -1,9 +1,10 @@
 """Pulse-width modulation: a demanded duty becomes valve intervals of at least the minimum pulse.
 
-Each thruster collects the on-time it owes.  When that reaches its minimum pulse, the valve opens; a pulse longer than the control
-cycle goes on in the next one.  The mean thrust follows the demand down to a deadband, no pulse is shorter than the minimum, and a
-thruster that is no longer asked for forgets what it owed.  Source: Hu et al. 2022, section 4.2 (linear modulation with deadband
-and saturation; 40 ms and 128 ms minimum pulses).
+Each thruster collects the on-time it owes.  When that reaches its minimum pulse, the valve opens; a pulse
+longer than the control cycle goes on in the next one.  The mean thrust follows the demand down to a deadband,
+no pulse is shorter than the minimum, and a thruster that is no longer asked for forgets what it owed.
+Source: Hu et al. 2022, section 4.2 (linear modulation with deadband and saturation; 40 ms and 128 ms minimum
+pulses).
 """
 
 from __future__ import annotations
@@ -18,7 +19,12 @@ from edl6dof.jit import kernel
 class ModulationParams(Params):
     """Pulse modulation of the thrusters."""
 
-    deadband: float = param(0.03, "duty below which a valve stays shut, and distance from one within which it stays open", ge=0.0, lt=1.0)
+    deadband: float = param(
+        0.03,
+        ("duty below which a valve stays shut, and distance from one within which it stays open"),
+        ge=0.0,
+        lt=1.0,
+    )
 
 
 MODULATOR = np.dtype([("owed", "f8", (MAX_THRUSTERS,)), ("busy_until", "f8", (MAX_THRUSTERS,))], align=True)

@@ -1,7 +1,8 @@
-"""Navigation: the quantities that mission logic, guidance and control use, from sensor data and onboard models alone.
+"""Navigation: the quantities that mission logic, guidance and control use, from sensor data and onboard
+models alone.
 
-With perfect sensors this is only geometry.  Velocity is relative to the planet: the wind is not known on board, so angle of attack,
-sideslip, bank and Mach number here differ from the truth by the wind.
+With perfect sensors this is only geometry.  Velocity is relative to the planet: the wind is not known on
+board, so angle of attack, sideslip, bank and Mach number here differ from the truth by the wind.
 """
 
 from __future__ import annotations
@@ -68,7 +69,9 @@ NAV = np.dtype(
 
 @kernel
 def model_atmosphere(table, altitude):
-    """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at ``altitude`` (m)."""
+    """Density (kg/m3), speed of sound (m/s) and density scale height (m) of the onboard atmosphere at
+    ``altitude`` (m).
+    """
     i, f = held_cell((altitude - table.bottom) / table.spacing, table.ln_density.shape[0] - 1)
     slope = table.ln_density[i + 1] - table.ln_density[i]
     density = exp(table.ln_density[i] + f * slope)

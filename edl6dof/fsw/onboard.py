@@ -1,7 +1,7 @@
 """The Onboard record: everything the flight computer believes, and its settings.
 
-It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is a coarse table of
-density and speed of sound without wind; drag and lift are one number each.
+It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is
+a coarse table of density and speed of sound without wind; drag and lift are one number each.
 """
 
 from __future__ import annotations
@@ -49,24 +49,47 @@ _PoweredLaws = POWERED_LAWS.params_model("PoweredLawParams", "law", "polynomial"
 class EntryGuidanceParams(_EntryLaws):
     """Entry guidance: the law, and what all laws share."""
 
-    preset_bank_deg: float = param(55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0)
-    trim_alpha_deg: float = param(
-        -10.0, "angle of attack commanded before and during lift control", status="published", source="S1", ge=-90.0, le=90.0
+    preset_bank_deg: float = param(
+        55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0
     )
-    bank_min_deg: float = param(15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0)
+    trim_alpha_deg: float = param(
+        -10.0,
+        "angle of attack commanded before and during lift control",
+        status="published",
+        source="S1",
+        ge=-90.0,
+        le=90.0,
+    )
+    bank_min_deg: float = param(
+        15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0
+    )
     bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
-    bank_rate_deg_s: float = param(20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1e5)
-    reference_bank: ReferenceBankParams = group(ReferenceBankParams, "open-loop bank of the reference trajectory")
+    bank_rate_deg_s: float = param(
+        20.0, "largest rate of the commanded bank angle", status="published", source="S1", gt=0.0, le=1e5
+    )
+    reference_bank: ReferenceBankParams = group(
+        ReferenceBankParams, "open-loop bank of the reference trajectory"
+    )
     tracking: TrackingParams = group(TrackingParams, "following the reference drag")
     limits: EntryLimitParams = group(EntryLimitParams, "entry flight corridor")
     reversal: ReversalParams = group(ReversalParams, "bank reversals")
     air_data: AirDataParams = group(AirDataParams, "measured drag and lift ratios")
     heading: HeadingAlignmentParams = group(HeadingAlignmentParams, "heading alignment")
-    align_speed_m_s: float = param(640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0)
-    final_speed_m_s: float = param(420.0, "speed at which the reference range is met", status="derived", gt=0.0, le=4000.0)
-    final_mach: float = param(0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0)
-    aim_north_m: float = param(0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5)
-    aim_east_m: float = param(0.0, "aim point of entry guidance east of the landing site", status="derived", ge=-1e5, le=1e5)
+    align_speed_m_s: float = param(
+        640.0, "speed below which the bank angle is commanded to zero", status="estimate", ge=0.0
+    )
+    final_speed_m_s: float = param(
+        420.0, "speed at which the reference range is met", status="derived", gt=0.0, le=4000.0
+    )
+    final_mach: float = param(
+        0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0
+    )
+    aim_north_m: float = param(
+        0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5
+    )
+    aim_east_m: float = param(
+        0.0, "aim point of entry guidance east of the landing site", status="derived", ge=-1e5, le=1e5
+    )
 
 
 class PoweredGuidanceParams(_PoweredLaws):
@@ -83,7 +106,9 @@ class GuidanceParams(Params):
     powered: PoweredGuidanceParams = group(PoweredGuidanceParams, "powered guidance")
 
 
-ControlParams = CONTROLLERS.params_model("ControlParams", None, "off", "Attitude controllers; each phase names the one it uses.")
+ControlParams = CONTROLLERS.params_model(
+    "ControlParams", None, "off", ("Attitude controllers; each phase names the one it uses.")
+)
 
 
 class RateParams(Params):
@@ -189,7 +214,10 @@ ONBOARD = np.dtype(
                             align=True,
                         ),
                     ),
-                    *[(name, *dtype_of(_Thrusters).fields[name][:1]) for name in ("thrusters", "n_thrusters")],
+                    *[
+                        (name, *dtype_of(_Thrusters).fields[name][:1])
+                        for name in ("thrusters", "n_thrusters")
+                    ],
                 ],
                 align=True,
             ),

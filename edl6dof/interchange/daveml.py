@@ -1,8 +1,10 @@
-"""DAVE-ML models (AIAA S-119): constants, simple arithmetic and gridded tables, evaluated as the file states them.
+"""DAVE-ML models (AIAA S-119): constants, simple arithmetic and gridded tables, evaluated as the file states
+them.
 
-Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (plus, minus, times, divide, power, abs), ``breakpointDef``,
-``griddedTableDef`` and ``function`` with linear interpolation, held beyond its ends.  Everything else that would change a value is refused
-with file and line.  Descriptions, provenance, uncertainty and check data change no value and are passed over.
+Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (plus, minus, times, divide,
+power, abs), ``breakpointDef``, ``griddedTableDef`` and ``function`` with linear interpolation, held beyond
+its ends.  Everything else that would change a value is refused with file and line.  Descriptions, provenance,
+uncertainty and check data change no value and are passed over.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference; the last breakpoint of a table varies fastest.
 """
@@ -23,7 +25,15 @@ from edl6dof.interchange.xmlfile import local_name, read_xml, refused
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
-_IGNORED = {"fileHeader", "checkData", "description", "provenance", "provenanceRef", "uncertainty", "modificationRef"}
+_IGNORED = {
+    "fileHeader",
+    "checkData",
+    "description",
+    "provenance",
+    "provenanceRef",
+    "uncertainty",
+    "modificationRef",
+}
 _MARKS = {"isInput", "isControl", "isDisturbance", "isState", "isStateDeriv", "isOutput", "isStdAIAA"}
 
 _OPERATORS: dict[str, tuple[Callable[..., float], int, int]] = {
@@ -110,7 +120,9 @@ class Model:
         elif variable.value is not None:
             value = variable.value
         else:
-            raise self.error(variable.line, "has neither initialValue nor calculation nor function", variable.name)
+            raise self.error(
+                variable.line, "has neither initialValue nor calculation nor function", variable.name
+            )
         return min(max(value, variable.low), variable.high)
 
     def _formula(self, variable: Variable, node: _Element, given: Mapping[str, float]) -> float:
@@ -121,7 +133,11 @@ class Model:
             return float(node.text)
         operator, *arguments = node
         try:
-            return float(_OPERATORS[local_name(operator)][0](*(self._formula(variable, item, given) for item in arguments)))
+            return float(
+                _OPERATORS[local_name(operator)][0](
+                    *(self._formula(variable, item, given) for item in arguments)
+                )
+            )
         except (ArithmeticError, ValueError, TypeError) as error:
             raise self.error(node.sourceline, f"cannot be calculated: {error}", variable.name) from None
 
@@ -151,7 +167,11 @@ def read_daveml(path: Path) -> Model:
     """
     root = read_xml(path)
     if local_name(root) != "DAVEfunc":
-        raise refused(path, root.sourceline, f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>")
+        raise refused(
+            path,
+            root.sourceline,
+            (f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>"),
+        )
     model, reader = Model(path), _Reader(path)
     for element in root:
         kind = local_name(element)
@@ -161,7 +181,9 @@ def read_daveml(path: Path) -> Model:
                 raise refused(path, variable.line, f"variable {variable.id!r} is defined twice")
             model.variables[variable.id] = variable
         elif kind == "breakpointDef":
-            reader.breakpoints[reader.need(element, "bpID")] = reader.ascending(reader.child(element, "bpVals"))
+            reader.breakpoints[reader.need(element, "bpID")] = reader.ascending(
+                reader.child(element, "bpVals")
+            )
         elif kind == "griddedTableDef":
             reader.tables[reader.need(element, "gtID")] = reader.gridded(element)
         elif kind == "function":
@@ -177,7 +199,9 @@ def _check_references(model: Model) -> None:
     for variable in model.variables.values():
         for ci in () if variable.formula is None else variable.formula.iter("{*}ci"):
             if (ci.text or "").strip() not in model.variables:
-                raise model.error(ci.sourceline, f"unknown variable {(ci.text or '').strip()!r}", variable.name)
+                raise model.error(
+                    ci.sourceline, f"unknown variable {(ci.text or '').strip()!r}", variable.name
+                )
     for output, function in model.functions.items():
         for name in (output, *function.inputs):
             if name not in model.variables:
@@ -195,12 +219,18 @@ class _Reader:
         self.tables: dict[str, tuple[tuple[np.ndarray, ...], np.ndarray]] = {}
 
     def unsupported(self, element: _Element, words: str = "is not supported") -> ConfigError:
-        text = "supported are constants, calculations with " + ", ".join(_OPERATORS) + ", and gridded tables with linear interpolation"
+        text = (
+            "supported are constants, calculations with "
+            + ", ".join(_OPERATORS)
+            + ", and gridded tables with linear interpolation"
+        )
         return refused(self.path, element.sourceline, f"<{local_name(element)}> {words} ({text})")
 
     def need(self, element: _Element, attribute: str) -> str:
         if (value := element.get(attribute)) is None:
-            raise refused(self.path, element.sourceline, f"<{local_name(element)}> needs the attribute {attribute!r}")
+            raise refused(
+                self.path, element.sourceline, (f"<{local_name(element)}> needs the attribute {attribute!r}")
+            )
         return value.strip()
 
     def child(self, element: _Element, name: str) -> _Element:
@@ -214,16 +244,24 @@ class _Reader:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise refused(self.path, element.sourceline, f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})")
+            raise refused(
+                self.path,
+                element.sourceline,
+                (f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})"),
+            )
         return value
 
     def numbers(self, element: _Element) -> np.ndarray:
-        return np.array([self.number(element, word) for word in (element.text or "").replace(",", " ").split()])
+        return np.array(
+            [self.number(element, word) for word in (element.text or "").replace(",", " ").split()]
+        )
 
     def ascending(self, element: _Element) -> np.ndarray:
         values = self.numbers(element)
         if len(values) == 0 or np.any(np.diff(values) <= 0.0):
-            raise refused(self.path, element.sourceline, f"<{local_name(element)}> must hold ascending numbers")
+            raise refused(
+                self.path, element.sourceline, (f"<{local_name(element)}> must hold ascending numbers")
+            )
         return values
 
     def variable(self, element: _Element) -> Variable:
@@ -280,18 +318,25 @@ class _Reader:
     def shaped(self, element: _Element, axes: Sequence[np.ndarray]) -> np.ndarray:
         values, shape = self.numbers(element), tuple(map(len, axes))
         if values.size != math.prod(shape):
-            words = f"<{local_name(element)}> holds {values.size} numbers, its breakpoints ask for {math.prod(shape)}"
+            words = (
+                f"<{local_name(element)}> holds {values.size} numbers, its breakpoints ask for "
+                f"{math.prod(shape)}"
+            )
             raise refused(self.path, element.sourceline, words)
         return values.reshape(shape)
 
     def function(self, element: _Element) -> tuple[str, Function]:
-        """Output variable and table of a ``function``, whose points stand inside it or in a table it refers to."""
+        """Output variable and table of a ``function``, whose points stand inside it or in a table it refers
+        to.
+        """
         inputs = list(self.independent(element))
         names = tuple(self.need(item, "varID") for item in inputs)
         if inputs and local_name(inputs[0]) == "independentVarPts":
             axes = tuple(self.ascending(item) for item in inputs)
             output = self.child(element, "dependentVarPts")
-            return self.need(output, "varID"), Function(element.sourceline, names, axes, self.shaped(output, axes))
+            return self.need(output, "varID"), Function(
+                element.sourceline, names, axes, self.shaped(output, axes)
+            )
         output = self.need(self.child(element, "dependentVarRef"), "varID")
         axes, values = self.table(self.child(element, "functionDefn"))
         if len(axes) != len(names):
@@ -299,7 +344,9 @@ class _Reader:
             raise refused(self.path, element.sourceline, words)
         for item, axis in zip(inputs, axes, strict=True):
             low, high = item.get("min"), item.get("max")
-            if (low is not None and self.number(item, low) > axis[0]) or (high is not None and self.number(item, high) < axis[-1]):
+            if (low is not None and self.number(item, low) > axis[0]) or (
+                high is not None and self.number(item, high) < axis[-1]
+            ):
                 raise self.unsupported(item, "with limits inside its breakpoints is not supported")
         return output, Function(element.sourceline, names, axes, values)
 
@@ -308,9 +355,13 @@ class _Reader:
             kind = local_name(child)
             if kind in ("independentVarRef", "independentVarPts"):
                 if child.get("interpolate", "linear") != "linear":
-                    raise self.unsupported(child, f"with interpolate={child.get('interpolate')!r} is not supported")
+                    raise self.unsupported(
+                        child, (f"with interpolate={child.get('interpolate')!r} is not supported")
+                    )
                 if child.get("extrapolate", "neither") != "neither":
-                    raise self.unsupported(child, f"with extrapolate={child.get('extrapolate')!r} is not supported")
+                    raise self.unsupported(
+                        child, (f"with extrapolate={child.get('extrapolate')!r} is not supported")
+                    )
                 yield child
             elif kind not in {*_IGNORED, "dependentVarRef", "dependentVarPts", "functionDefn"}:
                 raise self.unsupported(child)

@@ -1,11 +1,13 @@
-"""What a vehicle file takes from DAVE-ML files: mass, inertia and aerodynamic coefficients, by their AIAA S-119 standard names.
+"""What a vehicle file takes from DAVE-ML files: mass, inertia and aerodynamic coefficients, by their AIAA
+S-119 standard names.
 
     vehicle:
       daveml: [brick_inertia.dml, brick_aero.dml]
 
-Two kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping (``aero.constant``), and tables of drag,
-lift and pitching moment over Mach number and angle of attack (``aero.capsule.static_table``).  Whether a file is one of them is found by
-evaluating it; a file that says more than the vehicle can carry is refused, never cut down.
+Two kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping
+(``aero.constant``), and tables of drag, lift and pitching moment over Mach number and angle of attack
+(``aero.capsule.static_table``).  Whether a file is one of them is found by evaluating it; a file that says
+more than the vehicle can carry is refused, never cut down.
 """
 
 from __future__ import annotations
@@ -35,12 +37,20 @@ CENTRE = tuple(f"bodyPositionOfCmWrtMrc_{axis}" for axis in "XYZ")
 _SUPPORTED = "constant drag, no lift or side force, and Cl = Clp p b/2V, Cm = Cmq q c/2V, Cn = Cnr r b/2V"
 
 #: Airspeed (m/s) and rates p, q, r (rad/s) at which a constant model must agree with its own coefficients.
-_PROBES = ((100.0, 0.0, 0.0, 0.0), (100.0, 1.0, -0.7, 0.4), (250.0, -0.3, 0.5, 2.0), (40.0, 0.9, 0.2, -1.1), (900.0, 0.0, -3.0, 0.0))
+_PROBES = (
+    (100.0, 0.0, 0.0, 0.0),
+    (100.0, 1.0, -0.7, 0.4),
+    (250.0, -0.3, 0.5, 2.0),
+    (40.0, 0.9, 0.2, -1.1),
+    (900.0, 0.0, -3.0, 0.0),
+)
 
 
 @dataclass
 class Part:
-    """Values below ``vehicle`` in the form of the YAML file, each with the line of a ``.dml`` file it came from."""
+    """Values below ``vehicle`` in the form of the YAML file, each with the line of a ``.dml`` file it came
+    from.
+    """
 
     data: dict[str, Any] = field(default_factory=dict)
     lines: dict[tuple[str, ...], tuple[Path, int]] = field(default_factory=dict)
@@ -55,7 +65,8 @@ class Part:
 
 
 def expand_daveml(document: Document) -> Document:
-    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; what the YAML file states itself goes before it.
+    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; what the YAML file states
+    itself goes before it.
 
     Raises:
         ConfigError: a file is missing, wrong, or says what a vehicle cannot carry.
@@ -69,7 +80,9 @@ def expand_daveml(document: Document) -> Document:
     paths = [folder / name for name in names]
     for index, path in enumerate(paths):
         if not path.is_file():
-            problem = document.problem(("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})")
+            problem = document.problem(
+                ("vehicle", "daveml", index), (f"no such file (got {names[index]!r}; looked for {path})")
+            )
             raise ConfigError([problem])
     part = vehicle_part(paths)
     document.forget(("vehicle", "daveml"))
@@ -113,21 +126,38 @@ def vehicle_part(paths: Iterable[Path]) -> Part:
 def _mass(model: Model, part: Part) -> None:
     mass, line = _constant(model, MASS, "mass")
     part.put("mass.entry_kg", mass, model, line)
-    part.put("mass.entry_inertia_kg_m2", [_constant(model, name, "inertia")[0] for name in INERTIA], model, _line(model, INERTIA[0]))
+    part.put(
+        "mass.entry_inertia_kg_m2",
+        [_constant(model, name, "inertia")[0] for name in INERTIA],
+        model,
+        _line(model, INERTIA[0]),
+    )
     centre = [_constant(model, name, "length")[0] if model.named(name) else 0.0 for name in CENTRE]
     part.put("mass.entry_centre_m", centre, model, line)
     for name in PRODUCTS:
         if model.named(name) and _constant(model, name, "inertia")[0] != 0.0:
-            raise model.error(_line(model, name), "products of inertia are not supported: the axes must be principal axes", name)
+            raise model.error(
+                _line(model, name),
+                ("products of inertia are not supported: the axes must be principal axes"),
+                name,
+            )
 
 
 def _aerodynamics(model: Model, part: Part) -> None:
-    outputs = [variable for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW) if (variable := model.named(name)) is not None]
+    outputs = [
+        variable
+        for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
+        if (variable := model.named(name)) is not None
+    ]
     inputs = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
     if unknown := inputs - {SPEED, MACH, ALPHA, *RATES}:
         name = sorted(unknown)[0]
         known = ", ".join((SPEED, MACH, ALPHA, *RATES))
-        raise model.error(_line(model, name), f"aerodynamics that depend on {name} are not supported (known: {known})", name)
+        raise model.error(
+            _line(model, name),
+            (f"aerodynamics that depend on {name} are not supported (known: {known})"),
+            name,
+        )
     if inputs & {MACH, ALPHA}:
         _table(model, part)
     else:
@@ -146,12 +176,16 @@ def _constants(model: Model, part: Part) -> None:
         unit = [1.0 if k == axis else 0.0 for k in range(3)]
         moment = _probe(model, name, 100.0, *unit) if model.named(name) else 0.0
         if moment != 0.0 and length is None:
-            raise model.error(_line(model, name), f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless", name)
+            raise model.error(
+                _line(model, name), (f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless"), name
+            )
         damping[name] = moment * 200.0 / length if length else 0.0
         expected[name] = lambda v, *w, a=axis, d=damping[name], b=length: d * w[a] * (b or 0.0) / (2.0 * v)
     for name, law in expected.items():
         for probe in _PROBES if model.named(name) else ():
-            if abs(_probe(model, name, *probe) - law(*probe)) > 1e-9 * max(abs(damping.get(name, 0.0)), abs(drag), 1e-3):
+            if abs(_probe(model, name, *probe) - law(*probe)) > 1e-9 * max(
+                abs(damping.get(name, 0.0)), abs(drag), 1e-3
+            ):
                 raise model.error(_line(model, name), f"is not of a supported form: {_SUPPORTED}", name)
     line_of = {name: _line(model, name) if model.named(name) else line for name in expected}
     part.put("aero.model", "constant", model, line)
@@ -187,7 +221,11 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             raise model.error(1, f"a table of aerodynamics needs {name}")
         inputs = {model.variables[identifier].name for identifier in model.inputs_of(variable.id)}
         if not inputs <= {MACH, ALPHA}:
-            raise model.error(variable.line, f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})", name)
+            raise model.error(
+                variable.line,
+                (f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})"),
+                name,
+            )
         coefficients.append(variable)
     for function in model.functions.values():
         for identifier, axis in zip(function.inputs, function.axes, strict=True):
@@ -201,15 +239,25 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     given = {variable.id: variable for name in (MACH, ALPHA) if (variable := model.named(name)) is not None}
     table = np.empty((len(mach), len(alpha), 3))
     for i, j in np.ndindex(len(mach), len(alpha)):
-        point = {key: mach[i] if v.name == MACH else alpha[j] * pi / 180.0 / _factor(model, v, "angle") for key, v in given.items()}
+        point = {
+            key: mach[i] if v.name == MACH else alpha[j] * pi / 180.0 / _factor(model, v, "angle")
+            for key, v in given.items()
+        }
         table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
     return mach, alpha, table
 
 
 def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
     """A coefficient at an airspeed (m/s) and body rates (rad/s)."""
-    values: Mapping[str, tuple[float, str]] = {SPEED: (speed, "speed"), **dict(zip(RATES, ((r, "rate") for r in rates), strict=True))}
-    given = {v.id: value / _factor(model, v, kind) for key, (value, kind) in values.items() if (v := model.named(key)) is not None}
+    values: Mapping[str, tuple[float, str]] = {
+        SPEED: (speed, "speed"),
+        **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
+    }
+    given = {
+        v.id: value / _factor(model, v, kind)
+        for key, (value, kind) in values.items()
+        if (v := model.named(key)) is not None
+    }
     variable = model.named(name)
     _factor(model, variable, "number")
     return model.evaluate(variable.id, given)
@@ -228,7 +276,9 @@ def _factor(model: Model, variable: Variable, kind: str) -> float:
     found, factor = UNITS.get(variable.units, ("", 0.0))
     if found != kind:
         allowed = ", ".join(unit for unit, (of, _) in UNITS.items() if of == kind and unit)
-        raise model.error(variable.line, f"unit {variable.units!r} is not one of {kind} (known: {allowed})", variable.name)
+        raise model.error(
+            variable.line, f"unit {variable.units!r} is not one of {kind} (known: {allowed})", variable.name
+        )
     return factor
 
 

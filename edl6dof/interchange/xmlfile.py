@@ -1,7 +1,7 @@
 """XML from strangers, read safely: no entities, no DTD, no network, no giant trees.
 
-A file that declares entities is refused as a whole (they are how XML attacks work, and no model needs them); a mere reference to a
-DTD, as NASA's files carry it, is allowed and never followed.
+A file that declares entities is refused as a whole (they are how XML attacks work, and no model needs them);
+a mere reference to a DTD, as NASA's files carry it, is allowed and never followed.
 """
 
 from __future__ import annotations

@@ -1,1 +1,3 @@
-"""What crosses between plant and flight software, and nothing else: records, names and capacities on which both must agree."""
+"""What crosses between plant and flight software, and nothing else: records, names and capacities on which
+both must agree.
+"""

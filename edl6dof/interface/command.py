@@ -1,4 +1,6 @@
-"""The record that crosses from the flight software to the plant: what the effectors are told in a base cycle."""
+"""The record that crosses from the flight software to the plant: what the effectors are told in a base
+cycle.
+"""
 
 from __future__ import annotations
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from edl6dof.records import FLAG
 
-#: Ideal instruments sit at the centre of mass and say what is; the inertial measurement unit says what was, some cycles ago.
+#: Ideal instruments sit at the centre of mass and say what is; the inertial measurement unit says what was,
+#: some cycles ago.
 SENSED = np.dtype(
     [
         ("t", "f8"),  # s, flight time
@@ -18,7 +19,8 @@ SENSED = np.dtype(
         ("height_above_ground", "f8"),  # m, of the centre of mass above the ground below
         ("footpad_contact", FLAG),  # a footpad touches the ground
         ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the IMU
-        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force since the initial state, counted by the IMU
+        # m/s, B: integral of the specific force since the initial state, counted by the IMU
+        ("imu_gain_B", "f8", (3,)),
         ("wing_open", FLAG),  # end switch of the trim wing
     ],
     align=True,

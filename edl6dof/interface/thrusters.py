@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-#: Horizontal: hazard avoidance and roll; axial: beside the engine; attitude: pitch and yaw; fine: fine pointing.  Names in YAML; records
-#: carry the index, and masks the bit of that number.
+#: Horizontal: hazard avoidance and roll; axial: beside the engine; attitude: pitch and yaw; fine: fine
+#: pointing.  Names in YAML; records carry the index, and masks the bit of that number.
 THRUSTER_GROUPS = ("horizontal", "axial", "attitude", "fine")
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(len(THRUSTER_GROUPS))

@@ -15,8 +15,8 @@ def deployment_figures(
 ) -> dict[str, float]:
     """Miss of the aim point (latitude and longitude, rad) at mortar fire, m on a sphere of ``radius_m``.
 
-    Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great circle on which the
-    flight began towards it.
+    Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great
+    circle on which the flight began towards it.
     """
     first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
     start = tuple(float(angle[0]) for angle in _track(first))

@@ -41,13 +41,21 @@ def findings(fsw: np.void, thrusters: Sequence[str]) -> list[Finding]:
     """Verdicts in the order of time."""
     diagnosis = fsw["diagnosis"]
     return [
-        Finding(thrusters[slot["thruster"]], FINDINGS[int(slot["kind"])], *(float(slot[name]) for name in ("confidence", "loss", "t")))
+        Finding(
+            thrusters[slot["thruster"]],
+            FINDINGS[int(slot["kind"])],
+            *(float(slot[name]) for name in ("confidence", "loss", "t")),
+        )
         for slot in diagnosis["found"][: diagnosis["n_found"]]
     ]
 
 
-def diagnosis_figures(found: Sequence[Finding], faults: Sequence[FaultParams], plant: np.void) -> dict[str, float]:
-    """Number of sound thrusters condemned, and time from the first thruster fault to its verdict if there was one."""
+def diagnosis_figures(
+    found: Sequence[Finding], faults: Sequence[FaultParams], plant: np.void
+) -> dict[str, float]:
+    """Number of sound thrusters condemned, and time from the first thruster fault to its verdict if there was
+    one.
+    """
     since = {
         fault.thruster: float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)

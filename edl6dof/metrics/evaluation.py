@@ -1,4 +1,6 @@
-"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep; ``edl6dof.metrics.figures`` declares them."""
+"""Figures of a flight from its telemetry, events and peaks, and the limits that they must keep;
+``edl6dof.metrics.figures`` declares them.
+"""
 
 from __future__ import annotations
 
@@ -100,7 +102,9 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["heat_shield_s"] = t
     if (t := when.get("backshell")) is not None:
         figures["backshell_s"] = t
-        figures["backshell_height_m"], figures["backshell_speed_m_s"] = telemetry.at(t, "truth.height_m", "truth.speed_m_s")
+        figures["backshell_height_m"], figures["backshell_speed_m_s"] = telemetry.at(
+            t, "truth.height_m", "truth.speed_m_s"
+        )
     if "mortar" in when and "backshell" in when:
         figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
     if "backshell" in when and "touchdown" in when:
@@ -119,7 +123,10 @@ def _trim_figures(telemetry: Telemetry, roles: list[str]) -> dict[str, float]:
     times, propellant = phase["t_s"], phase["truth.propellant_kg"]
     late = phase.rows(_beyond(times, times[-1] - LIMIT_CYCLE_S), None)
     errors = (f"control.error_{axis}_deg" for axis in ("roll", "pitch", "yaw"))
-    return {"trim_aoa_limit_cycle_deg": _largest(late, *errors), "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1])}
+    return {
+        "trim_aoa_limit_cycle_deg": _largest(late, *errors),
+        "trim_aoa_propellant_kg": float(propellant[0] - propellant[-1]),
+    }
 
 
 def _entry_figures(telemetry: Telemetry, when: dict[str, float], roles: list[str]) -> dict[str, float]:

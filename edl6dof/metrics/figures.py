@@ -1,6 +1,8 @@
-"""The figures of merit of a flight, declared once: name with unit suffix, what it is, where it comes from, and what it is held against.
+"""The figures of merit of a flight, declared once: name with unit suffix, what it is, where it comes from,
+and what it is held against.
 
-From this table follow the limits of the verdict, the comparison with published values, and the labels of reports and campaigns.
+From this table follow the limits of the verdict, the comparison with published values, and the labels of
+reports and campaigns.
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ from edl6dof.config.units import Unit, split_unit
 #: What a figure is formed from.
 Source = Literal["events", "telemetry", "peaks", "contact", "diagnosis"]
 
-#: How a figure lies to a published value: set beside it, under or over it as a bound, or set beside it without its sign.
+#: How a figure lies to a published value: set beside it, under or over it as a bound, or set beside it
+#: without its sign.
 Comparison = Literal["difference", "at most", "at least", "magnitude"]
 
 
@@ -24,8 +27,9 @@ class FigureOfMerit(NamedTuple):
     Attributes:
         name: with unit suffix; figures of a flight, ``published`` values and columns of campaigns have it.
         meaning: what it is, in the words of reports.
-        source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part of the flight, ``peaks`` for
-            what the plant keeps at every step, ``contact`` for the located first ground contact, ``diagnosis`` for the findings.
+        source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
+            of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
+            ground contact, ``diagnosis`` for the findings.
         comparison: how a published value is to be read.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
@@ -42,7 +46,9 @@ class FigureOfMerit(NamedTuple):
         return split_unit(self.name)[1]
 
     def excess(self, own: float, published: float) -> float:
-        """Difference to a published value, in the figure's unit; that of the magnitude where one was published."""
+        """Difference to a published value, in the figure's unit; that of the magnitude where one was
+        published.
+        """
         return (abs(own) if self.comparison == "magnitude" else own) - published
 
     def kept(self, own: float, published: float) -> bool | None:
@@ -54,7 +60,9 @@ class FigureOfMerit(NamedTuple):
 
 FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("peak_load_g0", "peak load", "peaks", limit="entry_load_g0"),
-    FigureOfMerit("peak_dynamic_pressure_pa", "peak dynamic pressure", "peaks", limit="entry_dynamic_pressure_pa"),
+    FigureOfMerit(
+        "peak_dynamic_pressure_pa", "peak dynamic pressure", "peaks", limit="entry_dynamic_pressure_pa"
+    ),
     FigureOfMerit("peak_heat_flux_w_cm2", "peak heat flux", "peaks", limit="entry_heat_flux_w_cm2"),
     FigureOfMerit("heat_load_j_cm2", "heat load", "peaks"),
     FigureOfMerit("trim_aoa_limit_cycle_deg", "limit cycle in trim", "telemetry", "at most"),
@@ -69,8 +77,19 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("trim_wing_mach", "Mach at trim wing command", "events"),
     FigureOfMerit("parachute_s", "mortar fire", "events"),
     FigureOfMerit("parachute_mach", "Mach at mortar fire", "events", limit="parachute_mach_max"),
-    FigureOfMerit("parachute_dynamic_pressure_pa", "dynamic pressure at mortar fire", "events", limit="parachute_dynamic_pressure_pa"),
-    FigureOfMerit("parachute_total_alpha_deg", "total angle of attack at mortar fire", "events", "at most", "parachute_total_alpha_deg"),
+    FigureOfMerit(
+        "parachute_dynamic_pressure_pa",
+        "dynamic pressure at mortar fire",
+        "events",
+        limit="parachute_dynamic_pressure_pa",
+    ),
+    FigureOfMerit(
+        "parachute_total_alpha_deg",
+        "total angle of attack at mortar fire",
+        "events",
+        "at most",
+        "parachute_total_alpha_deg",
+    ),
     FigureOfMerit("parachute_altitude_m", "altitude at mortar fire", "events"),
     FigureOfMerit("parachute_height_m", "height at mortar fire", "events"),
     FigureOfMerit("parachute_speed_m_s", "speed at mortar fire", "events"),
@@ -82,20 +101,33 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("heat_shield_s", "heat shield jettisoned", "events"),
     FigureOfMerit("parachute_duration_s", "time under parachute", "events"),
     FigureOfMerit("backshell_s", "backshell released", "events"),
-    FigureOfMerit("backshell_speed_m_s", "speed at backshell release", "events", "at most", "backshell_speed_m_s"),
-    FigureOfMerit("backshell_height_m", "height at backshell release", "events", "at most", "backshell_height_m"),
+    FigureOfMerit(
+        "backshell_speed_m_s", "speed at backshell release", "events", "at most", "backshell_speed_m_s"
+    ),
+    FigureOfMerit(
+        "backshell_height_m", "height at backshell release", "events", "at most", "backshell_height_m"
+    ),
     FigureOfMerit("min_backshell_distance_m", "least distance from the backshell", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events", "at most"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
-    FigureOfMerit("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry", "at most"),
+    FigureOfMerit(
+        "max_attitude_error_powered_deg", "peak attitude error under power", "telemetry", "at most"
+    ),
     FigureOfMerit("max_rate_powered_deg_s", "peak body rate under power", "telemetry", "at most"),
     FigureOfMerit("max_roll_error_powered_deg", "peak roll error under power", "telemetry", "at most"),
     FigureOfMerit("roll_error_at_ignition_deg", "roll error at ignition", "events", "magnitude"),
     FigureOfMerit("max_disturbance_torque_nm", "peak disturbance torque", "telemetry"),
     FigureOfMerit("propellant_used_kg", "propellant used", "telemetry"),
     FigureOfMerit("touchdown_s", "touchdown", "contact"),
-    FigureOfMerit("touchdown_vertical_m_s", "vertical speed at touchdown", "contact", limit="touchdown_vertical_m_s"),
-    FigureOfMerit("touchdown_horizontal_m_s", "horizontal speed at touchdown", "contact", limit="touchdown_horizontal_m_s"),
+    FigureOfMerit(
+        "touchdown_vertical_m_s", "vertical speed at touchdown", "contact", limit="touchdown_vertical_m_s"
+    ),
+    FigureOfMerit(
+        "touchdown_horizontal_m_s",
+        "horizontal speed at touchdown",
+        "contact",
+        limit="touchdown_horizontal_m_s",
+    ),
     FigureOfMerit("touchdown_roll_error_deg", "roll error at touchdown", "contact"),
     FigureOfMerit("touchdown_pitch_error_deg", "pitch error at touchdown", "contact"),
     FigureOfMerit("touchdown_yaw_error_deg", "yaw error at touchdown", "contact"),
@@ -109,7 +141,9 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("landing_longitude_deg", "longitude of the landing point", "contact"),
     FigureOfMerit("landing_east_m", "landing point, east", "contact"),
     FigureOfMerit("landing_north_m", "landing point, north", "contact"),
-    FigureOfMerit("landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"),
+    FigureOfMerit(
+        "landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"
+    ),
     FigureOfMerit("false_alarms", "sound thrusters condemned", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
 )
@@ -117,7 +151,9 @@ _BY_NAME = {figure.name: figure for figure in FIGURES}
 
 
 def figure_of_merit(name: str) -> FigureOfMerit:
-    """The figure of a name; one that is not declared, as in the files of another version, speaks for itself."""
+    """The figure of a name; one that is not declared, as in the files of another version, speaks for
+    itself.
+    """
     return _BY_NAME.get(name) or FigureOfMerit(name, split_unit(name)[0].replace("_", " "), "telemetry")
 
 
@@ -127,5 +163,7 @@ def published_problems(names: Iterable[str]) -> dict[str, str]:
     for name in names:
         if name not in _BY_NAME:
             near = get_close_matches(name, _BY_NAME, n=1)
-            problems[f"published.{name}"] = "no figure of a flight has this name" + (f"; did you mean {near[0]!r}?" if near else "")
+            problems[f"published.{name}"] = "no figure of a flight has this name" + (
+                f"; did you mean {near[0]!r}?" if near else ""
+            )
     return problems

@@ -1,4 +1,6 @@
-"""The state at first ground contact, from the located event itself and not from the nearest row of telemetry."""
+"""The state at first ground contact, from the located event itself and not from the nearest row of
+telemetry.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,18 @@ from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 #: What :func:`_contact` returns, in SI units.
 _FIGURES = (
     *("touchdown_s", "touchdown_vertical_m_s", "touchdown_horizontal_m_s"),
-    *("touchdown_roll_error_deg", "touchdown_pitch_error_deg", "touchdown_yaw_error_deg", "touchdown_tilt_deg"),
-    *("touchdown_roll_rate_deg_s", "touchdown_pitch_rate_deg_s", "touchdown_yaw_rate_deg_s", "touchdown_rate_deg_s"),
+    *(
+        "touchdown_roll_error_deg",
+        "touchdown_pitch_error_deg",
+        "touchdown_yaw_error_deg",
+        "touchdown_tilt_deg",
+    ),
+    *(
+        "touchdown_roll_rate_deg_s",
+        "touchdown_pitch_rate_deg_s",
+        "touchdown_yaw_rate_deg_s",
+        "touchdown_rate_deg_s",
+    ),
     *("touchdown_slope_deg", "landing_latitude_deg", "landing_longitude_deg"),
     *("landing_east_m", "landing_north_m", "landing_distance_m"),
 )
@@ -28,8 +40,8 @@ _FROM_SI = tuple(1.0 / split_unit(name)[1].to_si for name in _FIGURES)
 def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     """Velocity, attitude errors, rates and place at first contact; empty when there was none.
 
-    Attitude errors are those of S1: roll to the local geographic frame (y of B south), pitch and yaw of the thrust axis from the
-    vertical, as a rotation vector in B.
+    Attitude errors are those of S1: roll to the local geographic frame (y of B south), pitch and yaw of the
+    thrust axis from the vertical, as a rotation vector in B.
 
     Args:
         cases: the truth of the flight, shape (1,).
@@ -51,7 +63,9 @@ def _contact(cases, plants):
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     r_F = rotate_z(c, s, r)
     sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
-    north, east, down = fixed_to_ned(sl, cl, so, co, rotate_z(c, s, (v[0] + spin * r[1], v[1] - spin * r[0], v[2])))
+    north, east, down = fixed_to_ned(
+        sl, cl, so, co, rotate_z(c, s, (v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
+    )
     north_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (1.0, 0.0, 0.0)))
     east_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (0.0, 1.0, 0.0)))
     up_I = rotate_z(c, -s, ned_to_fixed(sl, cl, so, co, (0.0, 0.0, -1.0)))

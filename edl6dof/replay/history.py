@@ -1,4 +1,6 @@
-"""What a replay is made of: the rows of a flight that can be drawn, thinned, and nothing else of its telemetry."""
+"""What a replay is made of: the rows of a flight that can be drawn, thinned, and nothing else of its
+telemetry.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,28 @@ POSE_HZ = 25.0
 
 #: Columns that say where everything is.
 POSES = (
-    *(f"truth.{body}_{axis}_m" for body in ("site", "canopy", "heat_shield", "backshell") for axis in ("east", "north", "up")),
+    *(
+        f"truth.{body}_{axis}_m"
+        for body in ("site", "canopy", "heat_shield", "backshell")
+        for axis in ("east", "north", "up")
+    ),
     *(f"truth.q_I2B_{axis}" for axis in "wxyz"),
     *(f"truth.centre_{axis}_m" for axis in "xyz"),
     *(f"truth.v_{axis}_m_s" for axis in ("north", "east", "down")),
-    *("t_s", "truth.height_m", "truth.altitude_m", "truth.heat_flux_w_cm2", "truth.engine_thrust_n", "truth.footpads", "guide.phase"),
-    *("truth.trim_wing", *(f"truth.aero_force_{axis}_n" for axis in "xyz"), *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
+    *(
+        "t_s",
+        "truth.height_m",
+        "truth.altitude_m",
+        "truth.heat_flux_w_cm2",
+        "truth.engine_thrust_n",
+        "truth.footpads",
+        "guide.phase",
+    ),
+    *(
+        "truth.trim_wing",
+        *(f"truth.aero_force_{axis}_n" for axis in "xyz"),
+        *(f"truth.disturbance_{axis}_nm" for axis in "xyz"),
+    ),
 )
 
 
@@ -81,7 +99,12 @@ class History:
     def __init__(self, flight: Flown, names: Iterable[str]) -> None:
         """Take the columns ``names`` besides the poses."""
         table = flight.telemetry
-        self.name, self.outcome, self.success, self.scenario = flight.name, flight.outcome, flight.success, flight.scenario
+        self.name, self.outcome, self.success, self.scenario = (
+            flight.name,
+            flight.outcome,
+            flight.success,
+            flight.scenario,
+        )
         self.phase_names, self.events = flight.phase_names, flight.events
         self.when = first_times(flight.events)
         rows = _drawable(table)

@@ -1,7 +1,8 @@
 """One HTML file that holds a recording and the viewer, and plays offline from ``file://``.
 
-The viewer's program (wasm) comes from the installed rerun itself, so that it always fits the recording.  It is started by an interface
-that rerun does not promise to keep; the version is pinned, and a test opens the page in a browser.
+The viewer's program (wasm) comes from the installed rerun itself, so that it always fits the recording.  It
+is started by an interface that rerun does not promise to keep; the version is pinned, and a test opens the
+page in a browser.
 """
 
 from __future__ import annotations
@@ -77,15 +78,21 @@ def page(recording: Path, title: str) -> bytes:
         "WASM": _packed(wasm),
         "RECORDING": _packed(recording.read_bytes()),
     }
-    return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(_PAGE.split("@"))).encode("utf-8")
+    return "".join(parts[piece] if k % 2 else piece for k, piece in enumerate(_PAGE.split("@"))).encode(
+        "utf-8"
+    )
 
 
 def _program() -> tuple[str, bytes]:
-    """The viewer for browsers: its script and its wasm, asked from rerun's own server on this machine, which serves nothing else."""
+    """The viewer for browsers: its script and its wasm, asked from rerun's own server on this machine, which
+    serves nothing else.
+    """
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
         program.wait_for(port)
-        script, wasm = (_fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm"))
+        script, wasm = (
+            _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
+        )
     return script.decode("utf-8"), wasm
 
 

@@ -1,4 +1,5 @@
-"""The viewer's program: run for as long as it is needed, on this machine's own address only, and never longer than its parent.
+"""The viewer's program: run for as long as it is needed, on this machine's own address only, and never longer
+than its parent.
 
 Where it cannot do its work, what it said on its way out tells what the machine lacks.
 """
@@ -24,12 +25,18 @@ STARTUP_S = 20.0
 _LACKING = {
     "Failed to get render context": "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
     "(Debian: apt-get install mesa-vulkan-drivers)",
-    "EventLoopError": "there is no display to open a window on; --web, --html FILE and --screenshot FILE need none",
+    "EventLoopError": (
+        "there is no display to open a window on; --web, --html FILE and --screenshot FILE need none"
+    ),
     "error while loading shared libraries": "a library of the system is missing",
 }
 
-#: Becomes the program after asking Linux to end it (PR_SET_PDEATHSIG, SIGKILL) with the process that started it, however that ends.
-_TIED = "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); os.getppid() == int(sys.argv[1]) and os.execv(sys.argv[2], sys.argv[2:])"
+#: Becomes the program after asking Linux to end it (PR_SET_PDEATHSIG, SIGKILL) with the process that started
+#: it, however that ends.
+_TIED = (
+    "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); os.getppid() == int(sys.argv[1]) and "
+    "os.execv(sys.argv[2], sys.argv[2:])"
+)
 
 
 class ViewerFailed(RuntimeError):
@@ -81,12 +88,17 @@ class Program:
 
     def _why_ended(self) -> ViewerFailed:
         self._log.seek(0)
-        said = [line.strip() for line in self._log.read().decode(errors="replace").splitlines() if line.strip()]
+        said = [
+            line.strip() for line in self._log.read().decode(errors="replace").splitlines() if line.strip()
+        ]
         for line in said:
             for words, remedy in _LACKING.items():
                 if words in line:
                     return NoViewer(f"the viewer does not run on this machine: {remedy} ({_short(line)})")
-        telling = next((line for line in said if line.lower().startswith("error") or "panicked at" in line), said[-1] if said else "")
+        telling = next(
+            (line for line in said if line.lower().startswith("error") or "panicked at" in line),
+            said[-1] if said else "",
+        )
         return ViewerFailed(f"the viewer ended with status {self._process.returncode}: {_short(telling)}")
 
 
@@ -104,7 +116,9 @@ def running(*options: str) -> Iterator[Program]:
         command = [sys.executable, "-ISc", _TIED, str(os.getpid()), *command]
     with TemporaryFile() as log:
         quiet = {**os.environ, "NO_COLOR": "1"}
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, env=quiet)
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log, env=quiet
+        )
         try:
             yield Program(process, log)
         finally:
@@ -120,7 +134,9 @@ def free_port() -> int:
 
 
 def _path() -> Path:
-    """Where the installed rerun keeps the program; its own ``python -m rerun`` is a wrapper that could outlive us."""
+    """Where the installed rerun keeps the program; its own ``python -m rerun`` is a wrapper that could
+    outlive us.
+    """
     found = find_spec("rerun_cli")
     folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
     names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")

@@ -29,7 +29,9 @@ class Recorder:
         root: entity under which lies what belongs to this flight alone.
     """
 
-    def __init__(self, flight: History, motion: Motion, recording: rr.RecordingStream, number: int = 0, label: str = "") -> None:
+    def __init__(
+        self, flight: History, motion: Motion, recording: rr.RecordingStream, number: int = 0, label: str = ""
+    ) -> None:
         import rerun as rr
 
         self.rr, self.rec = rr, recording
@@ -76,5 +78,7 @@ class Recorder:
 
     def marker(self, name: str, place: np.ndarray, colour: tuple[int, int, int], size: float = 4.0) -> None:
         """A labelled point that is seen from afar."""
-        point = self.rr.Points3D([place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True)
+        point = self.rr.Points3D(
+            [place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True
+        )
         self.static(f"{self.root}/labels/{name}", point)

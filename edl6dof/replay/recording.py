@@ -1,10 +1,11 @@
 """The 3D replay of flights, as a rerun recording with its own arrangement of views.
 
-Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle lands.
-``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and grows under the
-parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1`` and so on.
-Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase planes, ``/phase``,
-``/configuration``, ``/engine`` and ``/rcs`` the lanes, ``/events`` the timeline.
+Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle
+lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and
+grows under the
+parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1``
+and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
+planes, ``/phase``, ``/configuration``, ``/engine`` and ``/rcs`` the lanes, ``/events`` the timeline.
 """
 
 from __future__ import annotations
@@ -31,7 +32,18 @@ from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
 
 #: What writes the recording.
-PARTS: tuple[type[Recorder], ...] = (Ground, Globe, Track, Vehicle, Flames, Arrows, Descent, charts.Charts, PhasePlanes, lanes.Lanes)
+PARTS: tuple[type[Recorder], ...] = (
+    Ground,
+    Globe,
+    Track,
+    Vehicle,
+    Flames,
+    Arrows,
+    Descent,
+    charts.Charts,
+    PhasePlanes,
+    lanes.Lanes,
+)
 
 
 def history(flight: Flown) -> History:
@@ -49,7 +61,8 @@ def write_replay(
 ) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart; a single one needs none.  ``swarm`` are the trajectories of a campaign.
+    ``labels`` tell several flights apart; a single one needs none.  ``swarm`` are the trajectories of a
+    campaign.
     """
     import pyarrow as pa
     import rerun as rr
@@ -58,10 +71,20 @@ def write_replay(
     motions = [Motion(flight) for flight in flights]
     name = first.name if len(flights) == 1 else " and ".join(labels)
     with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
-        recording.save(str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(swarm))).blueprint(page))
+        recording.save(
+            str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(swarm))).blueprint(page)
+        )
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
-        drawable = [(k, flight, motion) for k, (flight, motion) in enumerate(zip(flights, motions, strict=True)) if len(flight.t)]
-        parts = [part(flight, motion, recording, k, labels[k] if labels else "") for k, flight, motion in drawable for part in PARTS]
+        drawable = [
+            (k, flight, motion)
+            for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
+            if len(flight.t)
+        ]
+        parts = [
+            part(flight, motion, recording, k, labels[k] if labels else "")
+            for k, flight, motion in drawable
+            for part in PARTS
+        ]
         for part in parts:
             part.statics()
         if swarm:
@@ -75,7 +98,11 @@ def write_replay(
 
 def _shown(flights: Sequence[History], motion: Motion, swarm: bool) -> Shown:
     first = flights[0]
-    span = (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t))) if len(first.t) else (0.0, 1.0)
+    span = (
+        (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
+        if len(first.t)
+        else (0.0, 1.0)
+    )
     places = motion.centre if len(motion.t) else np.zeros((1, 3))
     deploy = motion.released(motion.canopy)
     middle = motion.site.in_F(0.5 * (places[0] + places[-1])) / 1e3

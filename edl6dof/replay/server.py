@@ -1,7 +1,8 @@
-"""The replay in the browser: one page, served to this machine by this process for as long as it runs, and to nobody else.
+"""The replay in the browser: one page, served to this machine by this process for as long as it runs, and to
+nobody else.
 
-Only requests that name this machine as their host are answered: a web site that has its own name resolve to 127.0.0.1 (DNS rebinding)
-gets nothing, and no other site may read or frame the page.
+Only requests that name this machine as their host are answered: a web site that has its own name resolve to
+127.0.0.1 (DNS rebinding) gets nothing, and no other site may read or frame the page.
 """
 
 from __future__ import annotations
@@ -40,7 +41,11 @@ class PageServer(socketserver.ThreadingTCPServer):
     def knows_host(self, hosts: list[str]) -> bool:
         """Whether a request names this machine and port, once."""
         port = self.server_address[1]
-        return len(hosts) == 1 and hosts[0].lower() in (f"{HOST}:{port}", f"localhost:{port}", f"[::1]:{port}")
+        return len(hosts) == 1 and hosts[0].lower() in (
+            f"{HOST}:{port}",
+            f"localhost:{port}",
+            f"[::1]:{port}",
+        )
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that hangs up is no error."""

@@ -9,14 +9,16 @@ from typing import Any
 from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
 from edl6dof.replay.views.layout import TIMELINE
 
-#: A picture is finished when two in a row are the same, looked at every half second, at least and at most this often.
+#: A picture is finished when two in a row are the same, looked at every half second, at least and at most
+#: this often.
 LEAST_LOOKS, MOST_LOOKS = 5, 60
 
 
 def show(recording: Path) -> None:
     """Open the recording in the desktop viewer and wait until its window is closed.
 
-    The viewer listens for more recordings on a port of this machine, which cannot be turned off; a free one is taken for each.
+    The viewer listens for more recordings on a port of this machine, which cannot be turned off; a free one
+    is taken for each.
 
     Raises:
         NoViewer: there is no display, or no graphics to draw with.
@@ -36,7 +38,9 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
     import rerun as rr
 
     port = free_port()
-    with running("--headless", "--port", str(port), "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen") as program:
+    with running(
+        "--headless", "--port", str(port), "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen"
+    ) as program:
         program.wait_for(port)
         try:
             viewer = rr.experimental.ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")

@@ -1,1 +1,3 @@
-"""Reports: what they say and show (``document``, ``figure``), and who writes them down (``page`` in HTML, ``paper`` by matplotlib)."""
+"""Reports: what they say and show (``document``, ``figure``), and who writes them down (``page`` in HTML,
+``paper`` by matplotlib).
+"""

@@ -1,4 +1,6 @@
-"""What a report says: a verdict, figures at a glance, and sections of text, tables and figures.  It knows no HTML and no matplotlib."""
+"""What a report says: a verdict, figures at a glance, and sections of text, tables and figures.  It knows no
+HTML and no matplotlib.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +61,9 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in its contents; keys are letters, digits and ``_``, each once in a report."""
+    """A part of the report with an entry in its contents; keys are letters, digits and ``_``, each once in a
+    report.
+    """
 
     key: str
     title: str

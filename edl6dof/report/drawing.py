@@ -33,7 +33,9 @@ def drawing(figure: Figure) -> dict[str, Any]:
         layout[f"xaxis{number}"] = _axis(panel.x, spans["x"], xs, f"y{number}", last or not figure.share_x)
         layout[f"yaxis{number}"] = _axis(panel.y, spans["y"], ys, f"x{number}")
         if figure.share_x and index >= figure.columns:
-            layout[f"xaxis{number}"]["matches"] = "x" if index % figure.columns == 0 else f"x{index % figure.columns + 1}"
+            layout[f"xaxis{number}"]["matches"] = (
+                "x" if index % figure.columns == 0 else f"x{index % figure.columns + 1}"
+            )
         if panel.equal:
             layout[f"yaxis{number}"].update(scaleanchor=f"x{number}", scaleratio=1)
         layout["shapes"] += [_band(band, number, spans, panel.heat is not None) for band in panel.bands] + [
@@ -107,7 +109,9 @@ def _domains(figure: Figure, index: int) -> tuple[list[float], list[float]]:
     return [left, min(left + width, 1.0)], [max(top - figure.height * weights[row] / whole, 0.0), top]
 
 
-def _axis(axis: Axis, span: tuple[float, float], domain: list[float], anchor: str, show_title: bool = True) -> dict[str, Any]:
+def _axis(
+    axis: Axis, span: tuple[float, float], domain: list[float], anchor: str, show_title: bool = True
+) -> dict[str, Any]:
     found: dict[str, Any] = {
         "domain": domain,
         "anchor": anchor,
@@ -129,7 +133,9 @@ def _axis(axis: Axis, span: tuple[float, float], domain: list[float], anchor: st
         found["type"] = "log"
     found["range"] = [float(np.log10(bound)) if axis.log else float(bound) for bound in span]
     if axis.names:
-        found.update(tickmode="array", tickvals=list(range(len(axis.names))), ticktext=list(axis.names), zeroline=False)
+        found.update(
+            tickmode="array", tickvals=list(range(len(axis.names))), ticktext=list(axis.names), zeroline=False
+        )
     return found
 
 
@@ -151,7 +157,10 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         found.update(type="bar", marker={"color": trace.colour})
     elif trace.kind == "points":
         hollow = {"line": {"color": "#ffffff", "width": 1}}
-        found.update(mode="markers", marker={"color": trace.colour, "size": 4.0 + 2.5 * trace.width, "symbol": trace.symbol, **hollow})
+        found.update(
+            mode="markers",
+            marker={"color": trace.colour, "size": 4.0 + 2.5 * trace.width, "symbol": trace.symbol, **hollow},
+        )
         del found["line"]
     elif trace.kind == "steps":
         found["line"]["shape"] = "hv"
@@ -160,7 +169,9 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         found["line"]["width"] = 0
     if trace.labels:
         places = [_BESIDE[i % len(_BESIDE)] for i in range(len(trace.labels))]
-        found.update(text=list(trace.labels), textposition=places, textfont={"size": 11, "color": trace.colour})
+        found.update(
+            text=list(trace.labels), textposition=places, textfont={"size": 11, "color": trace.colour}
+        )
         if "mode" in found:
             found["mode"] += "+text"
     if not trace.name:
@@ -174,13 +185,22 @@ def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
         "type": "heatmap",
         "x": packed(heat.x),
         "y": packed(heat.y),
-        "z": {"dtype": "f4", "bdata": base64.b64encode(values.tobytes()).decode(), "shape": f"{values.shape[0]}, {values.shape[1]}"},
+        "z": {
+            "dtype": "f4",
+            "bdata": base64.b64encode(values.tobytes()).decode(),
+            "shape": f"{values.shape[0]}, {values.shape[1]}",
+        },
         "xaxis": f"x{number}",
         "yaxis": f"y{number}",
         "zmin": heat.low,
         "zmax": heat.high,
         "colorscale": [[i / (len(SEQUENTIAL) - 1), colour] for i, colour in enumerate(SEQUENTIAL)],
-        "colorbar": {"title": {"text": heat.title, "side": "right"}, "thickness": 12, "y": sum(domain) / 2, "len": domain[1] - domain[0]},
+        "colorbar": {
+            "title": {"text": heat.title, "side": "right"},
+            "thickness": 12,
+            "y": sum(domain) / 2,
+            "len": domain[1] - domain[0],
+        },
         "showlegend": False,
     }
 
@@ -194,8 +214,18 @@ def _place(axis: str, number: str, bounds: tuple[float, float] | None) -> dict[s
 
 def _band(band: Band, number: str, spans: dict[str, tuple[float, float]], above: bool) -> dict[str, Any]:
     line = {"width": 1.2, "color": band.colour} if band.outline else {"width": 0}
-    shape = {"type": "rect", "layer": "above" if above else "below", "fillcolor": band.colour, "opacity": band.opacity, "line": line}
-    return {**shape, **_place("x", number, band.bounds("x", spans["x"])), **_place("y", number, band.bounds("y", spans["y"]))}
+    shape = {
+        "type": "rect",
+        "layer": "above" if above else "below",
+        "fillcolor": band.colour,
+        "opacity": band.opacity,
+        "line": line,
+    }
+    return {
+        **shape,
+        **_place("x", number, band.bounds("x", spans["x"])),
+        **_place("y", number, band.bounds("y", spans["y"])),
+    }
 
 
 def _mark(mark: Mark, number: str) -> dict[str, Any]:
@@ -210,19 +240,45 @@ def _words(panel: Panel, number: str) -> list[dict[str, Any]]:
     plain = {"showarrow": False, "font": {"size": 11, "color": GREY}}
     found = []
     if panel.title:
-        place = {"xref": f"x{number} domain", "yref": f"y{number} domain", "x": 0.5, "y": 1, "xanchor": "center", "yanchor": "bottom"}
+        place = {
+            "xref": f"x{number} domain",
+            "yref": f"y{number} domain",
+            "x": 0.5,
+            "y": 1,
+            "xanchor": "center",
+            "yanchor": "bottom",
+        }
         found.append({"text": f"<b>{panel.title}</b>", "showarrow": False, "font": {"size": 13}, **place})
     for mark in (mark for mark in panel.marks if mark.label):
         font = {"size": 11, "color": mark.colour}
         if mark.axis == "x":
-            place = {"xref": f"x{number}", "yref": f"y{number} domain", "x": mark.at, "y": 0.98, "xanchor": "right", "yanchor": "top"}
+            place = {
+                "xref": f"x{number}",
+                "yref": f"y{number} domain",
+                "x": mark.at,
+                "y": 0.98,
+                "xanchor": "right",
+                "yanchor": "top",
+            }
             found.append({**plain, **place, "font": font, "text": mark.label, "textangle": -90})
         else:
-            place = {"xref": f"x{number} domain", "yref": f"y{number}", "x": 0.995, "y": mark.at, "xanchor": "right", "yanchor": "bottom"}
+            place = {
+                "xref": f"x{number} domain",
+                "yref": f"y{number}",
+                "x": 0.995,
+                "y": mark.at,
+                "xanchor": "right",
+                "yanchor": "bottom",
+            }
             found.append({**plain, **place, "font": font, "text": mark.label})
     for band in (band for band in panel.bands if band.label):
-        x, y = (next((bound for bound in reversed(ends) if bound is not None), None) for ends in (band.x, band.y))
-        place = {"xref": f"x{number}" + (" domain" if x is None else ""), "yref": f"y{number}" + (" domain" if y is None else "")}
+        x, y = (
+            next((bound for bound in reversed(ends) if bound is not None), None) for ends in (band.x, band.y)
+        )
+        place = {
+            "xref": f"x{number}" + (" domain" if x is None else ""),
+            "yref": f"y{number}" + (" domain" if y is None else ""),
+        }
         found.append(
             {
                 **plain,

@@ -1,8 +1,9 @@
-"""What a figure shows, apart from who draws it: one description becomes plotly in a page and matplotlib on paper.
+"""What a figure shows, apart from who draws it: one description becomes plotly in a page and matplotlib on
+paper.
 
->>> t = np.linspace(0.0, 1.0, 11)
->>> panel = Panel(Axis("time (s)"), Axis("height (m)"), (Trace(t, 1.0 - t**2, "fall"),), marks=(Mark("x", 1.0, "ground"),))
->>> figure = Figure("fall", "A fall", (panel,), "Height of a falling stone.")
+>>> t = np.linspace(0.0, 1.0, 11) >>> panel = Panel(Axis("time (s)"), Axis("height (m)"), (Trace(t, 1.0 -
+t**2, "fall"),), marks=(Mark("x", 1.0, "ground"),)) >>> figure = Figure("fall", "A fall", (panel,), "Height of
+a falling stone.")
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ import numpy as np
 Kind = Literal["line", "points", "steps", "bars", "region"]
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 
-#: Okabe and Ito's palette, which stays apart for every kind of colour vision; its yellow is left out, which paper swallows.
+#: Okabe and Ito's palette, which stays apart for every kind of colour vision; its yellow is left out, which
+#: paper swallows.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1b1b",
 )  # fmt: skip
@@ -40,7 +42,8 @@ class Axis:
 
 @dataclass(frozen=True)
 class Trace:
-    """One curve, set of points or of bars, or filled outline (region); ``x`` and ``y`` have shape (n,), NaN is a gap.
+    """One curve, set of points or of bars, or filled outline (region); ``x`` and ``y`` have shape (n,), NaN
+    is a gap.
 
     Attributes:
         labels: words at the points, n of them.
@@ -64,7 +67,9 @@ class Trace:
 
 @dataclass(frozen=True)
 class Heat:
-    """A field of cells: ``values`` has shape (len(y), len(x)); its colour scale runs from ``low`` to ``high``."""
+    """A field of cells: ``values`` has shape (len(y), len(x)); its colour scale runs from ``low`` to
+    ``high``.
+    """
 
     x: np.ndarray
     y: np.ndarray
@@ -86,7 +91,9 @@ class Band:
     outline: bool = False
 
     def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
-        """Ends along an axis of a panel with the range ``span``; ``None`` for a band across the whole panel."""
+        """Ends along an axis of a panel with the range ``span``; ``None`` for a band across the whole
+        panel.
+        """
         low, high = self.x if axis == "x" else self.y
         if low is None and high is None:
             return None
@@ -125,7 +132,9 @@ class Panel:
             return mine.range
         if mine.names:
             return -0.5, len(mine.names) - 0.5
-        every = [np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))]
+        every = [
+            np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))
+        ]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
         values = np.concatenate([np.empty(0), *every])
         values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]
@@ -134,7 +143,9 @@ class Panel:
         low, high = float(values.min()), float(values.max())
         if mine.log:
             return low / 1.2, high * 1.2
-        if axis == "x" and not any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces):
+        if axis == "x" and not any(
+            trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces
+        ):
             return (low, high) if high > low else (low - 0.5, high + 0.5)
         share = 0.12 if any(trace.labels for trace in self.traces) else 0.05
         room = share * (high - low) if high > low else 0.1 * max(abs(high), 1.0)
@@ -142,7 +153,9 @@ class Panel:
 
     def coloured(self) -> list[Trace]:
         """The traces, those without a colour given the next one of the palette."""
-        free = iter(colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces})
+        free = iter(
+            colour for colour in (*SERIES, *SERIES) if colour not in {trace.colour for trace in self.traces}
+        )
         return [trace if trace.colour else replace(trace, colour=next(free)) for trace in self.traces]
 
 
@@ -179,7 +192,8 @@ class Figure:
 
 
 def thinned(trace: Trace, buckets: int = 250) -> Trace:
-    """The trace without points that no one would see: of each bucket of rows the first and the extremes of x and y stay, and all gaps.
+    """The trace without points that no one would see: of each bucket of rows the first and the extremes of x
+    and y stay, and all gaps.
 
     A peak keeps its height and its place, whatever the length of the flight.
     """

@@ -1,4 +1,5 @@
-"""A report as one HTML file that opens offline: the words as HTML, the figures as plotly, plotly.js itself inlined once.
+"""A report as one HTML file that opens offline: the words as HTML, the figures as plotly, plotly.js itself
+inlined once.
 
 A content security policy forbids the page any connection; nothing in it comes from anywhere else.
 """
@@ -54,11 +55,16 @@ def plotly_js() -> str:
 
 def _drawings(report: Report) -> str:
     """Figures by key as JSON, without ``<``, which could end the script element."""
-    return json.dumps({figure.key: drawing(figure) for figure in report.figures()}, separators=(",", ":")).replace("<", "\\u003c")
+    return json.dumps(
+        {figure.key: drawing(figure) for figure in report.figures()}, separators=(",", ":")
+    ).replace("<", "\\u003c")
 
 
 def _head(report: Report) -> str:
-    facts = "".join(f"<div class='fact {f.mood}'><b>{escape(f.value)}</b><span>{escape(f.label)}</span></div>" for f in report.facts)
+    facts = "".join(
+        f"<div class='fact {f.mood}'><b>{escape(f.value)}</b><span>{escape(f.label)}</span></div>"
+        for f in report.facts
+    )
     subtitle = f"<p class='subtitle'>{escape(report.subtitle)}</p>" if report.subtitle else ""
     return (
         f"<header><h1>{escape(report.title)}</h1>{subtitle}"
@@ -67,19 +73,25 @@ def _head(report: Report) -> str:
 
 
 def _contents(report: Report) -> str:
-    links = "".join(f"<li><a href='#{section.key}'>{escape(section.title)}</a></li>" for section in report.sections)
+    links = "".join(
+        f"<li><a href='#{section.key}'>{escape(section.title)}</a></li>" for section in report.sections
+    )
     return f"<nav aria-label='Contents'><ol>{links}</ol></nav>\n"
 
 
 def _section(section: Section) -> str:
-    return f"<section id='{section.key}'><h2>{escape(section.title)}</h2>\n{''.join(map(_block, section.blocks))}</section>\n"
+    return (
+        "<section "
+        f"id='{section.key}'><h2>{escape(section.title)}</h2>\n{''.join(map(_block, section.blocks))}</section>\n"
+    )
 
 
 def _block(block: Block) -> str:
     if isinstance(block, Figure):
         caption = f"<figcaption>{escape(block.caption)}</figcaption>" if block.caption else ""
         return (
-            f"<figure id='{block.key}'><h3>{escape(block.title)}</h3><div class='plot' data-figure='{block.key}'></div>{caption}</figure>\n"
+            f"<figure id='{block.key}'><h3>{escape(block.title)}</h3><div class='plot' "
+            f"data-figure='{block.key}'></div>{caption}</figure>\n"
         )
     if isinstance(block, Table):
         return _table(block)
@@ -93,17 +105,29 @@ def _block(block: Block) -> str:
 
 def _table(table: Table) -> str:
     numeric = [column.endswith(">") for column in table.columns]
-    heads = "".join(f"<th{' class=num' if n else ''}>{escape(c.rstrip('>'))}</th>" for c, n in zip(table.columns, numeric, strict=True))
+    heads = "".join(
+        f"<th{' class=num' if n else ''}>{escape(c.rstrip('>'))}</th>"
+        for c, n in zip(table.columns, numeric, strict=True)
+    )
     rows = "".join("<tr>" + "".join(_cells(row, numeric)) + "</tr>\n" for row in table.rows)
     caption = f"<caption>{escape(table.caption)}</caption>" if table.caption else ""
-    return f"<div class='table'><table>{caption}<thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table></div>\n"
+    return (
+        "<div "
+        f"class='table'><table>{caption}<thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table></div>\n"
+    )
 
 
 def _cells(row: tuple[str | Cell, ...], numeric: list[bool]) -> Iterator[str]:
     for item, is_number in zip(row, numeric, strict=True):
         cell = item if isinstance(item, Cell) else Cell(item)
-        classes = " ".join(filter(None, ["num" if is_number else "", cell.mood if cell.mood != "plain" else ""]))
-        bar = "" if cell.bar is None else f"<i class='bar'><i style='width:{100.0 * min(max(cell.bar, 0.0), 1.0):.1f}%'></i></i>"
+        classes = " ".join(
+            filter(None, ["num" if is_number else "", cell.mood if cell.mood != "plain" else ""])
+        )
+        bar = (
+            ""
+            if cell.bar is None
+            else (f"<i class='bar'><i style='width:{100.0 * min(max(cell.bar, 0.0), 1.0):.1f}%'></i></i>")
+        )
         yield f"<td{f' class={classes!r}' if classes else ''}>{escape(cell.text)}{bar}</td>"
 
 

@@ -1,4 +1,6 @@
-"""A report by matplotlib: the figures for papers, one PNG each, or all as vector pages of one PDF behind a page of words and tables."""
+"""A report by matplotlib: the figures for papers, one PNG each, or all as vector pages of one PDF behind a
+page of words and tables.
+"""
 
 from __future__ import annotations
 
@@ -42,8 +44,22 @@ STYLE: dict[str, Any] = {
     "svg.fonttype": "none",
     "path.simplify": True,
 }
-_DASHES: dict[str, Any] = {"solid": "-", "dash": (0, (5, 2)), "dot": (0, (1, 1.6)), "dashdot": (0, (5, 2, 1, 2))}
-_SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X", "star": "*", "triangle-up": "^", "triangle-down": "v"}
+_DASHES: dict[str, Any] = {
+    "solid": "-",
+    "dash": (0, (5, 2)),
+    "dot": (0, (1, 1.6)),
+    "dashdot": (0, (5, 2, 1, 2)),
+}
+_SYMBOLS = {
+    "circle": "o",
+    "square": "s",
+    "diamond": "D",
+    "cross": "P",
+    "x": "X",
+    "star": "*",
+    "triangle-up": "^",
+    "triangle-down": "v",
+}
 #: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
 _BESIDE: tuple[dict[str, Any], ...] = (
     {"xytext": (0, 4), "ha": "center", "va": "bottom"},
@@ -61,7 +77,9 @@ def write_pdf(report: Report, path: Path) -> None:
     with matplotlib.rc_context(STYLE):
         from matplotlib.backends.backend_pdf import PdfPages
 
-        with PdfPages(path, metadata={"Title": report.title, "Subject": report.verdict, "CreationDate": None}) as pages:
+        with PdfPages(
+            path, metadata={"Title": report.title, "Subject": report.verdict, "CreationDate": None}
+        ) as pages:
             for canvas in _word_pages(report):
                 pages.savefig(canvas)
             for figure in report.figures():
@@ -96,11 +114,18 @@ def draw(figure: Figure) -> Canvas:
             axes.tick_params(labelbottom=False)
     if len(named) > 1:
         widest = max(len(name) for name in named)
-        canvas.legend(named.values(), named.keys(), loc="outside lower left", ncols=max(min(len(named), 110 // (widest + 9)), 1))
+        canvas.legend(
+            named.values(),
+            named.keys(),
+            loc="outside lower left",
+            ncols=max(min(len(named), 110 // (widest + 9)), 1),
+        )
     return canvas
 
 
-def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Artist]) -> None:
+def _panel(
+    axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Artist]
+) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal:
         axes.set_aspect("equal", adjustable="datalim")
@@ -122,12 +147,26 @@ def _panel(axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, flo
             zorder=0.5 if panel.heat is None else 2.0,
         )
         if band.label:
-            axes.annotate(band.label, (right, high), (-2, -2), textcoords="offset points", ha="right", va="top", color=GREY, fontsize=7)
+            axes.annotate(
+                band.label,
+                (right, high),
+                (-2, -2),
+                textcoords="offset points",
+                ha="right",
+                va="top",
+                color=GREY,
+                fontsize=7,
+            )
     for mark in panel.marks:
         style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
         if mark.axis == "x":
             axes.axvline(mark.at, **style)
-            place = {"xy": (mark.at, 0.98), "xycoords": ("data", "axes fraction"), "rotation": 90, "va": "top"}
+            place = {
+                "xy": (mark.at, 0.98),
+                "xycoords": ("data", "axes fraction"),
+                "rotation": 90,
+                "va": "top",
+            }
         else:
             axes.axhline(mark.at, **style)
             place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data"), "va": "bottom"}
@@ -153,19 +192,28 @@ def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> Non
 def _trace(axes: Axes, trace: Trace) -> Artist:
     beside = cycle(_BESIDE)
     for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
-        axes.annotate(words, (x, y), fontsize=6.5, color=trace.colour, textcoords="offset points", **next(beside))
+        axes.annotate(
+            words, (x, y), fontsize=6.5, color=trace.colour, textcoords="offset points", **next(beside)
+        )
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
     if trace.kind == "points":
         size = (2.4 + 1.3 * trace.width) ** 2
-        style = {"marker": _SYMBOLS.get(trace.symbol, "o"), "linewidths": 0.3, "edgecolors": "white", "zorder": 3}
+        style = {
+            "marker": _SYMBOLS.get(trace.symbol, "o"),
+            "linewidths": 0.3,
+            "edgecolors": "white",
+            "zorder": 3,
+        }
         return axes.scatter(trace.x, trace.y, s=size, color=trace.colour, **style)
     if trace.kind == "region":
         return axes.fill(trace.x, trace.y, facecolor=trace.colour, alpha=0.13, linewidth=0.0)[0]
     draw = "steps-post" if trace.kind == "steps" else "default"
     dash = _DASHES[trace.dash]
-    return axes.plot(trace.x, trace.y, color=trace.colour, linewidth=0.62 * trace.width, linestyle=dash, drawstyle=draw)[0]
+    return axes.plot(
+        trace.x, trace.y, color=trace.colour, linewidth=0.62 * trace.width, linestyle=dash, drawstyle=draw
+    )[0]
 
 
 def _heat(axes: Axes, panel: Panel) -> None:
@@ -173,7 +221,16 @@ def _heat(axes: Axes, panel: Panel) -> None:
 
     heat = panel.heat
     scale = LinearSegmentedColormap.from_list("sequential", SEQUENTIAL)
-    cells = axes.pcolormesh(heat.x, heat.y, heat.values, cmap=scale, vmin=heat.low, vmax=heat.high, shading="nearest", rasterized=True)
+    cells = axes.pcolormesh(
+        heat.x,
+        heat.y,
+        heat.values,
+        cmap=scale,
+        vmin=heat.low,
+        vmax=heat.high,
+        shading="nearest",
+        rasterized=True,
+    )
     axes.grid(False)
     axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
 
@@ -187,7 +244,9 @@ def _word_pages(report: Report) -> Iterator[Canvas]:
         canvas = Canvas(figsize=A4)
         for row, cells in enumerate(lines[start : start + ROWS_PER_PAGE]):
             for x, align, words, style in cells:
-                canvas.text(0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE, words, ha=align, va="top", **style)
+                canvas.text(
+                    0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE, words, ha=align, va="top", **style
+                )
         yield canvas
 
 
@@ -200,11 +259,16 @@ def _lines(report: Report) -> Iterator[list[Words]]:
     yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
     yield []
     yield [(0.0, "left", report.subtitle, {"fontsize": 9, "color": GREY})]
-    yield [(0.0, "left", report.verdict, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})]
+    yield [
+        (0.0, "left", report.verdict, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
+    ]
     yield []
     for first in range(0, len(report.facts), 4):
         facts = list(enumerate(report.facts[first : first + 4]))
-        yield [(k / 4, "left", fact.value, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[fact.mood]}) for k, fact in facts]
+        yield [
+            (k / 4, "left", fact.value, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[fact.mood]})
+            for k, fact in facts
+        ]
         yield [(k / 4, "left", fact.label, {**small, "color": GREY}) for k, fact in facts]
         yield []
     for section in report.sections:
@@ -219,12 +283,24 @@ def _lines(report: Report) -> Iterator[list[Words]]:
 def _table_lines(table: Table) -> Iterator[list[Words]]:
     """Columns as wide as their longest text."""
     rows = [[item if isinstance(item, Cell) else Cell(item) for item in row] for row in table.rows]
-    widths = [max([len(head.rstrip(">")), *(len(row[k].text) for row in rows)]) + 3 for k, head in enumerate(table.columns)]
+    widths = [
+        max([len(head.rstrip(">")), *(len(row[k].text) for row in rows)]) + 3
+        for k, head in enumerate(table.columns)
+    ]
     total = max(sum(widths), 110)
     starts = np.concatenate([[0], np.cumsum(widths)]) / total
     right = [column.endswith(">") for column in table.columns]
-    places = [(starts[k + 1] - 2 / total if right[k] else starts[k], "right" if right[k] else "left") for k in range(len(widths))]
+    places = [
+        (starts[k + 1] - 2 / total if right[k] else starts[k], "right" if right[k] else "left")
+        for k in range(len(widths))
+    ]
     style = {"fontsize": 7.5}
-    yield [(*place, head.rstrip(">"), {**style, "color": GREY}) for place, head in zip(places, table.columns, strict=True)]
+    yield [
+        (*place, head.rstrip(">"), {**style, "color": GREY})
+        for place, head in zip(places, table.columns, strict=True)
+    ]
     for row in rows:
-        yield [(*place, cell.text, {**style, "color": _MOODS[cell.mood]}) for place, cell in zip(places, row, strict=True)]
+        yield [
+            (*place, cell.text, {**style, "color": _MOODS[cell.mood]})
+            for place, cell in zip(places, row, strict=True)
+        ]

@@ -21,7 +21,9 @@ _MARKS = {"difference": "", "at most": "<= ", "at least": ">= ", "magnitude": "+
 
 
 class Compared(NamedTuple):
-    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a published bound is, if it is one."""
+    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a published
+    bound is, if it is one.
+    """
 
     figure: str
     unit: str
@@ -37,7 +39,9 @@ class Compared(NamedTuple):
 
 
 def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, the table against the published flight, limits, and last, where the eye is, the verdict."""
+    """Print timeline, the table against the published flight, limits, and last, where the eye is, the
+    verdict.
+    """
     console.print(timeline_table(flight))
     if flight.scenario.published:
         console.print(published_table(flight))
@@ -62,7 +66,9 @@ def timeline_table(flight: Flight) -> Table:
 
 def published_table(flight: Flight) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
-    table = open_table("Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>")
+    table = open_table(
+        "Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>"
+    )
     for row in comparison(flight.metrics, flight.scenario.published):
         table.add_row(*row.cells)
     return table
@@ -70,7 +76,10 @@ def published_table(flight: Flight) -> Table:
 
 def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[Compared]:
     """A row for each published figure, compared as the table of figures says."""
-    return [_compared(figure_of_merit(name), figures.get(name), published) for name, published in published_figures.items()]
+    return [
+        _compared(figure_of_merit(name), figures.get(name), published)
+        for name, published in published_figures.items()
+    ]
 
 
 def limits_table(flight: Flight) -> Table:
@@ -91,10 +100,20 @@ def verdict(flight: Flight) -> Text:
 
 def open_table(title: str, *columns: str) -> Table:
     """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="", box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(
+        title=title,
+        title_justify="left",
+        title_style="bold",
+        header_style="",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
     for column in columns:
         table.add_column(
-            column.rstrip(">"), justify="right" if column.endswith(">") else "left", no_wrap=column.endswith(">"), overflow="fold"
+            column.rstrip(">"),
+            justify="right" if column.endswith(">") else "left",
+            no_wrap=column.endswith(">"),
+            overflow="fold",
         )
     return table
 
@@ -106,7 +125,13 @@ def _compared(figure: FigureOfMerit, own: float | None, published: float) -> Com
         return Compared(*head, "-", shown, "not reached", figure.kept(math.nan, published))
     more = places if own == round(own) else places + (places < 2)
     kept = figure.kept(own, published)
-    return Compared(*head, f"{own:,.{more}f}", shown, "kept" if kept else f"{figure.excess(own, published):+,.{more}f}", kept)
+    return Compared(
+        *head,
+        f"{own:,.{more}f}",
+        shown,
+        "kept" if kept else f"{figure.excess(own, published):+,.{more}f}",
+        kept,
+    )
 
 
 def _published_places(value: float) -> int:
@@ -115,7 +140,9 @@ def _published_places(value: float) -> int:
 
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
-    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look kept."""
+    """Value and limit with the same decimals: three digits of the limit, more when a missed limit would look
+    kept.
+    """
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1

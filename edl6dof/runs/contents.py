@@ -24,7 +24,9 @@ class Limit(TypedDict):
 
 
 class Summary(TypedDict):
-    """``summary.json``: outcome, figures by name with unit suffix, limits, and the published figures of the real flight."""
+    """``summary.json``: outcome, figures by name with unit suffix, limits, and the published figures of the
+    real flight.
+    """
 
     __pydantic_config__ = _EXACT
     name: str
@@ -44,7 +46,8 @@ class Summary(TypedDict):
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
-    The beginning of a phase says which phase it is and what for, a diagnosis which thruster it is about and what was found.
+    The beginning of a phase says which phase it is and what for, a diagnosis which thruster it is about and
+    what was found.
     """
 
     __pydantic_config__ = _EXACT

@@ -13,13 +13,15 @@ from edl6dof.durable import put_in_place
 
 @contextmanager
 def atomic_file(target: Path, force: bool) -> Iterator[Path]:
-    """Yield a hidden path beside ``target`` whose file takes its place when the block ends without an exception.
+    """Yield a hidden path beside ``target`` whose file takes its place when the block ends without an
+    exception.
 
     Raises:
         ConfigError: ``target`` exists and ``force`` is not set, or it cannot be written.
     """
     refuse_existing_file(target, force)
-    partial = target.parent / f".{os.getpid()}.{target.name}"  # keeps the ending, by which writers choose a format
+    # keeps the ending, by which writers choose a format
+    partial = target.parent / f".{os.getpid()}.{target.name}"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         yield partial

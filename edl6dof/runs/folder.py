@@ -15,7 +15,8 @@ from edl6dof.config.errors import refusal
 from edl6dof.durable import put_in_place
 from edl6dof.manifest import MANIFEST, Manifest, seal
 
-#: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts as left behind.
+#: Age in seconds from which a hidden folder of another host, whose processes cannot be seen from here, counts
+#: as left behind.
 STALE_S = 86400.0
 
 #: Command that makes a folder of each kind.
@@ -24,10 +25,11 @@ _COMMANDS = {"flight": "fly", "faults": "faults", "study": "study"}
 
 @contextmanager
 def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
-    """Yield a hidden folder beside ``target`` that gets its manifest and takes its place when the block ends without an exception.
+    """Yield a hidden folder beside ``target`` that gets its manifest and takes its place when the block ends
+    without an exception.
 
-    A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception leaves nothing, not
-    even the parent folders made here.
+    A kill leaves at most the hidden folder; the next run into the same target removes it.  An exception
+    leaves nothing, not even the parent folders made here.
 
     Args:
         target: the folder wanted.
@@ -39,17 +41,21 @@ def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
     """
     try:
         _refuse_existing(target, kind, force)
-        with _swapped(Path(os.path.realpath(target))) as folder:  # the swap must move a folder, not a link to one
+        # the swap must move a folder, not a link to one
+        with _swapped(Path(os.path.realpath(target))) as folder:
             yield folder
             seal(folder, kind)
-            _refuse_existing(target, kind, force)  # another run may have finished meanwhile, or something been put there
+            # another run may have finished meanwhile, or something been put there
+            _refuse_existing(target, kind, force)
     except OSError as error:
         raise refusal(target, f"cannot be written: {error.strerror or error}") from None
 
 
 @contextmanager
 def _swapped(target: Path) -> Iterator[Path]:
-    """A new folder that takes the place of ``target`` at the end; whatever goes wrong, ``target`` and its parents stay as they were."""
+    """A new folder that takes the place of ``target`` at the end; whatever goes wrong, ``target`` and its
+    parents stay as they were.
+    """
     made = _make_folders(target.parent)
     _sweep(target)
     owner = f"{os.getpid()}-{_host()}"
@@ -75,7 +81,9 @@ def _swapped(target: Path) -> Iterator[Path]:
 
 
 def _refuse_existing(target: Path, kind: str, force: bool) -> None:
-    """Raise :class:`ConfigError` when ``target`` must not be replaced: only a whole result of the same kind ever is, and nothing else."""
+    """Raise :class:`ConfigError` when ``target`` must not be replaced: only a whole result of the same kind
+    ever is, and nothing else.
+    """
     if target.exists() and not target.is_dir():
         raise refusal(target, "is a file, not a folder; choose another folder with --out")
     if not target.is_dir() or not any(target.iterdir()):

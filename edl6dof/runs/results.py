@@ -49,7 +49,8 @@ def summary(flight: Flight) -> dict[str, Any]:
 
 def write_telemetry(flight: Flight, path: Path) -> None:
     """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
-    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # arrow's own allocator keeps what it has freed: 9 MB
+    # arrow's own allocator keeps what it has freed: 9 MB
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -71,5 +72,6 @@ def write_telemetry(flight: Flight, path: Path) -> None:
     with pq.ParquetWriter(path, schema, **options) as writer:
         for start in range(0, rows, ROW_GROUP):
             columns = flight.telemetry.rows(start, start + ROW_GROUP).values()
-            part = [pa.array(np.asarray(values, float)) for values in columns]  # numpy converts: arrow would load all it can compute
+            # numpy converts: arrow would load all it can compute
+            part = [pa.array(np.asarray(values, float)) for values in columns]
             writer.write_table(pa.Table.from_arrays(part, schema=schema))

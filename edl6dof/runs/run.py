@@ -1,4 +1,6 @@
-"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown again, and no code is loaded."""
+"""A run folder read back: what reports, plots, comparisons and exports are made from.  Nothing is flown
+again, and no code is loaded.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,11 @@ TELEMETRY = "telemetry.parquet"
 
 
 class Run(Mapping[str, np.ndarray]):
-    """The telemetry columns of a run by name, read when they are asked for; and its events, summary and scenario.
+    """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
+    scenario.
 
-    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is used.
+    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is
+    used.
 
     Raises:
         ConfigError: the folder is no run, or one of its files is missing, damaged or cannot be read.
@@ -104,7 +108,9 @@ class Run(Mapping[str, np.ndarray]):
         return float(np.interp(t, self.t, self[name]))
 
     def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is empty or did not happen."""
+        """Rows from one event to another (shape (rows,), bool); the whole flight beyond an event that is
+        empty or did not happen.
+        """
         return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
 
     def file(self, name: str) -> Path:
@@ -136,7 +142,8 @@ class Run(Mapping[str, np.ndarray]):
             raise refusal(path, f"cannot be read: {error}") from None
         schema, rows = file.schema_arrow, file.metadata.num_rows
         if "t_s" not in schema.names or rows == 0 or any(field.type != pa.float64() for field in schema):
-            raise refusal(path, "is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns")
+            raise refusal(path, ("is not the telemetry of a run: it needs a column t_s, "
+                "a row, and numbers in all columns"))
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:

@@ -61,7 +61,11 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     gas = np.zeros(1, GAS)
     fill(gas[0], scenario.planet.gas)
     altitudes = np.linspace(*_span_of_air(scenario), NODES)
-    record["bottom"], record["top"], record["spacing"] = altitudes[0], altitudes[-1], altitudes[1] - altitudes[0]
+    record["bottom"], record["top"], record["spacing"] = (
+        altitudes[0],
+        altitudes[-1],
+        altitudes[1] - altitudes[0],
+    )
     for i, altitude in enumerate(altitudes):
         density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], altitude)
         record["ln_density"][i] = np.log(max(density, 1e-30))
@@ -69,7 +73,9 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
 
 
 def _span_of_air(scenario: Scenario) -> tuple[float, float]:
-    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the initial state."""
+    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the
+    initial state.
+    """
     air, start = scenario.atmosphere, scenario.initial.altitude_m
     bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
     return bottom, max(air.top_m, start + BEYOND)
@@ -89,14 +95,18 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         capsule = truth[0]["aero"]["capsule"]
         gas = np.zeros(1, GAS)
         fill(gas[0], scenario.planet.gas)
-        axial, normal, _, _ = capsule_coefficients(capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha)
+        axial, normal, _, _ = capsule_coefficients(
+            capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha
+        )
         drag = axial * cos(alpha) + normal * sin(alpha)
         lift = axial * sin(alpha) - normal * cos(alpha)
         record["drag_area"] = drag * np.pi / 4.0 * vehicle.aero.capsule.diameter_m**2
         record["lift_to_drag"] = lift / drag
         fill_airframe(airframe, scenario, tables, float(record["drag_area"]), float(record["lift_to_drag"]))
     elif vehicle.aero.model == "lift_drag":
-        record["drag_area"] = vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
+        record["drag_area"] = (
+            vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
+        )
         record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
     for index, gone in enumerate(CONFIGURATIONS):
         _believe_configuration(record["configuration"][index], scenario, gone)
@@ -123,24 +133,39 @@ def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str,
             bodies.append((part.mass_kg, np.asarray(part.centre_m), np.diag(part.inertia_kg_m2)))
     whole = sum(m for m, _, _ in bodies)
     middle = sum(m * c for m, c, _ in bodies) / whole
-    inertia = sum(j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle)) for m, c, j in bodies)
+    inertia = sum(
+        j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle))
+        for m, c, j in bodies
+    )
     record["mass"], record["centre"], record["inertia"] = whole, middle, np.diag(inertia)
 
 
 def _set_site(record: np.void, scenario: Scenario) -> None:
     fill_site(record["frame"], scenario)
     terrain = scenario.terrain
-    record["latitude"], record["longitude"] = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+    record["latitude"], record["longitude"] = (
+        radians(terrain.site_latitude_deg),
+        radians(terrain.site_longitude_deg),
+    )
     record["elevation"] = terrain.site_elevation_m
     record["aim_latitude"], record["aim_longitude"] = scenario.aim_point
 
 
 def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
-    """Solve the reference trajectory from entry interface to the aim point, and what the chosen law plans from it."""
+    """Solve the reference trajectory from entry interface to the aim point, and what the chosen law plans
+    from it.
+    """
     initial, entry = scenario.initial, scenario.flight_software.guidance.entry
     site = onboard["site"][0]
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    arc, _ = great_circle(sin(lat), cos(lat), lon, sin(site["aim_latitude"]), cos(site["aim_latitude"]), float(site["aim_longitude"]))
+    arc, _ = great_circle(
+        sin(lat),
+        cos(lat),
+        lon,
+        sin(site["aim_latitude"]),
+        cos(site["aim_latitude"]),
+        float(site["aim_longitude"]),
+    )
     start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
     fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
     law = ENTRY_LAWS.member(entry.law)

@@ -1,4 +1,6 @@
-"""Trim the nominal vehicle on the ground and tabulate for the flight computer what drag and lift follow, over Mach number."""
+"""Trim the nominal vehicle on the ground and tabulate for the flight computer what drag and lift follow, over
+Mach number.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +23,12 @@ CONTINUUM = 1e-3
 SEARCH = radians(12.0)
 
 
-def fill_airframe(airframe: np.void, scenario: Scenario, tables: np.ndarray, drag_area: float, lift_to_drag: float) -> None:
-    """Fill an ``AIRFRAME`` record for the nominal capsule of ``scenario``, relative to one drag area and lift-to-drag ratio."""
+def fill_airframe(
+    airframe: np.void, scenario: Scenario, tables: np.ndarray, drag_area: float, lift_to_drag: float
+) -> None:
+    """Fill an ``AIRFRAME`` record for the nominal capsule of ``scenario``, relative to one drag area and
+    lift-to-drag ratio.
+    """
     vehicle = np.zeros(1, dtype_of(VehicleParams))
     fill(vehicle[0], scenario.vehicle)
     gas = np.zeros(1, GAS)
@@ -36,19 +42,25 @@ def fill_airframe(airframe: np.void, scenario: Scenario, tables: np.ndarray, dra
 
 
 def _wing_mach(scenario: Scenario) -> float:
-    """Mach number at which the mission table opens the trim wing; 0 when it does not, or not by Mach number."""
+    """Mach number at which the mission table opens the trim wing; 0 when it does not, or not by Mach
+    number.
+    """
     events = [event for phase in scenario.mission.phases for event in phase.events if event.do == "trim_wing"]
     return next((event.when.value for event in events if event.when.quantity == "mach"), 0.0)
 
 
 @kernel
 def _along_mach(vehicles, tables, gases, nodes, goal):
-    """Drag and lift area (m2) at trim, and drag area with the wing open at zero angle of attack, at each Mach number."""
+    """Drag and lift area (m2) at trim, and drag area with the wing open at zero angle of attack, at each Mach
+    number.
+    """
     vehicle, table, gas = vehicles[0], tables[0], gases[0]
     drag, lift, braked = np.empty(len(nodes)), np.empty(len(nodes)), np.empty(len(nodes))
     for i in range(len(nodes)):
         mach = nodes[i]
-        drag[i], lift[i] = _drag_and_lift(vehicle, table, gas, mach, _trim(vehicle, table, gas, mach, goal), 0.0)
+        drag[i], lift[i] = _drag_and_lift(
+            vehicle, table, gas, mach, _trim(vehicle, table, gas, mach, goal), 0.0
+        )
         braked[i], _ = _drag_and_lift(vehicle, table, gas, mach, 0.0, 1.0)
     return drag, lift, braked
 
@@ -62,9 +74,14 @@ def _drag_and_lift(vehicle, table, gas, mach, alpha, wing):
 
 @kernel
 def _trim(vehicle, table, gas, mach, goal):
-    """Angle of attack (rad) without pitching moment nearest the commanded one; that itself where there is none."""
+    """Angle of attack (rad) without pitching moment nearest the commanded one; that itself where there is
+    none.
+    """
     low, high = goal - SEARCH, goal + SEARCH
-    at_low, at_high = _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2], _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2]
+    at_low, at_high = (
+        _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2],
+        _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2],
+    )
     if not at_low * at_high < 0.0:
         return goal
     rising = at_high > 0.0
@@ -82,7 +99,9 @@ def _trim(vehicle, table, gas, mach, goal):
 def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
     """Fx and Fz (m2, force over dynamic pressure) and pitching moment about the centre of mass (m3)."""
     u, w = cos(alpha), sin(alpha)
-    fx, _, fz, _, my, _ = capsule_aero(vehicle.aero, table, gas, 1.0, mach, CONTINUUM, u, 0.0, w, 0.0, 0.0, 0.0)
+    fx, _, fz, _, my, _ = capsule_aero(
+        vehicle.aero, table, gas, 1.0, mach, CONTINUUM, u, 0.0, w, 0.0, 0.0, 0.0
+    )
     gx, _, gz, _, ny, _ = wing_force(vehicle.trim_wing, wing, 1.0, u, 0.0, w)
     cg_x, cg_z = vehicle.mass.entry_centre[0], vehicle.mass.entry_centre[2]
     my += (0.0 - cg_z) * fx - (table.moment_reference_x - cg_x) * fz

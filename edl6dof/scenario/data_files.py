@@ -1,7 +1,8 @@
-"""Whether the tables that a scenario names can be built: mistakes in data files, found before a flight begins.
+"""Whether the tables that a scenario names can be built: mistakes in data files, found before a flight
+begins.
 
-The builders of the models say in plain words what is wrong with a file; here each is called once, on scratch records, and what it
-says is put at the key that names the file.
+The builders of the models say in plain words what is wrong with a file; here each is called once, on scratch
+records, and what it says is put at the key that names the file.
 """
 
 from __future__ import annotations
@@ -33,7 +34,13 @@ TABLES: dict[str, Callable[[str], Path]] = {
 }
 
 #: Beginnings of what Python and numpy say of text that is no number, and of rows of unequal length.
-_NUMPY_WORDS = ("could not convert", "invalid literal", "setting an array", "zero-size array", "need at least")
+_NUMPY_WORDS = (
+    "could not convert",
+    "invalid literal",
+    "setting an array",
+    "zero-size array",
+    "need at least",
+)
 _NOT_FINITE = "holds a number that is not finite, or one for which no table can be built"
 _UNREADABLE = (OSError, ValueError, LookupError, ArithmeticError, MemoryError, csv.Error)
 
@@ -61,7 +68,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
             if not all(np.isfinite(part).all() for part in read_static_table(capsule.static_table)):
                 raise ValueError(_NOT_FINITE)
             with _collected(problems, "vehicle.aero.capsule"):
-                _require_finite(build_aero_table(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio))
+                _require_finite(
+                    build_aero_table(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
+                )
     return problems
 
 
@@ -76,7 +85,9 @@ def _collected(problems: dict[str, str], key: str) -> Iterator[None]:
 
 def _words(error: Exception) -> str:
     if isinstance(error, OSError):
-        return f"cannot be read: {error.strerror or error}" + (f" ({shown(Path(error.filename))})" if error.filename else "")
+        return f"cannot be read: {error.strerror or error}" + (
+            f" ({shown(Path(error.filename))})" if error.filename else ""
+        )
     if isinstance(error, UnicodeDecodeError):
         return "is not a text file"
     if isinstance(error, LookupError):

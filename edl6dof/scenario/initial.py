@@ -1,7 +1,8 @@
 """The initial state: where the vehicle is, how it moves and how it points at t = 0.
 
-Velocity is given either by speed, flight-path angle and azimuth or by its north, east and down components; attitude either by angle of
-attack, sideslip and bank or by yaw, pitch and roll.  Two ways at once are refused.
+Velocity is given either by speed, flight-path angle and azimuth or by its north, east and down components;
+attitude either by angle of attack, sideslip and bank or by yaw, pitch and roll.  Two ways at once are
+refused.
 """
 
 from __future__ import annotations
@@ -32,25 +33,54 @@ class InitialState(Params):
     latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
     longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
     speed_m_s: float | None = param(
-        None, "speed relative to the rotating planet; needed without velocity_ned_m_s", record=False, ge=0.0, le=20000.0
+        None,
+        "speed relative to the rotating planet; needed without velocity_ned_m_s",
+        record=False,
+        ge=0.0,
+        le=20000.0,
     )
     flight_path_angle_deg: float | None = param(
-        None, "flight-path angle, negative downwards; needed without velocity_ned_m_s", record=False, ge=-90.0, le=90.0
+        None,
+        "flight-path angle, negative downwards; needed without velocity_ned_m_s",
+        record=False,
+        ge=-90.0,
+        le=90.0,
     )
     azimuth_deg: float | None = param(
-        None, "azimuth of the velocity, from north through east; needed without velocity_ned_m_s", record=False, ge=-360.0, le=360.0
+        None,
+        "azimuth of the velocity, from north through east; needed without velocity_ned_m_s",
+        record=False,
+        ge=-360.0,
+        le=360.0,
     )
     velocity_ned_m_s: Vec3 | None = param(
-        None, "velocity relative to the rotating planet: north, east, down; instead of speed, flight-path angle and azimuth", record=False
+        None,
+        (
+            "velocity relative to the rotating planet: north, east, down; instead of speed, flight-path "
+            "angle and azimuth"
+        ),
+        record=False,
     )
-    vertical: Literal["geodetic", "geocentric"] = param("geodetic", "which vertical the velocity refers to", record=False)
+    vertical: Literal["geodetic", "geocentric"] = param(
+        "geodetic", "which vertical the velocity refers to", record=False
+    )
     alpha_deg: float | None = param(
-        None, "angle of attack; 0 when neither it nor yaw_pitch_roll_deg is given", record=False, ge=-180.0, le=180.0
+        None,
+        "angle of attack; 0 when neither it nor yaw_pitch_roll_deg is given",
+        record=False,
+        ge=-180.0,
+        le=180.0,
     )
-    beta_deg: float | None = param(None, "sideslip angle; 0 when not given, as alpha_deg", record=False, ge=-90.0, le=90.0)
-    bank_deg: float | None = param(None, "bank angle; 0 when not given, as alpha_deg", record=False, ge=-180.0, le=180.0)
+    beta_deg: float | None = param(
+        None, "sideslip angle; 0 when not given, as alpha_deg", record=False, ge=-90.0, le=90.0
+    )
+    bank_deg: float | None = param(
+        None, "bank angle; 0 when not given, as alpha_deg", record=False, ge=-180.0, le=180.0
+    )
     yaw_pitch_roll_deg: Vec3 | None = param(
-        None, "3-2-1 Euler angles of the body from geodetic north-east-down; instead of alpha, beta and bank", record=False
+        None,
+        "3-2-1 Euler angles of the body from geodetic north-east-down; instead of alpha, beta and bank",
+        record=False,
     )
     rate_deg_s: Vec3 = param((0.0, 0.0, 0.0), "inertial body rate p, q, r", record=False)
 
@@ -66,7 +96,9 @@ class InitialState(Params):
         if self.velocity_ned_m_s is None:
             hint = "" if given else _OR_COMPONENTS
             return {name: _MISSING[name] + hint for name in _PATH if name not in given}
-        problems = {name: "must not stand beside velocity_ned_m_s: the velocity is given twice" for name in given}
+        problems = {
+            name: "must not stand beside velocity_ned_m_s: the velocity is given twice" for name in given
+        }
         if self.speed > 20000.0:
             problems["velocity_ned_m_s"] = f"must have a length of at most 20000 (got {self.speed:g})"
         return problems

@@ -1,4 +1,6 @@
-"""Compile a plugin's kernels alone, before the whole simulator with them in it: one line instead of a compiler's page."""
+"""Compile a plugin's kernels alone, before the whole simulator with them in it: one line instead of a
+compiler's page.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,12 @@ from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.registry import Member
 
-_FAMILIES = {"entry_law": ENTRY_LAWS, "reversal": REVERSALS, "powered_law": POWERED_LAWS, "controller": CONTROLLERS}
+_FAMILIES = {
+    "entry_law": ENTRY_LAWS,
+    "reversal": REVERSALS,
+    "powered_law": POWERED_LAWS,
+    "controller": CONTROLLERS,
+}
 
 #: What a kernel of each role must return, and whether a value is that.
 _RETURNS = {
@@ -64,7 +71,14 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 
 def _argument(name: str, key: str) -> Any:
     scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0}
-    records = {"onboard": ONBOARD, "nav": NAV, "out": GUIDE, "guide": GUIDE, "fsw": FSW, "mem": _FAMILIES[key].memory}
+    records = {
+        "onboard": ONBOARD,
+        "nav": NAV,
+        "out": GUIDE,
+        "guide": GUIDE,
+        "fsw": FSW,
+        "mem": _FAMILIES[key].memory,
+    }
     return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
 
 
@@ -73,4 +87,8 @@ def _first_cause(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith("Failed in")]
     place = re.search(r'File "([^"]*)", line (\d+)', text)
     where = f" (line {place[2]} of {Path(place[1]).name})" if place else ""
-    return re.sub(r"Record\([^ ]*.*?\)(?=\s|$)", "record", lines[0])[:300] + where if lines else "no reason given"
+    return (
+        re.sub(r"Record\([^ ]*.*?\)(?=\s|$)", "record", lines[0])[:300] + where
+        if lines
+        else "no reason given"
+    )

@@ -1,7 +1,7 @@
 """The records one flight is made of, built from a validated scenario.
 
-``CASE`` is the truth, ``TABLES`` the large arrays all cases share, ``ONBOARD`` the belief.  Truth and belief are filled from the same
-nominal configuration and never touch again.
+``CASE`` is the truth, ``TABLES`` the large arrays all cases share, ``ONBOARD`` the belief.  Truth and belief
+are filled from the same nominal configuration and never touch again.
 """
 
 from __future__ import annotations
@@ -61,14 +61,18 @@ CASE = np.dtype(
     ],
     align=True,
 )
-TABLES = np.dtype([("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True)
+TABLES = np.dtype(
+    [("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True
+)
 
 
 #: Parameters that the tables do not depend on: they are applied in flight.
 FLOWN = {
     "atmosphere": frozenset(["density_factor", "exponential"]),
     "capsule": frozenset(["axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor"]),
-    "gas": frozenset(["heat_capacity_ratio", "molecular_diameter_m", "molecular_mass_kg", "sutton_graves_constant"]),
+    "gas": frozenset(
+        ["heat_capacity_ratio", "molecular_diameter_m", "molecular_mass_kg", "sutton_graves_constant"]
+    ),
 }
 
 
@@ -99,12 +103,16 @@ def build_tables(scenario: Scenario) -> np.ndarray:
     if scenario.terrain.model == "mola":
         fill_terrain_grid(tables[0]["terrain"])
     if scenario.vehicle.aero.model == "capsule":
-        tables[0]["aero"] = build_aero_table(scenario.vehicle.aero.capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)[0]
+        tables[0]["aero"] = build_aero_table(
+            scenario.vehicle.aero.capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio
+        )[0]
     return tables
 
 
 class Part(NamedTuple):
-    """One part of the case record: the sections of the scenario that it follows from, and what fills it in a zeroed record."""
+    """One part of the case record: the sections of the scenario that it follows from, and what fills it in a
+    zeroed record.
+    """
 
     sections: frozenset[str]
     fill: Callable[[np.void, Scenario, np.void], None]
@@ -189,8 +197,11 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     return case
 
 
-def changed_case(case: np.ndarray, scenario: Scenario, before: Scenario, tables: np.ndarray, sections: Set[str]) -> np.ndarray:
-    """The truth of a scenario that differs in some sections only from the one ``before``, whose record is ``case``.
+def changed_case(
+    case: np.ndarray, scenario: Scenario, before: Scenario, tables: np.ndarray, sections: Set[str]
+) -> np.ndarray:
+    """The truth of a scenario that differs in some sections only from the one ``before``, whose record is
+    ``case``.
 
     Equal to ``build_case``, and quicker.
     """
@@ -207,7 +218,9 @@ def changed_case(case: np.ndarray, scenario: Scenario, before: Scenario, tables:
 
 
 class Records(NamedTuple):
-    """What one flight reads, each shape (1,): the truth, the large tables it shares with others, the belief."""
+    """What one flight reads, each shape (1,): the truth, the large tables it shares with others, the
+    belief.
+    """
 
     case: np.ndarray
     tables: np.ndarray

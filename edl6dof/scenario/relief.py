@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, TerrainParams, fill_terrain, fill_terrain_grid, ground
+from edl6dof.environment.terrain import (
+    TERRAIN,
+    TERRAIN_GRID,
+    TerrainParams,
+    fill_terrain,
+    fill_terrain_grid,
+    ground,
+)
 
 
 class Relief:
@@ -19,10 +26,14 @@ class Relief:
     def elevation(self, latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
         """Elevation (m) at geodetic latitudes and east longitudes (rad), of any shape."""
         terrain, grid = self._terrain[0], self._grid[0]
-        each = (ground(terrain, grid, a, b)[0] for a, b in zip(latitude.ravel(), longitude.ravel(), strict=True))
+        each = (
+            ground(terrain, grid, a, b)[0] for a, b in zip(latitude.ravel(), longitude.ravel(), strict=True)
+        )
         return np.fromiter(each, float, latitude.size).reshape(latitude.shape)
 
     @property
     def map(self) -> np.ndarray:
-        """The global map (m), shape (180, 360): from 89.5 north to 89.5 south, from 179.5 west; zeros where there is none."""
+        """The global map (m), shape (180, 360): from 89.5 north to 89.5 south, from 179.5 west; zeros where
+        there is none.
+        """
         return self._grid[0]["height"].astype(float)

@@ -37,7 +37,8 @@ from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")
-#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark of what is unfinished.
+#: A file system keeps 255 bytes of a name, and programs add to it: the number of a case, the ending, a mark
+#: of what is unfinished.
 _LONGEST_NAME = 150
 
 
@@ -54,27 +55,58 @@ class LimitParams(Params):
     """What counts as landed within limits, and what ends a flight."""
 
     touchdown_vertical_m_s: float = param(3.6, "vertical speed at first contact", status="estimate", gt=0.0)
-    touchdown_horizontal_m_s: float = param(1.0, "horizontal speed at first contact", status="estimate", gt=0.0)
-    touchdown_tilt_deg: float = param(4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0)
+    touchdown_horizontal_m_s: float = param(
+        1.0, "horizontal speed at first contact", status="estimate", gt=0.0
+    )
+    touchdown_tilt_deg: float = param(
+        4.0, "tilt from the vertical at first contact", status="estimate", gt=0.0
+    )
     touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
     slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
     landing_distance_m: float = param(
-        28000.0, "distance from the landing site", status="published", source="half of the 56 km ellipse", gt=0.0
+        28000.0,
+        "distance from the landing site",
+        status="published",
+        source="half of the 56 km ellipse",
+        gt=0.0,
     )
-    entry_load_g0: float | None = param(None, "peak load before the ground", status="estimate", record=False, gt=0.0)
-    entry_dynamic_pressure_pa: float | None = param(None, "peak dynamic pressure", status="estimate", record=False, gt=0.0)
-    entry_heat_flux_w_cm2: float | None = param(None, "peak heat flux at the stagnation point", status="estimate", record=False, gt=0.0)
+    entry_load_g0: float | None = param(
+        None, "peak load before the ground", status="estimate", record=False, gt=0.0
+    )
+    entry_dynamic_pressure_pa: float | None = param(
+        None, "peak dynamic pressure", status="estimate", record=False, gt=0.0
+    )
+    entry_heat_flux_w_cm2: float | None = param(
+        None, "peak heat flux at the stagnation point", status="estimate", record=False, gt=0.0
+    )
     parachute_mach_max: float = param(2.1, "Mach number at mortar fire", status="estimate", gt=0.0)
-    parachute_dynamic_pressure_pa: float = param(850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0)
-    parachute_total_alpha_deg: float = param(7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0)
-    backshell_speed_m_s: float = param(115.0, "speed at backshell separation", status="published", source="S1", gt=0.0)
-    backshell_height_m: float = param(2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0)
-    skip_out_m: float = param(
-        5000.0, "height above the initial altitude at which a flight that should land has skipped out", status="estimate", gt=0.0
+    parachute_dynamic_pressure_pa: float = param(
+        850.0, "dynamic pressure at mortar fire", status="estimate", gt=0.0
     )
-    crash_speed_m_s: float = param(8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0)
-    body_rate_deg_s: float = param(300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0)
-    total_alpha_deg: float = param(60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0)
+    parachute_total_alpha_deg: float = param(
+        7.0, "total angle of attack at mortar fire", status="published", source="S1", gt=0.0
+    )
+    backshell_speed_m_s: float = param(
+        115.0, "speed at backshell separation", status="published", source="S1", gt=0.0
+    )
+    backshell_height_m: float = param(
+        2000.0, "height above ground at backshell separation", status="published", source="S1", gt=0.0
+    )
+    skip_out_m: float = param(
+        5000.0,
+        "height above the initial altitude at which a flight that should land has skipped out",
+        status="estimate",
+        gt=0.0,
+    )
+    crash_speed_m_s: float = param(
+        8.0, "speed at first contact beyond which the vehicle is lost", status="estimate", gt=0.0
+    )
+    body_rate_deg_s: float = param(
+        300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0
+    )
+    total_alpha_deg: float = param(
+        60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
+    )
 
 
 class Scenario(Params):
@@ -83,10 +115,15 @@ class Scenario(Params):
     name: str = param(REQUIRED, "name of the scenario; the run folder takes it", record=False, min_length=1)
     description: str = param("", "what it shows", record=False)
     plugins: list[str] = param(
-        None, "Python files beside the scenario whose laws it may choose: they run as your own code", record=False, factory=list
+        None,
+        "Python files beside the scenario whose laws it may choose: they run as your own code",
+        record=False,
+        factory=list,
     )
     seed: int = param(1, "seed of all random profiles", record=False, ge=0)
-    profile: int = param(0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0)
+    profile: int = param(
+        0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0
+    )
     planet: PlanetParams = section("planet, by name or in full")
     atmosphere: AtmosphereParams = group(AtmosphereParams, "atmosphere")
     wind: WindParams = group(WindParams, "wind")
@@ -94,7 +131,9 @@ class Scenario(Params):
     vehicle: VehicleParams = section("vehicle, by file or in full")
     initial: InitialState = section("initial state")
     dynamics: Literal["six_dof", "point_mass"] = param(
-        "six_dof", "rigid body, or a point mass whose bank angle follows the command down to the parachute", record=False
+        "six_dof",
+        "rigid body, or a point mass whose bank angle follows the command down to the parachute",
+        record=False,
     )
     point_mass: PointMassParams = group(PointMassParams, "used by dynamics point_mass")
     simulation: SimulationParams = group(SimulationParams, "integration and logging")
@@ -103,23 +142,37 @@ class Scenario(Params):
     mission: MissionParams = group(MissionParams, "mission phases")
     limits: LimitParams = group(LimitParams, "limits of the verdict")
     faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
-        None, "what breaks; the flight computer is not told", record=False, factory=list, max_length=MAX_FAULTS
+        None,
+        "what breaks; the flight computer is not told",
+        record=False,
+        factory=list,
+        max_length=MAX_FAULTS,
     )
     truth: dict[str, Any] = param(
         None,
-        "dotted paths whose true value differs from what the flight computer was told, such as 'vehicle.mass.entry_kg: 1300'",
+        (
+            "dotted paths whose true value differs from what the flight computer was told, such as "
+            "'vehicle.mass.entry_kg: 1300'"
+        ),
         record=False,
         factory=dict,
     )
     published: dict[str, float] = param(
-        None, "figures of the real flight, shown beside this one's", status="published", record=False, factory=dict
+        None,
+        "figures of the real flight, shown beside this one's",
+        status="published",
+        record=False,
+        factory=dict,
     )
 
     @field_validator("name")
     @classmethod
     def _names_a_folder(cls, value: str) -> str:
         if not _FOLDER_NAME.fullmatch(value):
-            raise ValueError(f"must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the ends (got {value!r})")
+            raise ValueError(
+                "must do as a folder name: letters, digits, blanks and . _ + -, no dot or blank at the "
+                f"ends (got {value!r})"
+            )
         if (length := len(value.encode())) > _LONGEST_NAME:
             raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
@@ -150,16 +203,23 @@ class Scenario(Params):
         steps = cycle / self.simulation.step_s
         if abs(steps - round(steps)) <= 1e-9 * steps and round(steps) >= 1:
             return {}
-        message = f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got {self.simulation.step_s:g})"
+        message = (
+            f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got "
+            f"{self.simulation.step_s:g})"
+        )
         return {"simulation.step_s": message}
 
     def _engine_problems(self) -> dict[str, str]:
         engine = self.vehicle.engine
         if engine.throttle_min_n > engine.throttle_max_n:
-            message = f"must not be above throttle_max_n {engine.throttle_max_n:g} (got {engine.throttle_min_n:g})"
+            message = (
+                f"must not be above throttle_max_n {engine.throttle_max_n:g} (got {engine.throttle_min_n:g})"
+            )
             return {"vehicle.engine.throttle_min_n": message}
         if engine.throttle_max_n > engine.full_thrust_n:
-            message = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {engine.throttle_max_n:g})"
+            message = (
+                f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {engine.throttle_max_n:g})"
+            )
             return {"vehicle.engine.throttle_max_n": message}
         return {}
 
@@ -174,7 +234,12 @@ class Scenario(Params):
     def _goal_problems(self) -> dict[str, str]:
         if self.dynamics == "six_dof" or self.mission.goal != "landing":
             return {}
-        return {"mission.goal": "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got 'landing')"}
+        return {
+            "mission.goal": (
+                "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got "
+                "'landing')"
+            )
+        }
 
     def _phase_problems(self) -> dict[str, str]:
         problems: dict[str, str] = {}
@@ -185,17 +250,23 @@ class Scenario(Params):
             triggers = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
             for below, trigger in {**triggers, "until": phase.until}.items():
                 if trigger is not None and trigger.latest_s < trigger.earliest_s:
-                    message = f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
+                    message = (
+                        f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
+                    )
                     problems[f"{here}.{below}.latest_s"] = message
         return problems
 
     def _entry_problems(self) -> dict[str, str]:
-        """Entry guidance plans from the initial state down to its final speed: there must be something to plan."""
+        """Entry guidance plans from the initial state down to its final speed: there must be something to
+        plan.
+        """
         final = self.flight_software.guidance.entry.final_speed_m_s
         if self.initial.speed > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
             return {}
         name = "flight_software.guidance.entry.final_speed_m_s"
-        message = f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
+        message = (
+            f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
+        )
         given = "speed_m_s" if self.initial.velocity_ned_m_s is None else "velocity_ned_m_s"
         return {f"initial.{given}": message}
 
@@ -203,7 +274,10 @@ class Scenario(Params):
     def aim_point(self) -> tuple[float, float]:
         """Latitude and longitude (rad) that entry guidance steers to."""
         entry, radius = self.flight_software.guidance.entry, self.planet.equatorial_radius_m
-        latitude, longitude = radians(self.terrain.site_latitude_deg), radians(self.terrain.site_longitude_deg)
+        latitude, longitude = (
+            radians(self.terrain.site_latitude_deg),
+            radians(self.terrain.site_longitude_deg),
+        )
         return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
 
     @property
@@ -242,7 +316,8 @@ class LoadedScenario:
     document: Document
 
 
-#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and what befalls it.
+#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and
+#: what befalls it.
 TRUE_SECTIONS = (
     *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
     *("point_mass", "sensors", "faults", "seed", "profile"),
@@ -254,12 +329,17 @@ _LABELS = re.compile(
 
 
 def truth_problem(path: str) -> str:
-    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such path."""
+    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
+    path.
+    """
     section = path.strip().partition(".")[0]
     if section not in Scenario.model_fields:
         return ""
     if section not in TRUE_SECTIONS:
-        return f"{section} is no part of the true world or vehicle: set it itself; truth may change {', '.join(TRUE_SECTIONS)}"
+        return (
+            f"{section} is no part of the true world or vehicle: set it itself; truth may change "
+            f"{', '.join(TRUE_SECTIONS)}"
+        )
     return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
 
 
@@ -278,7 +358,9 @@ def check_document(document: Document) -> LoadedScenario:
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
     changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
-    return LoadedScenario(scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document)
+    return LoadedScenario(
+        scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document
+    )
 
 
 #: Sections of a scenario file that say how it is flown many times; a single flight does not read them.
@@ -303,7 +385,9 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     overrides = list(overrides)
     late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
     if late:
-        raise ConfigError(Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late)
+        raise ConfigError(
+            Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
+        )
     for name in CAMPAIGN_SECTIONS:
         document.data.pop(name, None)
         document.forget((name,))

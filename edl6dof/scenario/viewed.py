@@ -1,7 +1,7 @@
 """The scenario of a result, read to be shown: no plugin is loaded for it.
 
-What only a plugin brings (its section, and the choice of its law or controller) is left out; vehicle, planet, ground, phases and the
-controllers of the package are what pictures and exports need.
+What only a plugin brings (its section, and the choice of its law or controller) is left out; vehicle, planet,
+ground, phases and the controllers of the package are what pictures and exports need.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
 from edl6dof.scenario.schema import LoadedScenario, check_document
 
-#: Sections below ``flight_software`` that plugins may add to, and the keys there that choose a member of a family.
+#: Sections below ``flight_software`` that plugins may add to, and the keys there that choose a member of a
+#: family.
 _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]], ...] = (
     (("guidance", "entry"), EntryGuidanceParams, {"law": ENTRY_LAWS.names}),
     (("guidance", "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
@@ -44,7 +45,9 @@ def viewed_scenario(text: str, file: str) -> LoadedScenario:
 
 
 def _leave_out_plugins(data: dict[str, Any]) -> None:
-    """Take out of plain data what the package does not know; a phase with a controller of a plugin has none."""
+    """Take out of plain data what the package does not know; a phase with a controller of a plugin has
+    none.
+    """
     for path, model, choices in _PLACES:
         section = _section(data, ("flight_software", *path))
         for key in list(section):
@@ -56,7 +59,9 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
 
 
 def _section(data: dict[str, Any], path: tuple[str, ...]) -> dict[str, Any]:
-    """A section of a resolved scenario, which has them all; an empty one stands for what is none, and validation says so."""
+    """A section of a resolved scenario, which has them all; an empty one stands for what is none, and
+    validation says so.
+    """
     section: Any = data
     for key in path:
         section = section.get(key) if isinstance(section, dict) else None

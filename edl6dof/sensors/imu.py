@@ -1,7 +1,8 @@
-"""Inertial measurement unit: body rate and the velocity gained, both some cycles old when they reach the flight computer.
+"""Inertial measurement unit: body rate and the velocity gained, both some cycles old when they reach the
+flight computer.
 
-As in a real unit the accelerometers count up the integral of specific force, so that nothing between two readings is lost.  No noise,
-bias or quantisation yet; the unit sits at the centre of mass.
+As in a real unit the accelerometers count up the integral of specific force, so that nothing between two
+readings is lost.  No noise, bias or quantisation yet; the unit sits at the centre of mass.
 """
 
 from __future__ import annotations
@@ -21,7 +22,11 @@ class ImuParams(Params):
     """Inertial measurement unit."""
 
     delay_cycles: int = param(
-        1, "base cycles between a reading and its arrival in the flight computer", status="estimate", ge=0, le=DEPTH - 1
+        1,
+        "base cycles between a reading and its arrival in the flight computer",
+        status="estimate",
+        ge=0,
+        le=DEPTH - 1,
     )
 
 
@@ -31,7 +36,9 @@ READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("t
 
 @kernel
 def read_imu(params, plant, readings, sensed):
-    """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no older)."""
+    """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no
+    older).
+    """
     slot = readings.taken % DEPTH
     old = max(readings.taken - params.delay_cycles, 0) % DEPTH
     readings.taken += 1

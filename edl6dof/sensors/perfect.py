@@ -1,4 +1,6 @@
-"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay; beside them the IMU."""
+"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay;
+beside them the IMU.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ SENSORS = np.dtype([("imu", READINGS), ("sensed", SENSED)], align=True)
 
 @kernel
 def sense(case, plant, sensors):
-    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure; reads ``plant.out``."""
+    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure; reads
+    ``plant.out``.
+    """
     y, sensed = plant.y, sensors.sensed
     sensed.t = plant.t
     for i in range(3):

@@ -1,7 +1,8 @@
 """A flight saved in the middle: everything that changes, and the scenario, in one file.
 
-Continuing gives the same bits as flying through: plant, sensors, flight-software memory and the cycle number are copied byte for byte,
-and random profiles follow from the scenario's seed.  Compiled code trusts these records, so whatever a file holds is looked at first.
+Continuing gives the same bits as flying through: plant, sensors, flight-software memory and the cycle number
+are copied byte for byte, and random profiles follow from the scenario's seed.  Compiled code trusts these
+records, so whatever a file holds is looked at first.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ _LAST_CYCLE = 4_000_000
 
 def layout_hash() -> str:
     """Hash of the record layouts; a saved state only fits the layout that wrote it."""
-    return hashlib.sha256(repr([(name, dtype.descr) for name, dtype in _RECORDS.items()]).encode()).hexdigest()
+    return hashlib.sha256(
+        repr([(name, dtype.descr) for name, dtype in _RECORDS.items()]).encode()
+    ).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -70,8 +73,8 @@ class State:
         """Read a saved state.
 
         Raises:
-            ConfigError: the file is missing, is no saved state, was written by another version, or holds values that no flight has; each
-                with the field, the value and what is allowed.
+            ConfigError: the file is missing, is no saved state, was written by another version, or holds
+                values that no flight has; each with the field, the value and what is allowed.
         """
         try:
             with zipfile.ZipFile(io.BytesIO(read_regular(path, _LARGEST_FILE))) as archive:
@@ -90,17 +93,26 @@ class State:
         """Check that a flight of ``scenario`` can go on from here.
 
         Raises:
-            ConfigError: the time does not belong to the cycle, or a record numbers a phase or thruster that the scenario does not have.
+            ConfigError: the time does not belong to the cycle, or a record numbers a phase or thruster that
+                the scenario does not have.
         """
         found = []
         rate = scenario.flight_software.rates.base_hz
         if not abs(float(self.plant["t"][0]) - self.cycle / rate) <= 1e-6:
-            message = f"must stay what it was: base cycle {self.cycle} began at t = {float(self.plant['t'][0]):g} s (got {rate})"
+            message = (
+                f"must stay what it was: base cycle {self.cycle} began at t = {float(self.plant['t'][0]):g} "
+                f"s (got {rate})"
+            )
             found.append(("flight_software.rates.base_hz", message))
         sizes = {"phases": len(scenario.mission.phases), "thrusters": len(scenario.vehicle.rcs.thrusters)}
         found += self._out_of_range(sizes)
         if found:
-            raise ConfigError([Problem("(saved state)", 0, 0, path, f"does not fit the scenario: {message}") for path, message in found])
+            raise ConfigError(
+                [
+                    Problem("(saved state)", 0, 0, path, f"does not fit the scenario: {message}")
+                    for path, message in found
+                ]
+            )
 
     def _impossible(self) -> Iterator[tuple[str, str]]:
         """Field and complaint of what no flight has."""
@@ -113,16 +125,25 @@ class State:
         diagnosis = self.fsw["diagnosis"][0]
         for index, kind in enumerate(diagnosis["found"]["kind"][: max(diagnosis["n_found"], 0)].tolist()):
             if kind not in FINDINGS:
-                yield f"fsw.diagnosis.found.kind[{index}]", f"must be one of {', '.join(map(str, FINDINGS))} (got {kind})"
+                yield (
+                    f"fsw.diagnosis.found.kind[{index}]",
+                    (f"must be one of {', '.join(map(str, FINDINGS))} (got {kind})"),
+                )
 
     def _out_of_range(self, sizes: dict[str, int]) -> list[tuple[str, str]]:
-        return [(f"{name}.{path}", words) for name in _RECORDS for path, words in out_of_range(getattr(self, name), sizes)]
+        return [
+            (f"{name}.{path}", words)
+            for name in _RECORDS
+            for path, words in out_of_range(getattr(self, name), sizes)
+        ]
 
 
 def _read(archive: zipfile.ZipFile, path: Path) -> State:
     """The members of a saved state, none of them larger than it can be."""
     if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
-        raise _problem(path, "was saved by another version of edl6dof whose records differ; fly to that time again")
+        raise _problem(
+            path, ("was saved by another version of edl6dof whose records differ; fly to that time again")
+        )
     cycle = _member(archive, "cycle", 8)
     if cycle.shape != () or cycle.dtype != np.dtype("i8"):
         raise ValueError("cycle is no whole number")

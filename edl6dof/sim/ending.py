@@ -1,4 +1,6 @@
-"""How a flight ended, in words: with its figures for one flight, and without them so that flights with one cause count together."""
+"""How a flight ended, in words: with its figures for one flight, and without them so that flights with one
+cause count together.
+"""
 
 from __future__ import annotations
 
@@ -50,10 +52,13 @@ def ending(flight: Flight) -> Ending:
         return Ending(True, True, words + within, "")
     told, plain = _circumstances(flight)
     if flight.code == reached:
-        return Ending(False, True, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}")
+        return Ending(
+            False, True, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}"
+        )
     head, figure = _what(flight)
     where = f" in phase {_phase(flight)}"
-    # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what counts together
+    # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what
+    # counts together
     here = where if flight.phase_names or figure else ""
     return Ending(False, False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
 
@@ -68,7 +73,9 @@ def _what(flight: Flight) -> tuple[str, str]:
 
 
 def _phase(flight: Flight) -> str:
-    """Phase in which it happened: for what the ground did, the one in which the ground was met, and not what contact brought about."""
+    """Phase in which it happened: for what the ground did, the one in which the ground was met, and not what
+    contact brought about.
+    """
     names = flight.phase_names
     if not names:
         return "free flight"
@@ -80,7 +87,9 @@ def _phase(flight: Flight) -> str:
 
 
 def _circumstances(flight: Flight) -> tuple[str, str]:
-    """What went wrong before, in words with and without figures: propellant used up, engine cut off in the air, legs not let out."""
+    """What went wrong before, in words with and without figures: propellant used up, engine cut off in the
+    air, legs not let out.
+    """
     plant = flight.plant[0]
     told, plain = [], []
     if isfinite(t := float(plant["exhausted_time"])):

@@ -1,6 +1,8 @@
-"""Whether all that the flight computer works with is finite, asked in every cycle; and what was not finite first.
+"""Whether all that the flight computer works with is finite, asked in every cycle; and what was not finite
+first.
 
-Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this look would end such a flight.
+Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this
+look would end such a flight.
 """
 
 from __future__ import annotations
@@ -16,17 +18,24 @@ from edl6dof.sensors.perfect import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
 #: Exponent of a number that is infinite or none, its lowest bit, and the sign.
-_EXPONENT, _LOWEST, _SIGN = np.uint64(0x7FF0_0000_0000_0000), np.uint64(0x0010_0000_0000_0000), np.uint64(0x8000_0000_0000_0000)
+_EXPONENT, _LOWEST, _SIGN = (
+    np.uint64(0x7FF0_0000_0000_0000),
+    np.uint64(0x0010_0000_0000_0000),
+    np.uint64(0x8000_0000_0000_0000),
+)
 
 
 def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int, int]:
-    """Eight-byte words of a record from one field through another; whole numbers between are never negative, and so look finite."""
+    """Eight-byte words of a record from one field through another; whole numbers between are never negative,
+    and so look finite.
+    """
     start, end = layout.fields[first][1], layout.fields[last][1] + layout[last].itemsize
     return (base + start) // 8, (base + end) // 8
 
 
-#: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its state, and whatever is wrong with
-#: the memory of the flight computer in what guidance, control and modulation make of it.
+#: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
+#: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
+#: modulation make of it.
 _SENSED = _words(SENSED, "t", "imu_gain_B", SENSORS.fields["sensed"][1])
 _PHASE_START = _words(FSW, "phase_start", "phase_start")
 _WORKED_OUT = _words(FSW, "mass", "demand")
@@ -35,7 +44,9 @@ _COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
 
 @kernel
 def _gather(words, fields, wrong):
-    """Set the top bit of ``wrong`` if a word has every bit of the exponent set: adding the lowest one carries into the sign."""
+    """Set the top bit of ``wrong`` if a word has every bit of the exponent set: adding the lowest one carries
+    into the sign.
+    """
     for i in range(fields[0], fields[1]):
         wrong |= (words[i] & _EXPONENT) + _LOWEST
     return wrong
@@ -43,7 +54,9 @@ def _gather(words, fields, wrong):
 
 @kernel
 def works_with_finite(sensors, memory):
-    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as ``uint64`` words."""
+    """Whether what is sensed, navigated, guided, estimated, demanded and commanded is finite; given as
+    ``uint64`` words.
+    """
     wrong = _gather(sensors, _SENSED, _LOWEST)
     wrong = _gather(memory, _PHASE_START, wrong)
     wrong = _gather(memory, _WORKED_OUT, wrong)
@@ -52,7 +65,9 @@ def works_with_finite(sensors, memory):
 
 
 def first_cause(plant: np.ndarray, sensors: np.ndarray, fsw: np.ndarray) -> str | None:
-    """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when all are."""
+    """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when
+    all are.
+    """
     for name, record in (("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
@@ -60,7 +75,9 @@ def first_cause(plant: np.ndarray, sensors: np.ndarray, fsw: np.ndarray) -> str 
 
 
 def _plain_name(record: str, path: str) -> str:
-    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``sensed.t``, ``fsw.guide.bank`` for anything else."""
+    """``velocity x (I)`` for a state, ``rate of velocity x (I)`` for a derivative, ``sensed.t``,
+    ``fsw.guide.bank`` for anything else.
+    """
     field, _, index = path.partition("[")
     if record == "plant" and field in ("y", "trial", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]

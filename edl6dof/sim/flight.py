@@ -86,7 +86,9 @@ class Flight:
         return self.scenario.phase_names
 
     def during(self, role: str) -> np.ndarray:
-        """Rows of telemetry from the first to the last phase of a role, shape (rows,), bool; none where no phase has it."""
+        """Rows of telemetry from the first to the last phase of a role, shape (rows,), bool; none where no
+        phase has it.
+        """
         return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
 
     @property
@@ -96,7 +98,9 @@ class Flight:
 
     @cached_property
     def telemetry(self) -> Telemetry:
-        """Columns by name, each shape (rows,), in the unit of the name's suffix; see ``edl6dof.telemetry.channels``."""
+        """Columns by name, each shape (rows,), in the unit of the name's suffix; see
+        ``edl6dof.telemetry.channels``.
+        """
         return Telemetry(self.log, self.scenario.thruster_names)
 
     def release_log(self) -> None:
@@ -127,8 +131,13 @@ class Flight:
     @property
     def _faults(self) -> list[Moment]:
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
-        rows = [moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN]
-        found = [moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, finding=one.label) for one in self.findings]
+        rows = [
+            moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN
+        ]
+        found = [
+            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, finding=one.label)
+            for one in self.findings
+        ]
         return rows + found
 
     @cached_property
@@ -144,8 +153,12 @@ class Flight:
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
-        """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
-        if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in self.scenario.mission.phases):
+        """Miss of the aim point where the parachute opened; empty without a mortar or without entry
+        guidance.
+        """
+        if "parachute_s" not in figures or all(
+            phase.guidance != "entry" for phase in self.scenario.mission.phases
+        ):
             return {}
         aim, radius_m = self.scenario.aim_point, self.scenario.planet.equatorial_radius_m
         return deployment_figures(self.telemetry, figures["parachute_s"], aim, radius_m)
@@ -162,7 +175,9 @@ class Flight:
 
     @property
     def success(self) -> bool:
-        """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within all limits."""
+        """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within
+        all limits.
+        """
         return self.ending.success
 
     @cached_property
@@ -177,7 +192,9 @@ class Flight:
 
     @property
     def cause(self) -> str:
-        """Why the flight is no success, without numbers, so that flights with one cause count together; empty for a success."""
+        """Why the flight is no success, without numbers, so that flights with one cause count together; empty
+        for a success.
+        """
         return self.ending.cause
 
     @property
@@ -203,8 +220,14 @@ class Flight:
         if not times[0] <= t <= times[-1]:
             raise ValueError(f"t must lie in {times[0]:g} .. {times[-1]:g} s, got {t:g}")
         i = int(np.searchsorted(times, t, side="right")) - 1
-        before, after = (Quaternion([attitudes[f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, min(i + 1, len(times) - 1)))
-        return Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i])) if t > times[i] else before
+        before, after = (
+            Quaternion([attitudes[f"q_I2B_{c}"][j] for c in "wxyz"]) for j in (i, min(i + 1, len(times) - 1))
+        )
+        return (
+            Quaternion.slerp(before, after, (t - times[i]) / (times[i + 1] - times[i]))
+            if t > times[i]
+            else before
+        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """Telemetry as a data frame indexed by time.
@@ -221,7 +244,12 @@ def resolved_text(loaded: LoadedScenario) -> str:
     """Resolved scenario with the package version on top."""
     from edl6dof import __version__
 
-    header = [f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight bit for bit"]
+    header = [
+        (
+            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight "
+            "bit for bit"
+        )
+    ]
     return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
 
 
@@ -229,7 +257,9 @@ def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenar
     """The scenario a saved state belongs to."""
     from edl6dof.config.document.overrides import apply_overrides
 
-    return check_document(apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario))
+    return check_document(
+        apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
+    )
 
 
 def fly(
@@ -249,8 +279,8 @@ def fly(
         save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
         progress: called every few seconds of flight.
         parts: the scenario's records, where the caller has built them already.
-        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than figures and events need, of
-            ``BRIEF``; the flight then reads from it.
+        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than
+            figures and events need, of ``BRIEF``; the flight then reads from it.
 
     Raises:
         ConfigError: the state does not fit the scenario.
@@ -263,7 +293,12 @@ def fly(
         prepare(case, tables, plant)
     else:
         start.check_fits(scenario)
-        plant, fsw, sensors, cycle = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensors), start.cycle
+        plant, fsw, sensors, cycle = (
+            duplicate(start.plant),
+            duplicate(start.fsw),
+            duplicate(start.sensors),
+            start.cycle,
+        )
         take_up(case, plant, fsw)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
@@ -271,7 +306,8 @@ def fly(
     chunk = round((QUIET_CHUNK_S if progress is None else CHUNK_S) * base)
     first, code, saved, rows = cycle, FLYING, None, 0
     if log is None:
-        # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight allowed
+        # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight
+        # allowed
         log = np.zeros(log_rows(loaded, cycle), TICK)
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
@@ -280,13 +316,17 @@ def fly(
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
-        code, flown, new = fly_cycles(case, onboard, tables, plant, sensors, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows)
+        code, flown, new = fly_cycles(
+            case, onboard, tables, plant, sensors, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows
+        )
         rows += new
         cycle += flown
         if progress is not None:
             _report(progress, scenario, plant, fsw)
     wrong = first_cause(plant, sensors, fsw) if code != goal_code(scenario.mission.goal) else None
-    return Flight(loaded, case, plant, fsw, log[:rows], NOT_FINITE if wrong else code, cycle - first, saved, wrong)
+    return Flight(
+        loaded, case, plant, fsw, log[:rows], NOT_FINITE if wrong else code, cycle - first, saved, wrong
+    )
 
 
 def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:
@@ -302,7 +342,13 @@ def _report(progress: Progress, scenario: Scenario, plant: np.ndarray, fsw: np.n
     phases = scenario.mission.phases
     phase = phases[int(fsw["phase"][0])].name if phases else "free flight"
     out = plant["out"][0]
-    progress(float(plant["t"][0]), scenario.simulation.time_limit_s, phase, float(out["altitude"]), float(out["mach"]))
+    progress(
+        float(plant["t"][0]),
+        scenario.simulation.time_limit_s,
+        phase,
+        float(out["altitude"]),
+        float(out["mach"]),
+    )
 
 
 __all__ = ["FSW", "PLANT", "Flight", "Progress", "continue_from", "fly", "resolved_text"]

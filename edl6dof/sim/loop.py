@@ -27,7 +27,9 @@ def prepare(cases, tables_, plants):
 
 @kernel
 def take_up(cases, plants, memories):
-    """Let a saved plant and flight-software memory forget what they worked out from parameters, which may have changed since."""
+    """Let a saved plant and flight-software memory forget what they worked out from parameters, which may
+    have changed since.
+    """
     case, plant, allocator = cases[0], plants[0], memories[0].allocator
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
     allocator.effect_of = allocator.gram_of = 0
@@ -46,9 +48,10 @@ def write_row(case, plant, fsw, log, brief, row):
 def fly(cases, onboards, tables_, plants, sensors_, memories, first, last, steps, log, brief, log_first):
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
-    All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one is empty and the other
-    has a row for each logged cycle.  Cycle ``k`` starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and
-    the last state always.  A step that fails is undone: the last state is the one before it.
+    All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one
+    is empty and the other has a row for each logged cycle.  Cycle ``k`` starts at ``k / base rate``; a row is
+    logged every ``simulation.log_every`` cycles, and the last state always.  A step that fails is undone: the
+    last state is the one before it.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     sensors, fsw = sensors_[0], memories[0]

@@ -11,7 +11,17 @@ from edl6dof.vehicle.body import tilt
 from edl6dof.vehicle.parachute import PACKED
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
-OUTCOMES = ("flying", "landed", "crashed", "tipped over", "lost attitude", "skipped out", "not finite", "time limit", "deployed")
+OUTCOMES = (
+    "flying",
+    "landed",
+    "crashed",
+    "tipped over",
+    "lost attitude",
+    "skipped out",
+    "not finite",
+    "time limit",
+    "deployed",
+)
 FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT, DEPLOYED = range(9)
 
 #: Dynamic pressure (Pa) below which the angle of attack says nothing about control.

@@ -1,8 +1,9 @@
 """All conversions between frames, once.
 
-I inertial and F planet-fixed share the planet's pole as z; F turns by ``rotation_rate * t`` and coincides with I at t = 0.
-N is north-east-down of the geodetic vertical; L is east-north-up at a fixed point; V is the frame of the air-relative velocity
-(x along it, z in the plane of the local vertical, down) turned by the bank angle.  Angles in rad, lengths in m.
+I inertial and F planet-fixed share the planet's pole as z; F turns by ``rotation_rate * t`` and coincides
+with I at t = 0. N is north-east-down of the geodetic vertical; L is east-north-up at a fixed point; V is the
+frame of the air-relative velocity (x along it, z in the plane of the local vertical, down) turned by the bank
+angle.  Angles in rad, lengths in m.
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ def rotate_z(angle_cos, angle_sin, v):
 def geodetic(radius, flattening, r_F):
     """Sines and cosines of geodetic latitude and longitude, and the height above the ellipsoid.
 
-    Returns (sin_lat, cos_lat, sin_lon, cos_lon, altitude).  Bowring's parametric-latitude iteration without trigonometric
-    functions; two passes leave less than 1e-9 m for heights up to 10,000 km.  The height, an extreme over the latitude, is as good after
-    one (1e-9 m up to 1,000 km, 1e-8 m up to 10,000 km), and density waits for it.
+    Returns (sin_lat, cos_lat, sin_lon, cos_lon, altitude).  Bowring's parametric-latitude iteration without
+    trigonometric functions; two passes leave less than 1e-9 m for heights up to 10,000 km.  The height, an
+    extreme over the latitude, is as good after one (1e-9 m up to 1,000 km, 1e-8 m up to 10,000 km), and
+    density waits for it.
     Source: B. R. Bowring, "Transformation from spatial to geographical coordinates", Survey Review 23 (1976).
     """
     x, y, z = r_F
@@ -37,7 +39,8 @@ def geodetic(radius, flattening, r_F):
     cos_lon, sin_lon = (x * inverse, y * inverse) if axis > 0.0 else (1.0, 0.0)
     shape = 1.0 - flattening
     e2 = flattening * (2.0 - flattening)
-    # in radii; sine and cosine keep a common factor up to the end: normalising them in each pass cost 10 % more
+    # in radii; sine and cosine keep a common factor up to the end: normalising them in each pass cost 10 %
+    # more
     per_radius = 1.0 / radius
     height, width = z * per_radius, axis * per_radius
     s, c = _bowring(height, width, shape, e2, height, shape * shape * width)
@@ -50,7 +53,9 @@ def geodetic(radius, flattening, r_F):
 
 @kernel
 def _bowring(height, width, shape, e2, s, c):
-    """One pass: better sine and cosine of latitude, times a common factor, from ``s`` and ``c`` with another."""
+    """One pass: better sine and cosine of latitude, times a common factor, from ``s`` and ``c`` with
+    another.
+    """
     sb, cb = shape * s, c
     b2 = sb * sb + cb * cb
     b3 = b2 * sqrt(b2)
@@ -88,14 +93,25 @@ def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
     )
 
 
-#: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and longitude.
-LOCAL_FRAME = np.dtype([("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")], align=True)
+#: A local frame L fixed to the planet: its origin in F, and sines and cosines of its geodetic latitude and
+#: longitude.
+LOCAL_FRAME = np.dtype(
+    [("origin_F", "f8", (3,)), ("sin_lat", "f8"), ("cos_lat", "f8"), ("sin_lon", "f8"), ("cos_lon", "f8")],
+    align=True,
+)
 
 
-def fill_local_frame(record: np.void, radius: float, flattening: float, lat: float, lon: float, altitude: float) -> None:
+def fill_local_frame(
+    record: np.void, radius: float, flattening: float, lat: float, lon: float, altitude: float
+) -> None:
     """Place a ``LOCAL_FRAME`` record at a geodetic latitude and longitude (rad) and height (m)."""
     record["origin_F"] = from_geodetic(radius, flattening, lat, lon, altitude)
-    record["sin_lat"], record["cos_lat"], record["sin_lon"], record["cos_lon"] = sin(lat), cos(lat), sin(lon), cos(lon)
+    record["sin_lat"], record["cos_lat"], record["sin_lon"], record["cos_lon"] = (
+        sin(lat),
+        cos(lat),
+        sin(lon),
+        cos(lon),
+    )
 
 
 @kernel
@@ -108,7 +124,9 @@ def fixed_to_enu(site_F, sin_lat, cos_lat, sin_lon, cos_lon, r_F):
 @kernel
 def to_local(frame, r_F):
     """East, north, up in a ``LOCAL_FRAME`` of a position in F."""
-    return fixed_to_enu(take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F)
+    return fixed_to_enu(
+        take3(frame.origin_F, 0), frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, r_F
+    )
 
 
 @kernel
@@ -121,7 +139,9 @@ def ned_attitude(sin_lat, cos_lat, sin_lon, cos_lon):
 
 @kernel
 def wind_angles(v_B):
-    """Speed, angle of attack and sideslip of an air-relative velocity in B: alpha = atan2(w, u), beta = asin(v / V)."""
+    """Speed, angle of attack and sideslip of an air-relative velocity in B: alpha = atan2(w, u), beta =
+    asin(v / V).
+    """
     speed = sqrt(v_B[0] * v_B[0] + v_B[1] * v_B[1] + v_B[2] * v_B[2])
     if speed <= 0.0:
         return 0.0, 0.0, 0.0
@@ -136,10 +156,11 @@ def total_angle_of_attack(v_B):
 
 @kernel
 def path_axes(v, up):
-    """Unit axes of the path frame at zero bank: x along ``v``, y right (horizontal), z down, for a unit vector ``up``.
+    """Unit axes of the path frame at zero bank: x along ``v``, y right (horizontal), z down, for a unit
+    vector ``up``.
 
-    A vertical velocity leaves the horizontal direction open: y is then any horizontal unit vector.  A vehicle at rest counts as
-    moving straight down.
+    A vertical velocity leaves the horizontal direction open: y is then any horizontal unit vector.  A vehicle
+    at rest counts as moving straight down.
     """
     x = unit(v)
     if dot(x, x) == 0.0:
@@ -159,10 +180,12 @@ def path_axes(v, up):
 
 @kernel
 def bank_angle(v, up, body_x, body_y, body_z):
-    """Bank angle: rotation about the velocity from the zero-bank path frame to the body turned back by alpha and beta.
+    """Bank angle: rotation about the velocity from the zero-bank path frame to the body turned back by alpha
+    and beta.
 
-    All vectors in one common frame.  The body axis that stays perpendicular to the velocity under alpha and beta rotations is
-    ``y_V = (y_B - sin(beta) x_V) / cos(beta)``; the bank angle is its angle from the horizontal, positive right wing down.
+    All vectors in one common frame.  The body axis that stays perpendicular to the velocity under alpha and
+    beta rotations is ``y_V = (y_B - sin(beta) x_V) / cos(beta)``; the bank angle is its angle from the
+    horizontal, positive right wing down.
     """
     x, y, z = path_axes(v, up)
     side = dot(body_y, x)
@@ -172,7 +195,9 @@ def bank_angle(v, up, body_x, body_y, body_z):
 
 @kernel
 def attitude_from_wind_angles(v, up, bank, alpha, beta):
-    """``q_A2B`` of a body flying with the given bank, angle of attack and sideslip; ``v`` and ``up`` are components in A."""
+    """``q_A2B`` of a body flying with the given bank, angle of attack and sideslip; ``v`` and ``up`` are
+    components in A.
+    """
     x, y, z = path_axes(v, up)
     q_path = from_axes(x, y, z)
     q_bank = (cos(0.5 * bank), sin(0.5 * bank), 0.0, 0.0)

@@ -7,7 +7,9 @@ from edl6dof.jit import kernel
 
 @kernel
 def smooth(profile, rows, row, t):
-    """Catmull-Rom cubic through ``profile`` between ``row`` and the next (t in 0..1): continuous slope, exact at the rows."""
+    """Catmull-Rom cubic through ``profile`` between ``row`` and the next (t in 0..1): continuous slope, exact
+    at the rows.
+    """
     p1 = profile[row]
     p2 = profile[row + 1]
     p0 = profile[max(row - 1, 0)]

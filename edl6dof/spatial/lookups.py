@@ -1,7 +1,7 @@
 """Where a number lies in a table: the one place that makes an index out of a float.
 
-Whatever the float, infinite or not a number, the index lies within the table; what is not a number stays one in the share, so that what is
-read with it is none either.
+Whatever the float, infinite or not a number, the index lies within the table; what is not a number stays one
+in the share, so that what is read with it is none either.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from edl6dof.jit import kernel
 
 @kernel
 def cell(position, cells):
-    """Index 0 .. ``cells`` - 1 of the cell that ``position`` (in cells from the first node) lies in, and the position from its lower node.
+    """Index 0 .. ``cells`` - 1 of the cell that ``position`` (in cells from the first node) lies in, and the
+    position from its lower node.
 
-    The second is 0..1 inside the table, and outside it the distance beyond, from the node below the first or last cell.
+    The second is 0..1 inside the table, and outside it the distance beyond, from the node below the first or
+    last cell.
     """
     if position >= cells - 1:
         return cells - 1, position - (cells - 1)
@@ -37,14 +39,17 @@ def held(share):
 
 @kernel
 def held_cell(position, cells):
-    """Index of the cell and share of the way to its upper node (0..1), both held beyond the ends of the table."""
+    """Index of the cell and share of the way to its upper node (0..1), both held beyond the ends of the
+    table.
+    """
     index, share = cell(position, cells)
     return index, held(share)
 
 
 @kernel
 def cell_among(nodes, count, value):
-    """Index of the cell among the first ``count`` (2 or more) rising ``nodes`` that ``value`` lies in, and the share of the way across it.
+    """Index of the cell among the first ``count`` (2 or more) rising ``nodes`` that ``value`` lies in, and
+    the share of the way across it.
 
     Both are held beyond the ends.
     """

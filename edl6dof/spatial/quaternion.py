@@ -1,8 +1,9 @@
 """Unit quaternions, scalar first, Hamilton product.
 
 ``q_A2B`` describes the attitude of frame B relative to A and turns components in A into components in B:
-``v_B = to_frame(q_A2B, v_A)`` and back ``v_A = from_frame(q_A2B, v_B)``.  In pyquaternion's terms ``q_A2B`` is the rotation that
-carries the axes of A onto the axes of B, so ``Quaternion(q_A2B).inverse.rotate(v_A)`` gives ``v_B``.
+``v_B = to_frame(q_A2B, v_A)`` and back ``v_A = from_frame(q_A2B, v_B)``.  In pyquaternion's terms ``q_A2B``
+is the rotation that carries the axes of A onto the axes of B, so ``Quaternion(q_A2B).inverse.rotate(v_A)``
+gives ``v_B``.
 """
 
 from __future__ import annotations

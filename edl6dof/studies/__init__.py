@@ -1,1 +1,3 @@
-"""The papers' own experiments, flown with this simulator, and their published figures beside what comes out."""
+"""The papers' own experiments, flown with this simulator, and their published figures beside what comes
+out.
+"""

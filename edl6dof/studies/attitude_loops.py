@@ -1,10 +1,12 @@
 """Stability margins of the attitude loops inside their PID zones, from the sampled linear loop as it flies.
 
-One axis is a double integrator of unit inertia.  The control law runs every cycle T; the demanded torque acts from the valve lag on until
-the next one does (pulse modulation gives the demanded mean over a cycle, so it counts as a hold).  The disturbance estimator sees the
-rate a sensor delay late and knows which commands fell into the cycle it looks at.  Left out: the quantum of the minimum pulse and the
-deadband of the modulation, which make a limit cycle of their own size but do not move these margins.
-Source: the loop of Hu et al. 2022, sections 4 and 6; margins by the open loop at the plant's input, in the z-domain.
+One axis is a double integrator of unit inertia.  The control law runs every cycle T; the demanded torque acts
+from the valve lag on until the next one does (pulse modulation gives the demanded mean over a cycle, so it
+counts as a hold).  The disturbance estimator sees the rate a sensor delay late and knows which commands fell
+into the cycle it looks at.  Left out: the quantum of the minimum pulse and the deadband of the modulation,
+which make a limit cycle of their own size but do not move these margins.
+Source: the loop of Hu et al. 2022, sections 4 and 6; margins by the open loop at the plant's input, in the
+z-domain.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ import numpy as np
 
 from edl6dof.scenario.schema import Scenario
 
-#: States: angle, rate, last input of the plant, last measured rate, last two commands, disturbance estimate, the same smoothed, integral.
+#: States: angle, rate, last input of the plant, last measured rate, last two commands, disturbance estimate,
+#: the same smoothed, integral.
 _STATES = 9
 #: Changes of gain that are tried, dB.
 SEARCH_DB = 60.0
@@ -53,14 +56,20 @@ class Loop:
         return replace(self, proportional=p, integral=i, derivative=d, smoothing=smoothing)
 
     def matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(A, B, C) from the acceleration that reaches the plant to the one commanded, one cycle to the next."""
+        """(A, B, C) from the acceleration that reaches the plant to the one commanded, one cycle to the
+        next.
+        """
         cycle, lag, delay = self.cycle, self.valve_lag, self.sensor_delay
         gain = 1.0 - exp(-self.pole * cycle)
         smooth = 1.0 - exp(-cycle / self.smoothing) if self.smoothing else 1.0
         angle, rate, applied, measured, last, before, estimate, smoothed, integral = np.eye(_STATES)
         now = rate - delay * applied
         expected = ((delay + lag) * before + (cycle - delay - lag) * last) / cycle
-        found = gain * ((now - measured) / cycle - expected) + (1.0 - gain) * estimate if self.pole else 0.0 * estimate
+        found = (
+            gain * ((now - measured) / cycle - expected) + (1.0 - gain) * estimate
+            if self.pole
+            else 0.0 * estimate
+        )
         used = smoothed + smooth * (found - smoothed)
         summed = integral - cycle * angle if self.integral else 0.0 * integral
         command = -self.proportional * angle + self.integral * summed - self.derivative * rate - used
@@ -71,7 +80,9 @@ class Loop:
         return after, entering, command
 
     def open_loop(self, frequency: np.ndarray) -> np.ndarray:
-        """L(j w) at the plant's input for frequencies in rad/s; the closed loop is stable where 1 + L is not encircled."""
+        """L(j w) at the plant's input for frequencies in rad/s; the closed loop is stable where 1 + L is not
+        encircled.
+        """
         a, b, c = self.matrices()
         z = np.exp(1j * np.asarray(frequency) * self.cycle)
         return np.array([-c @ np.linalg.solve(point * np.eye(_STATES) - a, b) for point in z])
@@ -102,12 +113,20 @@ class Margins:
 
 
 def margins(loop: Loop) -> Margins:
-    """Phase margin from the open loop on a fine grid up to the Nyquist frequency, gain margins from the poles of the closed one."""
+    """Phase margin from the open loop on a fine grid up to the Nyquist frequency, gain margins from the poles
+    of the closed one.
+    """
     w = np.geomspace(1e-2, 0.9999 * pi / loop.cycle, 20000)
     answer = loop.open_loop(w)
     down = np.flatnonzero(np.abs(answer) >= 1.0)[-1]
     angle = float(np.angle(-answer[down]))
-    return Margins(float(w[down]), degrees(angle), _gain_limit(loop, 1.0), _gain_limit(loop, -1.0), angle / float(w[down]))
+    return Margins(
+        float(w[down]),
+        degrees(angle),
+        _gain_limit(loop, 1.0),
+        _gain_limit(loop, -1.0),
+        angle / float(w[down]),
+    )
 
 
 def _gain_limit(loop: Loop, sign: float) -> float:
@@ -134,7 +153,11 @@ def flown_loops(scenario: Scenario) -> dict[str, Loop]:
         "sensor_delay": scenario.sensors.imu.delay_cycles / rates.base_hz,
     }
     steer, lander = control.bank_to_steer, control.thrust_vector
-    pole = software.estimation.disturbance.torque_pole_rad_s if lander.against_disturbance == "estimator" else 0.0
+    pole = (
+        software.estimation.disturbance.torque_pole_rad_s
+        if lander.against_disturbance == "estimator"
+        else 0.0
+    )
 
     def loop(zone, pole: float = 0.0, integral: bool = True) -> Loop:
         return Loop(zone.proportional, zone.integral if integral else 0.0, zone.derivative, pole, **times)

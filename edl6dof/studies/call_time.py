@@ -34,7 +34,9 @@ def _repeat(law, onboards, navs, memories, work, outs, repeats):
 
 
 def call_time(loaded: LoadedScenario) -> float:
-    """Mean processor time of one guidance call (us) over states of the nominal flight, steering and air data included."""
+    """Mean processor time of one guidance call (us) over states of the nominal flight, steering and air data
+    included.
+    """
     onboard = build_records(loaded).onboard
     saved = [flight.saved for t in TIMED_AT if (flight := fly(loaded, save_at_s=t)).saved is not None]
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)

@@ -19,9 +19,14 @@ class Spread:
 
 
 def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, float]]:
-    """True values of ``runs`` flights by dotted path; the first flights of a longer series are those of a shorter one."""
+    """True values of ``runs`` flights by dotted path; the first flights of a longer series are those of a
+    shorter one.
+    """
     normal = np.random.default_rng(seed).standard_normal((runs, len(spreads)))
-    return [{s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)} for row in normal]
+    return [
+        {s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)}
+        for row in normal
+    ]
 
 
 def values(table: pa.Table, name: str) -> np.ndarray:

@@ -1,6 +1,8 @@
-"""The setting of Lu & Bayard's theorem, integrated by itself: drag, drag rate and speed under eq. 15, constant theta, unlimited control.
+"""The setting of Lu & Bayard's theorem, integrated by itself: drag, drag rate and speed under eq. 15,
+constant theta, unlimited control.
 
-The controller is made of the kernels that fly (feedback, Riccati solution, adaptation); the reference is a given function of time.
+The controller is made of the kernels that fly (feedback, Riccati solution, adaptation); the reference is a
+given function of time.
 """
 
 from __future__ import annotations
@@ -53,7 +55,11 @@ class Response:
 
     def bound(self, design: Design) -> float:
         """What the theorem allows the error energy to be: lambda^2 int w^2 + epsilon + z(0)' P z(0)."""
-        return float(design.gain**2 * np.trapezoid(self.disturbance**2, self.t)) + design.energy + self.start_energy
+        return (
+            float(design.gain**2 * np.trapezoid(self.disturbance**2, self.t))
+            + design.energy
+            + self.start_energy
+        )
 
 
 def respond(
@@ -79,20 +85,41 @@ def respond(
     """
     p11, p12, p22 = riccati(design.gain, design.weight)
     goal, goal_rate, _ = reference(0.0)
-    state, estimate = np.array([goal + start[0], goal_rate + start[1], start[2]]), 0.5 * (design.low + design.high)
+    state, estimate = (
+        np.array([goal + start[0], goal_rate + start[1], start[2]]),
+        0.5 * (design.low + design.high),
+    )
     steps = round(duration / STEP_S)
-    t, errors, estimates = STEP_S * np.arange(steps + 1), np.empty(steps + 1), np.empty((steps + 1, len(estimate)))
+    t, errors, estimates = (
+        STEP_S * np.arange(steps + 1),
+        np.empty(steps + 1),
+        np.empty((steps + 1, len(estimate))),
+    )
     for k, now in enumerate(t):
         goal, goal_rate, _ = reference(now)
         error, error_rate = state[0] - goal, state[1] - goal_rate
         errors[k], estimates[k] = error, estimate
         first, regressor = _rates(design, reference, theta, estimate, disturbance, now, state)
         half = now + 0.5 * STEP_S
-        second, _ = _rates(design, reference, theta, estimate, disturbance, half, state + 0.5 * STEP_S * first)
-        third, _ = _rates(design, reference, theta, estimate, disturbance, half, state + 0.5 * STEP_S * second)
-        fourth, _ = _rates(design, reference, theta, estimate, disturbance, now + STEP_S, state + STEP_S * third)
+        second, _ = _rates(
+            design, reference, theta, estimate, disturbance, half, state + 0.5 * STEP_S * first
+        )
+        third, _ = _rates(
+            design, reference, theta, estimate, disturbance, half, state + 0.5 * STEP_S * second
+        )
+        fourth, _ = _rates(
+            design, reference, theta, estimate, disturbance, now + STEP_S, state + STEP_S * third
+        )
         if adaptive:
-            adapt(estimate, design.low, design.high, regressor, p12 * error + p22 * error_rate, design.energy, STEP_S)
+            adapt(
+                estimate,
+                design.low,
+                design.high,
+                regressor,
+                p12 * error + p22 * error_rate,
+                design.energy,
+                STEP_S,
+            )
         state = state + STEP_S / 6.0 * (first + 2.0 * (second + third) + fourth)
     stored = p11 * start[0] ** 2 + 2.0 * p12 * start[0] * start[1] + p22 * start[1] ** 2
     return Response(t, errors, np.array([disturbance(now) for now in t]), estimates, stored)
@@ -109,7 +136,9 @@ def _rates(
 ) -> tuple[np.ndarray, tuple[float, ...]]:
     """Rates of (drag, drag rate, speed) under the control of eq. 16, and the regressor g1."""
     drag, rate, speed = state
-    free, unknown, per_u = uncertain_drag(drag, rate, speed, design.gravity, design.radius, design.scale_height)
+    free, unknown, per_u = uncertain_drag(
+        drag, rate, speed, design.gravity, design.radius, design.scale_height
+    )
     goal, goal_rate, goal_acceleration = reference(t)
     f1, f2 = feedback(design.gain, design.weight)
     wanted = goal_acceleration + f1 * (drag - goal) + f2 * (rate - goal_rate)

@@ -1,4 +1,6 @@
-"""Drawings of studies in the style of the reports: each becomes a figure with its panels side by side, and that a PNG."""
+"""Drawings of studies in the style of the reports: each becomes a figure with its panels side by side, and
+that a PNG.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ def save_drawing(drawing: study.Drawing, folder: Path) -> Path:
 
 def figure_of(drawing: study.Drawing) -> Figure:
     """The drawing as a figure of a report."""
-    return Figure(drawing.name, "", [_panel(panel) for panel in drawing.panels], columns=len(drawing.panels), height=380)
+    return Figure(
+        drawing.name, "", [_panel(panel) for panel in drawing.panels], columns=len(drawing.panels), height=380
+    )
 
 
 def _panel(panel: study.Panel) -> Panel:

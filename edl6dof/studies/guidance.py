@@ -1,9 +1,11 @@
-"""Every entry law on the same dispersed entries, Tianwen-1 and an MSL-class vehicle, rigid body, from entry interface to the mortar.
+"""Every entry law on the same dispersed entries, Tianwen-1 and an MSL-class vehicle, rigid body, from entry
+interface to the mortar.
 
-No paper's experiment but this simulator's own: one plant, one attitude controller, one reversal logic, the same errors.  Dispersions:
-section 8 of the Tianwen-1 reference numbers (three sigma), as far as they act before the parachute; one factor of 5 % stands for the axial
-force, whose error there depends on the Mach number, and the mean wind is scaled by 1 +- 0.5 (one sigma, section 4.3).  The MSL-class
-vehicle gets the same relative errors.  The miss is that of the point entry guidance steers to, at mortar fire.
+No paper's experiment but this simulator's own: one plant, one attitude controller, one reversal logic, the
+same errors.  Dispersions: section 8 of the Tianwen-1 reference numbers (three sigma), as far as they act
+before the parachute; one factor of 5 % stands for the axial force, whose error there depends on the Mach
+number, and the mean wind is scaled by 1 +- 0.5 (one sigma, section 4.3).  The MSL-class vehicle gets the same
+relative errors.  The miss is that of the point entry guidance steers to, at mortar fire.
 """
 
 from __future__ import annotations
@@ -53,7 +55,8 @@ _ABSOLUTE = {
 }
 #: Three sigma, of the nominal value.
 _RELATIVE = {"vehicle.mass.entry_kg": 15.0 / 1285.0, **{f"{_INERTIA}.{i}": 0.1 for i in range(3)}}
-#: Three sigma of the centre of mass (x, y, z), of the diameter: 10 mm along and 5 mm across the axis for Tianwen-1.
+#: Three sigma of the centre of mass (x, y, z), of the diameter: 10 mm along and 5 mm across the axis for
+#: Tianwen-1.
 _CENTRE = (0.010 / 3.4, 0.005 / 3.4, 0.005 / 3.4)
 _THRUST = 0.05
 #: What every flight has besides.
@@ -66,19 +69,26 @@ TARGET_KM, CALL_US, CALL_NPC_US = 5.0, 5.0, 2000.0
 def spreads(scenario: Scenario) -> list[Spread]:
     """Dispersions of a scenario about its own nominal."""
     found = [Spread(path, value_at(scenario, path), three_sigma) for path, three_sigma in _ABSOLUTE.items()]
-    found += [Spread(path, mean := value_at(scenario, path), share * abs(mean)) for path, share in _RELATIVE.items()]
+    found += [
+        Spread(path, mean := value_at(scenario, path), share * abs(mean)) for path, share in _RELATIVE.items()
+    ]
     diameter = scenario.vehicle.aero.capsule.diameter_m
     for axis, share in enumerate(_CENTRE):
-        found.append(Spread(path := f"vehicle.mass.entry_centre_m.{axis}", value_at(scenario, path), share * diameter))
+        found.append(
+            Spread(path := f"vehicle.mass.entry_centre_m.{axis}", value_at(scenario, path), share * diameter)
+        )
     for jet in scenario.vehicle.rcs.thrusters:
-        found.append(Spread(f"vehicle.rcs.thrusters.{jet.name}.thrust_n", jet.thrust_n, _THRUST * jet.thrust_n))
+        found.append(
+            Spread(f"vehicle.rcs.thrusters.{jet.name}.thrust_n", jet.thrust_n, _THRUST * jet.thrust_n)
+        )
     return found
 
 
 def entries(scenario: Scenario, runs: int) -> list[dict[str, Any]]:
     """True values of the dispersed entries.
 
-    The three moments of inertia grow and shrink together: a body whose axes are dispersed one by one may be none that exists.
+    The three moments of inertia grow and shrink together: a body whose axes are dispersed one by one may be
+    none that exists.
     """
     nominal = scenario.vehicle.mass.entry_inertia_kg_m2
     drawn: list[dict[str, Any]] = list(draw(spreads(scenario), runs, SEED))
@@ -99,16 +109,24 @@ def run(runs: int, progress: Progress) -> Report:
         tables[mission], calls[mission] = {}, {}
         for law in LAWS:
             loaded = load_scenario(mission, overrides(law, nominal))
-            cases = [Case(i, truth=truth, profile=i, label={"mission": mission, "law": law}) for i, truth in enumerate(truths)]
+            cases = [
+                Case(i, truth=truth, profile=i, label={"mission": mission, "law": law})
+                for i, truth in enumerate(truths)
+            ]
             before = done
             tables[mission][law] = fly_cases(
-                loaded, cases, collect=_figures, progress=lambda n, row, before=before: progress(before + n, total)
+                loaded,
+                cases,
+                collect=_figures,
+                progress=lambda n, row, before=before: progress(before + n, total),
             )
             done += runs
             calls[mission][law] = call_time(loaded)
     grids = tuple(_grid(mission, tables[mission], calls[mission]) for mission in MISSIONS)
     drawings = tuple(drawing for mission in MISSIONS for drawing in _drawings(mission, tables[mission]))
-    everything = pa.concat_tables([t for laws in tables.values() for t in laws.values()], promote_options="permissive")
+    everything = pa.concat_tables(
+        [t for laws in tables.values() for t in laws.values()], promote_options="permissive"
+    )
     return Report(tuple(_findings(tables, calls)), drawings, everything, total, _REMARKS, grids)
 
 
@@ -116,8 +134,14 @@ def overrides(law: str, nominal: LoadedScenario) -> list[str]:
     """What makes a mission fly with a law, down to the mortar; the open-loop profile is the planned one."""
     onboard = build_records(nominal).onboard[0]
     shift = float(onboard["reference"]["shift"])
-    speeds = np.linspace(nominal.scenario.flight_software.guidance.entry.align_speed_m_s + 1.0, nominal.scenario.initial.speed, 16)
-    points = [{"at": round(float(v), 3), "bank_deg": degrees(reference_bank(onboard, shift, v))} for v in speeds]
+    speeds = np.linspace(
+        nominal.scenario.flight_software.guidance.entry.align_speed_m_s + 1.0,
+        nominal.scenario.initial.speed,
+        16,
+    )
+    points = [
+        {"at": round(float(v), 3), "bank_deg": degrees(reference_bank(onboard, shift, v))} for v in speeds
+    ]
     return [
         "mission.goal=deployment",
         "simulation.log_every=5",
@@ -127,7 +151,9 @@ def overrides(law: str, nominal: LoadedScenario) -> list[str]:
 
 
 def _figures(flight: Flight) -> dict[str, float]:
-    """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment speed."""
+    """Control effort, saturation and tracking of one flight, in the phase of lift control above the alignment
+    speed.
+    """
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     lift = flight.during(LIFT)
     steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading.speed_m_s))
@@ -143,7 +169,8 @@ def _figures(flight: Flight) -> dict[str, float]:
     }
 
 
-# ---- what came out -------------------------------------------------------------------------------------------------------------
+# ---- what came out
+# -------------------------------------------------------------------------------------------------------------
 
 
 def misses(table: pa.Table) -> np.ndarray:
@@ -171,7 +198,9 @@ def _least(table: pa.Table, name: str) -> float:
 
 
 def quantile(miss: np.ndarray, share: float) -> float:
-    """Smallest miss that this share of the flights keeps: the next one above, so that no flight is interpolated away."""
+    """Smallest miss that this share of the flights keeps: the next one above, so that no flight is
+    interpolated away.
+    """
     return float(np.quantile(miss, share, method="higher"))
 
 
@@ -191,50 +220,97 @@ def _grid(mission: str, tables: dict[str, pa.Table], calls: dict[str, float]) ->
             _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table, "propellant_used_kg"),
             _mean(table, "saturation_s"), calls[law],
         ))  # fmt: skip
-    return Grid(f"{mission}: {len(next(iter(tables.values())))} dispersed entries, at mortar fire", _HEADS, tuple(rows))
+    return Grid(
+        f"{mission}: {len(next(iter(tables.values())))} dispersed entries, at mortar fire",
+        _HEADS,
+        tuple(rows),
+    )
 
 
-def _findings(tables: dict[str, dict[str, pa.Table]], calls: dict[str, dict[str, float]]) -> Iterator[Finding]:
+def _findings(
+    tables: dict[str, dict[str, pa.Table]], calls: dict[str, dict[str, float]]
+) -> Iterator[Finding]:
     for mission, laws in tables.items():
         best = min(laws, key=lambda law: quantile(misses(laws[law]), 0.99))
         target, bound = (TARGET_KM, "<=") if mission == "tianwen1" else (None, "")
         kept = 100.0 * float(np.mean(np.array(laws[best]["success"].to_pylist())))
-        yield Finding(f"{mission}: 99 % of misses, best law", "km", quantile(misses(laws[best]), 0.99), target, bound, best)
-        yield Finding(f"{mission}: deployment box kept, best law", "%", kept, 100.0 if bound else None, ">=" if bound else "", best)
+        yield Finding(
+            f"{mission}: 99 % of misses, best law",
+            "km",
+            quantile(misses(laws[best]), 0.99),
+            target,
+            bound,
+            best,
+        )
+        yield Finding(
+            f"{mission}: deployment box kept, best law",
+            "%",
+            kept,
+            100.0 if bound else None,
+            ">=" if bound else "",
+            best,
+        )
     failed = sum(
-        str(cause).startswith("could not fly") for laws in tables.values() for t in laws.values() for cause in t["cause"].to_pylist()
+        str(cause).startswith("could not fly")
+        for laws in tables.values()
+        for t in laws.values()
+        for cause in t["cause"].to_pylist()
     )
     yield Finding("flights that could not be flown", "", float(failed), 0.0, "<=", "all laws")
     slowest = max((us, law) for times in calls.values() for law, us in times.items() if law != "npc")
     yield Finding("longest guidance call but npc", "us", slowest[0], CALL_US, "<=", slowest[1])
     if "npc" in LAWS:
-        yield Finding("guidance call of npc", "us", max(times["npc"] for times in calls.values()), CALL_NPC_US, "<=")
+        yield Finding(
+            "guidance call of npc", "us", max(times["npc"] for times in calls.values()), CALL_NPC_US, "<="
+        )
 
 
 _REMARKS = (
-    "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure and total angle of attack.",
-    "Laws without a reference drag have no drag error; 'lim.' is the time with the bank magnitude at its least or largest value.",
+    (
+        "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic "
+        "pressure and total angle of attack."
+    ),
+    (
+        "Laws without a reference drag have no drag error; 'lim.' is the time with the bank magnitude at "
+        "its least or largest value."
+    ),
     "bank_profile flies the planned bank open loop: what the dispersions do without guidance.",
 )
 
 
 def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Drawing]:
     order = sorted(tables, key=lambda law: quantile(misses(tables[law]), 0.99))
-    shares = [Curve(np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law) for law in order]
+    shares = [
+        Curve(np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law)
+        for law in order
+    ]
     limit = max(10.0, 1.2 * min(quantile(misses(tables[law]), 0.99) for law in order))
-    share = Panel(f"{mission}: miss at the mortar", "miss, km", "flights within, %", tuple(shares), x_range=(0.0, limit))
+    share = Panel(
+        f"{mission}: miss at the mortar", "miss, km", "flights within, %", tuple(shares), x_range=(0.0, limit)
+    )
     height = [
         Curve(misses(tables[law]), _column(tables[law], "parachute_altitude_m") / 1e3, law, "dots")
         for law in order[:4]
         if "parachute_altitude_m" in tables[law].column_names
     ]
-    altitude = Panel(f"{mission}: altitude at the mortar, best four", "miss, km", "altitude, km", tuple(height), x_range=(0.0, limit))
+    altitude = Panel(
+        f"{mission}: altitude at the mortar, best four",
+        "miss, km",
+        "altitude, km",
+        tuple(height),
+        x_range=(0.0, limit),
+    )
     yield Drawing(f"{mission}_miss", (share, altitude))
     yield Drawing(f"{mission}_footprint", tuple(_footprint(mission, law, tables[law]) for law in order[:3]))
 
 
 def _footprint(mission: str, law: str, table: pa.Table) -> Panel:
-    dots = Curve(_column(table, "parachute_crossrange_m") / 1e3, _column(table, "parachute_downrange_m") / 1e3, "", "dots")
+    dots = Curve(
+        _column(table, "parachute_crossrange_m") / 1e3,
+        _column(table, "parachute_downrange_m") / 1e3,
+        "",
+        "dots",
+    )
     angle = np.linspace(0.0, 2.0 * np.pi, 100)
     circle = Curve(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km", "reference")
     return Panel(f"{mission}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)

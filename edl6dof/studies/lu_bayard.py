@@ -1,8 +1,10 @@
-"""Lu & Bayard: drag-velocity tracking under adaptive H-infinity control; the claims of section 3 put to numbers.
+"""Lu & Bayard: drag-velocity tracking under adaptive H-infinity control; the claims of section 3 put to
+numbers.
 
-The paper prints no vehicle, no entry and no run.  Vehicle and entry are those of Wu, Cui & Cui 2013, an MSL-class point mass, with
-estimates for what it stands.  First the theorem in its own setting: constant theta, unlimited control.  Then the law in flight, where bank
-angle, sampling and a changing path limit it; there everything that the undisturbed error dynamics leave out counts as disturbance.
+The paper prints no vehicle, no entry and no run.  Vehicle and entry are those of Wu, Cui & Cui 2013, an
+MSL-class point mass, with estimates for what it stands.  First the theorem in its own setting: constant
+theta, unlimited control.  Then the law in flight, where bank angle, sampling and a changing path limit it;
+there everything that the undisturbed error dynamics leave out counts as disturbance.
 """
 
 from __future__ import annotations
@@ -46,7 +48,10 @@ FLIGHTS = {
     "as planned": {},
     "lift 10 % low": {"vehicle.aero.lift_drag.lift_to_drag": 0.216},
     "density 10 % high": {"atmosphere.density_factor": 1.1},
-    "path disturbed": {"point_mass.disturbance.amplitude_rad_s": 0.0005, "point_mass.disturbance.frequency_rad_s": 0.3},
+    "path disturbed": {
+        "point_mass.disturbance.amplitude_rad_s": 0.0005,
+        "point_mass.disturbance.frequency_rad_s": 0.3,
+    },
 }
 #: Times (s) after the start and before the end of what counts as tracking in flight.
 SETTLED_S, END_S = 30.0, 2.0
@@ -67,7 +72,10 @@ def run(runs: int, progress: Progress) -> Report:
     loaded = load_scenario(SCENARIO, SETTINGS)
     onboard = build_onboard(loaded.scenario, build_tables(loaded.scenario))
     design = _design(onboard)
-    responses = {"w = 0": _respond(design, onboard, lambda t: 0.0), "w dying out": _respond(design, onboard, pulse)}
+    responses = {
+        "w = 0": _respond(design, onboard, lambda t: 0.0),
+        "w dying out": _respond(design, onboard, pulse),
+    }
     responses["w one gust"] = _respond(design, onboard, gust)
     fixed = _respond(design, onboard, lambda t: 0.0, adaptive=False)
     histories = {}
@@ -76,7 +84,10 @@ def run(runs: int, progress: Progress) -> Report:
         changes = "{" + ", ".join(f"{path}: {value}" for path, value in truth.items()) + "}"
         histories[name] = _history(fly(load_scenario(SCENARIO, [*SETTINGS, f"truth={changes}"])), design)
     progress(len(FLIGHTS), len(FLIGHTS))
-    rows = [*(_response_row(name, r, design) for name, r in responses.items()), *(_flight_row(n, h, design) for n, h in histories.items())]
+    rows = [
+        *(_response_row(name, r, design) for name, r in responses.items()),
+        *(_flight_row(n, h, design) for n, h in histories.items()),
+    ]
     findings = (
         *_riccati_findings(design),
         *_theorem(rows, fixed),
@@ -84,11 +95,26 @@ def run(runs: int, progress: Progress) -> Report:
         *_range(onboard, loaded.scenario.planet.equatorial_radius_m),
     )
     remarks = (
-        "Design model: drag, drag rate and speed under eq. 15 with constant theta; the estimate starts in the middle of its set.",
-        "The bound is lambda^2 int w^2 + epsilon + z(0)'P z(0), computed here.  In flight w = e'' - F (e, e') from 30 s on, the limits of",
-        "the bank angle included: at the joints the three segments ask for a change of path that no bank angle of this vehicle gives.",
+        (
+            "Design model: drag, drag rate and speed under eq. 15 with constant theta; the estimate starts "
+            "in the middle of its set."
+        ),
+        (
+            "The bound is lambda^2 int w^2 + epsilon + z(0)'P z(0), computed here.  In flight w = e'' - F "
+            "(e, e') from 30 s on, the limits of"
+        ),
+        (
+            "the bank angle included: at the joints the three segments ask for a change of path that no "
+            "bank angle of this vehicle gives."
+        ),
     )
-    return Report(findings, _drawings(onboard, responses, fixed, histories), pa.Table.from_pylist(rows), len(rows), remarks)
+    return Report(
+        findings,
+        _drawings(onboard, responses, fixed, histories),
+        pa.Table.from_pylist(rows),
+        len(rows),
+        remarks,
+    )
 
 
 def _design(onboard: np.ndarray) -> Design:
@@ -98,7 +124,14 @@ def _design(onboard: np.ndarray) -> Design:
     begin(law, memory)
     radius = float(planet["equatorial_radius"])
     gains = (float(law[name]) for name in ("disturbance_gain", "control_weight", "adaptation_energy"))
-    return Design(*gains, memory["low"].copy(), memory["high"].copy(), float(planet["mu"]) / radius**2, radius, _scale_height(onboard))
+    return Design(
+        *gains,
+        memory["low"].copy(),
+        memory["high"].copy(),
+        float(planet["mu"]) / radius**2,
+        radius,
+        _scale_height(onboard),
+    )
 
 
 def _scale_height(onboard: np.ndarray) -> float:
@@ -106,13 +139,17 @@ def _scale_height(onboard: np.ndarray) -> float:
     return float(-air["spacing"] / (air["ln_density"][1] - air["ln_density"][0]))
 
 
-def _respond(design: Design, onboard: np.ndarray, disturbance: Callable[[float], float], *, adaptive: bool = True) -> Response:
+def _respond(
+    design: Design, onboard: np.ndarray, disturbance: Callable[[float], float], *, adaptive: bool = True
+) -> Response:
     """Response of the design model along the profile in time, from a wrong drag and a wrong theta."""
     profile = onboard[0]["plan"]["adaptive_hinf"]
 
     def rates(t: float, v: np.ndarray) -> np.ndarray:
         drag, slope, _ = profile_drag(profile, v[0])
-        return np.array([-drag - design.gravity * path_sine(v[0], drag, slope, design.gravity, design.scale_height)])
+        return np.array(
+            [-drag - design.gravity * path_sine(v[0], drag, slope, design.gravity, design.scale_height)]
+        )
 
     t = np.arange(0.0, DURATION_S + 1.0, 0.5)
     speed = solve_ivp(rates, (0.0, t[-1]), [profile["start"]], t_eval=t, rtol=1e-9).y[0]
@@ -127,11 +164,15 @@ def _respond(design: Design, onboard: np.ndarray, disturbance: Callable[[float],
 
 
 def _history(flight: Flight, design: Design) -> dict[str, np.ndarray]:
-    """Drag, reference, error and effective disturbance d = e'' - F (e, e') of one flight, at the rate of guidance."""
+    """Drag, reference, error and effective disturbance d = e'' - F (e, e') of one flight, at the rate of
+    guidance.
+    """
     rates = flight.scenario.flight_software.rates
     law = flight.scenario.flight_software.guidance.entry.adaptive_hinf
     rows = {name: column[:: rates.entry_guidance_every] for name, column in flight.telemetry.items()}
-    tracked = flight.during(LIFT)[:: rates.entry_guidance_every] & (rows["nav.drag_m_s2"] >= law.start_drag_m_s2)
+    tracked = flight.during(LIFT)[:: rates.entry_guidance_every] & (
+        rows["nav.drag_m_s2"] >= law.start_drag_m_s2
+    )
     rows = {name: column[tracked] for name, column in rows.items()}
     t, error = rows["t_s"], rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"]
     rate = np.gradient(error, t)
@@ -149,7 +190,9 @@ def _history(flight: Flight, design: Design) -> dict[str, np.ndarray]:
 
 
 def _margin(theta: np.ndarray, design: Design) -> float:
-    """Least distance of an estimate from the outside of the set, as a share of its width; negative outside."""
+    """Least distance of an estimate from the outside of the set, as a share of its width; negative
+    outside.
+    """
     width = design.high - design.low
     return float(np.min(np.minimum(theta - design.low, design.high - theta) / width))
 
@@ -195,7 +238,13 @@ def _riccati_findings(design: Design) -> tuple[Finding, ...]:
 def _theorem(rows: list[dict], fixed: Response) -> tuple[Finding, ...]:
     model = [row for row in rows if row["case"].startswith("design")]
     found = [
-        Finding("design model, w = 0: |e| at the end", "m/s2", model[0]["final_error_m_s2"], 0.0, note=f"from {START_ERROR:g}; tends to 0"),
+        Finding(
+            "design model, w = 0: |e| at the end",
+            "m/s2",
+            model[0]["final_error_m_s2"],
+            0.0,
+            note=f"from {START_ERROR:g}; tends to 0",
+        ),
         Finding(
             "the same without adaptation",
             "m/s2",
@@ -204,8 +253,26 @@ def _theorem(rows: list[dict], fixed: Response) -> tuple[Finding, ...]:
         ),
     ]
     for row in model:
-        found.append(Finding(f"{row['case']}: error energy", "", row["error_energy"], row["bound"], "<=", "m2/s3; bound of the theorem"))
-    found.append(Finding("theta: least margin in its set", "", min(row["theta_margin"] for row in model), 0.0, ">=", "share of its width"))
+        found.append(
+            Finding(
+                f"{row['case']}: error energy",
+                "",
+                row["error_energy"],
+                row["bound"],
+                "<=",
+                "m2/s3; bound of the theorem",
+            )
+        )
+    found.append(
+        Finding(
+            "theta: least margin in its set",
+            "",
+            min(row["theta_margin"] for row in model),
+            0.0,
+            ">=",
+            "share of its width",
+        )
+    )
     return tuple(found)
 
 
@@ -213,13 +280,33 @@ def _flights(rows: list[dict]) -> tuple[Finding, ...]:
     flown = [row for row in rows if row["case"].startswith("flight")]
     found = [Finding(f"{row['case']}: |e| at the end", "m/s2", row["final_error_m_s2"]) for row in flown]
     for row in flown:
-        found.append(Finding(f"{row['case']}: error energy", "", row["error_energy"], row["bound"], "<=", "m2/s3; bound of section 3.3"))
-    found.append(Finding("flights: least margin of theta", "", min(row["theta_margin"] for row in flown), 0.0, ">=", "at the end"))
+        found.append(
+            Finding(
+                f"{row['case']}: error energy",
+                "",
+                row["error_energy"],
+                row["bound"],
+                "<=",
+                "m2/s3; bound of section 3.3",
+            )
+        )
+    found.append(
+        Finding(
+            "flights: least margin of theta",
+            "",
+            min(row["theta_margin"] for row in flown),
+            0.0,
+            ">=",
+            "at the end",
+        )
+    )
     return tuple(found)
 
 
 def _range(onboard: np.ndarray, radius: float) -> tuple[Finding, ...]:
-    """Predicted range along the profile beside that of an integrated flight that is held on it by whatever lift it takes."""
+    """Predicted range along the profile beside that of an integrated flight that is held on it by whatever
+    lift it takes.
+    """
     record, profile = onboard[0], onboard[0]["plan"]["adaptive_hinf"]
     mu, scale_height = float(record["planet"]["mu"]), _scale_height(onboard)
     first, final = 0.9 * float(profile["start"]), float(profile["final"])
@@ -232,9 +319,19 @@ def _range(onboard: np.ndarray, radius: float) -> tuple[Finding, ...]:
         goal, slope, curvature = profile_drag(profile, v)
         rate, a, b = drag_dynamics(drag, v, gamma, r, g, drag, scale_height)
         speed_rate = -drag - g * sin(gamma)
-        wanted = curvature * speed_rate**2 - slope * rate + 0.8 * (slope * speed_rate - rate) + 0.16 * (goal - drag)
+        wanted = (
+            curvature * speed_rate**2
+            - slope * rate
+            + 0.8 * (slope * speed_rate - rate)
+            + 0.16 * (goal - drag)
+        )
         lift = drag * (wanted - b) / a
-        return [v * sin(gamma), speed_rate, lift / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r]
+        return [
+            v * sin(gamma),
+            speed_rate,
+            lift / v + (v / r - g / v) * cos(gamma),
+            v * cos(gamma) * radius / r,
+        ]
 
     def slow(t: float, s: np.ndarray) -> float:
         return s[1] - final
@@ -243,22 +340,36 @@ def _range(onboard: np.ndarray, radius: float) -> tuple[Finding, ...]:
     goal, slope, _ = profile_drag(profile, first)
     height = scale_height * log(_drag_at(onboard, 0.0, first) / goal)
     gamma = asin(path_sine(first, goal, slope, mu / (radius + height) ** 2, scale_height))
-    flown = solve_ivp(rates, (0.0, 900.0), [height, first, gamma, 0.0], events=slow, rtol=1e-8, atol=1e-6, max_step=0.5).y[3, -1]
+    flown = solve_ivp(
+        rates, (0.0, 900.0), [height, first, gamma, 0.0], events=slow, rtol=1e-8, atol=1e-6, max_step=0.5
+    ).y[3, -1]
     predicted = float(profile_range(profile, first))
     return (
-        Finding("range predicted along the profile", "km", predicted / 1e3, note=f"from {first:.0f} to {final:.0f} m/s"),
+        Finding(
+            "range predicted along the profile",
+            "km",
+            predicted / 1e3,
+            note=f"from {first:.0f} to {final:.0f} m/s",
+        ),
         Finding("range of an integrated flight held on it", "km", float(flown) / 1e3),
     )
 
 
 def _drag_at(onboard: np.ndarray, altitude: float, speed: float) -> float:
     air, vehicle = onboard[0]["atmosphere"], onboard[0]["vehicle"]
-    density = np.exp(np.interp(altitude, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"]))
+    density = np.exp(
+        np.interp(
+            altitude, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"]
+        )
+    )
     return float(0.5 * density * speed**2 * vehicle["drag_area"] / vehicle["entry_mass"])
 
 
 def _drawings(
-    onboard: np.ndarray, responses: dict[str, Response], fixed: Response, histories: dict[str, dict[str, np.ndarray]]
+    onboard: np.ndarray,
+    responses: dict[str, Response],
+    fixed: Response,
+    histories: dict[str, dict[str, np.ndarray]],
 ) -> tuple[Drawing, ...]:
     time, error = "time (s)", "D - D_r (m/s2)"
     names, still = ("C", "C'", "1 - (R/r) cos2", "1 - cos", "sin2"), responses["w = 0"]
@@ -272,11 +383,19 @@ def _drawings(
         Drawing(
             "design_model",
             (
-                Panel("Drag error", time, error, (*errors, Curve(fixed.t, fixed.error, "w = 0, theta not adapted", "reference"))),
+                Panel(
+                    "Drag error",
+                    time,
+                    error,
+                    (*errors, Curve(fixed.t, fixed.error, "w = 0, theta not adapted", "reference")),
+                ),
                 Panel("Estimate of theta, w = 0", time, "share of its travel", estimates),
             ),
         ),
-        Drawing("flights", (Panel("Drag error", time, error, flown), Panel("Bank angle", time, "|bank| (deg)", banks))),
+        Drawing(
+            "flights",
+            (Panel("Drag error", time, error, flown), Panel("Bank angle", time, "|bank| (deg)", banks)),
+        ),
     )
 
 
@@ -297,5 +416,10 @@ def _corridor_panel(onboard: np.ndarray, flown: dict[str, np.ndarray]) -> Panel:
 
 
 STUDY = Study(
-    "lu_bayard", "Adaptive H-infinity tracking of a drag-velocity profile", "Lu & Bayard", run, runs=len(FLIGHTS), quick_runs=len(FLIGHTS)
+    "lu_bayard",
+    "Adaptive H-infinity tracking of a drag-velocity profile",
+    "Lu & Bayard",
+    run,
+    runs=len(FLIGHTS),
+    quick_runs=len(FLIGHTS),
 )

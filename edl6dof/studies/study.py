@@ -1,4 +1,6 @@
-"""What a study is, and what it hands back: findings beside published figures, drawings, and a table with a row for each run."""
+"""What a study is, and what it hands back: findings beside published figures, drawings, and a table with a
+row for each run.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,9 @@ class Finding:
         """Whether the bound is kept; a figure that could not be formed does not keep it."""
         if not self.bound or self.published is None:
             return True
-        return bool(self.computed <= self.published if self.bound == "<=" else self.computed >= self.published)
+        return bool(
+            self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
+        )
 
 
 @dataclass(frozen=True)
@@ -139,6 +143,15 @@ class Study:
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
         findings = [{**vars(finding), "ok": finding.ok} for finding in report.findings]
-        head = {"study": self.name, "title": self.title, "source": self.source, "runs": report.runs, "ok": report.ok}
-        grids = [{"title": g.title, "rows": [dict(zip(g.heads, row, strict=True)) for row in g.rows]} for g in report.grids]
+        head = {
+            "study": self.name,
+            "title": self.title,
+            "source": self.source,
+            "runs": report.runs,
+            "ok": report.ok,
+        }
+        grids = [
+            {"title": g.title, "rows": [dict(zip(g.heads, row, strict=True)) for row in g.rows]}
+            for g in report.grids
+        ]
         return {**head, "findings": findings, "grids": grids, "remarks": list(report.remarks)}

@@ -30,6 +30,10 @@ def write_table(study: Study, report: Report, path: Path) -> None:
 
     schema = report.table.schema
     for index, column in enumerate(schema):
-        schema = schema.set(index, column.with_metadata({"unit": split_unit(column.name.rpartition(".")[2])[1].label}))
-    schema = schema.with_metadata({"study": study.name, "source": study.source, "edl6dof_version": __version__})
+        schema = schema.set(
+            index, column.with_metadata({"unit": split_unit(column.name.rpartition(".")[2])[1].label})
+        )
+    schema = schema.with_metadata(
+        {"study": study.name, "source": study.source, "edl6dof_version": __version__}
+    )
     pq.write_table(report.table.cast(schema), path, compression="zstd")

@@ -1,8 +1,10 @@
-"""Wu, Cui & Cui 2013, section 5: 2000 dispersed point-mass entries with and without the extended high-gain observer.
+"""Wu, Cui & Cui 2013, section 5: 2000 dispersed point-mass entries with and without the extended high-gain
+observer.
 
-Table 1 gives means and 3-sigma errors; those of ballistic coefficient and reference density are put on mass and density.  Both laws fly
-with the range update of section 3.2 every 5 s, and once more with the profile of the start, which is how far the misses are the tracking's.
-Reference bank, terminal speed, target and heading corridor are not printed; see scenarios/wu2013.yaml.
+Table 1 gives means and 3-sigma errors; those of ballistic coefficient and reference density are put on mass
+and density.  Both laws fly with the range update of section 3.2 every 5 s, and once more with the profile of
+the start, which is how far the misses are the tracking's. Reference bank, terminal speed, target and heading
+corridor are not printed; see scenarios/wu2013.yaml.
 """
 
 from __future__ import annotations
@@ -36,14 +38,17 @@ SPREADS = (
 )
 ENTRY = "flight_software.guidance.entry"
 LAWS = {"ehgo_fl": "EHGO+FL", "fl": "FL"}
-#: Share of the true value within which an estimate counts as converged, and the time (s) over which that is judged.
+#: Share of the true value within which an estimate counts as converged, and the time (s) over which that is
+#: judged.
 CLOSE, WATCHED_S = 0.02, 10.0
 #: Times (s) after the start and before the end that tracking errors are taken over.
 SETTLED_S, END_S = 30.0, 1.0
 
 
 def run(runs: int, progress: Progress) -> Report:
-    """Fly the dispersed entries under both laws, with the range update and without, and one of them in full for the figures."""
+    """Fly the dispersed entries under both laws, with the range update and without, and one of them in full
+    for the figures.
+    """
     truths, loaded = draw(SPREADS, runs, SEED), load_scenario(SCENARIO)
     cases = [
         Case(
@@ -55,15 +60,35 @@ def run(runs: int, progress: Progress) -> Report:
         for number, (update, law, truth) in enumerate(product((True, False), LAWS, truths))
     ]
     table = fly_cases(loaded, cases, collect=_figures, progress=lambda done, row: progress(done, len(cases)))
-    groups = {(update, law): table[k * runs : (k + 1) * runs] for k, (update, law) in enumerate(product((True, False), LAWS))}
-    shown = [_history(fly(load_scenario(SCENARIO, cases[number].overrides({})))) for number in (0, 2 * runs, 3 * runs)]
+    groups = {
+        (update, law): table[k * runs : (k + 1) * runs]
+        for k, (update, law) in enumerate(product((True, False), LAWS))
+    }
+    shown = [
+        _history(fly(load_scenario(SCENARIO, cases[number].overrides({}))))
+        for number in (0, 2 * runs, 3 * runs)
+    ]
     remarks = (
-        "K = [0.4 0.04] is taken as gains on [rate, error]; in the printed order the error is nearly undamped.",
-        "Navigation is perfect, drag is measured and the scale height is known, as in the paper, so the onboard model errs in L/D alone:",
-        "with the range update the two laws end equally close.  Misses of the published size come out when the profile of the start is",
-        "kept and nothing corrects the errors at entry.  Figures 3 and 4 are the first run, with the update and without.",
+        (
+            "K = [0.4 0.04] is taken as gains on [rate, error]; in the printed order the error is nearly "
+            "undamped."
+        ),
+        (
+            "Navigation is perfect, drag is measured and the scale height is known, as in the paper, so "
+            "the onboard model errs in L/D alone:"
+        ),
+        (
+            "with the range update the two laws end equally close.  Misses of the published size come out "
+            "when the profile of the start is"
+        ),
+        (
+            "kept and nothing corrects the errors at entry.  Figures 3 and 4 are the first run, with the "
+            "update and without."
+        ),
     )
-    return Report((*_misses(groups), *_tracking(groups)), _drawings(*shown, groups), table, len(table), remarks)
+    return Report(
+        (*_misses(groups), *_tracking(groups)), _drawings(*shown, groups), table, len(table), remarks
+    )
 
 
 def _figures(flight: Flight) -> dict[str, float]:
@@ -92,7 +117,14 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     planet, scale_height = flight.scenario.planet, flight.scenario.atmosphere.exponential.scale_height_m
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gamma = np.radians(rows["truth.flight_path_angle_deg"])
-    state = zip(rows["nav.drag_m_s2"], rows["truth.speed_m_s"], gamma, radius, planet.gravity.mu_m3_s2 / radius**2, strict=True)
+    state = zip(
+        rows["nav.drag_m_s2"],
+        rows["truth.speed_m_s"],
+        gamma,
+        radius,
+        planet.gravity.mu_m3_s2 / radius**2,
+        strict=True,
+    )
     return {
         "t_s": rows["t_s"],
         "drag": rows["nav.drag_m_s2"],
@@ -113,30 +145,76 @@ def _misses(groups: dict[tuple[bool, str], pa.Table]) -> tuple[Finding, ...]:
     both = groups[True, "ehgo_fl"]
     found = [
         Finding("EHGO+FL: largest miss", "km", _largest(both, "parachute_miss_m") / 1e3, 8.6, "<="),
-        Finding("EHGO+FL: largest along the track", "km", _largest(both, "parachute_downrange_m") / 1e3, 8.6, "<="),
-        Finding("EHGO+FL: largest across the track", "km", _largest(both, "parachute_crossrange_m") / 1e3, 8.6, "<="),
-        Finding("FL: largest miss", "km", _largest(groups[True, "fl"], "parachute_miss_m") / 1e3, 18.0, note="the same update logic"),
+        Finding(
+            "EHGO+FL: largest along the track", "km", _largest(both, "parachute_downrange_m") / 1e3, 8.6, "<="
+        ),
+        Finding(
+            "EHGO+FL: largest across the track",
+            "km",
+            _largest(both, "parachute_crossrange_m") / 1e3,
+            8.6,
+            "<=",
+        ),
+        Finding(
+            "FL: largest miss",
+            "km",
+            _largest(groups[True, "fl"], "parachute_miss_m") / 1e3,
+            18.0,
+            note="the same update logic",
+        ),
     ]
     published = {"ehgo_fl": 8.6, "fl": 18.0}
     for law, label in LAWS.items():
         miss = _largest(groups[False, law], "parachute_miss_m") / 1e3
-        found.append(Finding(f"{label}, no range update: largest miss", "km", miss, published[law], note="the paper's may be these"))
+        found.append(
+            Finding(
+                f"{label}, no range update: largest miss",
+                "km",
+                miss,
+                published[law],
+                note="the paper's may be these",
+            )
+        )
     return tuple(found)
 
 
 def _tracking(groups: dict[tuple[bool, str], pa.Table]) -> tuple[Finding, ...]:
     found = [
-        Finding("estimates of drag and drag rate within 2 %", "s", _largest(groups[True, "ehgo_fl"], "converged_s"), 0.6, "<=", "worst run")
+        Finding(
+            "estimates of drag and drag rate within 2 %",
+            "s",
+            _largest(groups[True, "ehgo_fl"], "converged_s"),
+            0.6,
+            "<=",
+            "worst run",
+        )
     ]
     for law, label in LAWS.items():
         error = values(groups[False, law], "rms_error_m_s2")
-        found.append(Finding(f"{label}: RMS drag error, mean", "m/s2", float(np.mean(error)), note="after 30 s, no range update"))
-        found.append(Finding(f"{label}: RMS drag error, worst run", "m/s2", float(np.max(error)), note="after 30 s, no range update"))
+        found.append(
+            Finding(
+                f"{label}: RMS drag error, mean",
+                "m/s2",
+                float(np.mean(error)),
+                note="after 30 s, no range update",
+            )
+        )
+        found.append(
+            Finding(
+                f"{label}: RMS drag error, worst run",
+                "m/s2",
+                float(np.max(error)),
+                note="after 30 s, no range update",
+            )
+        )
     return tuple(found)
 
 
 def _drawings(
-    h: dict[str, np.ndarray], kept: dict[str, np.ndarray], kept_fl: dict[str, np.ndarray], groups: dict[tuple[bool, str], pa.Table]
+    h: dict[str, np.ndarray],
+    kept: dict[str, np.ndarray],
+    kept_fl: dict[str, np.ndarray],
+    groups: dict[tuple[bool, str], pa.Table],
 ) -> tuple[Drawing, ...]:
     """Of one run of EHGO+FL with the range update, and of EHGO+FL and FL without; and of all misses."""
     t, time = h["t_s"], "time (s)"
@@ -153,7 +231,14 @@ def _drawings(
             (
                 Panel("Drag", time, "drag (m/s2)", drag),
                 Panel("Drag rate", time, "drag rate (m/s3)", rate),
-                Panel("Drag rate at the start", time, "drag rate (m/s3)", rate, x_range=(0.0, 2.0), y_range=(-0.2, 1.6)),
+                Panel(
+                    "Drag rate at the start",
+                    time,
+                    "drag rate (m/s3)",
+                    rate,
+                    x_range=(0.0, 2.0),
+                    y_range=(-0.2, 1.6),
+                ),
             ),
         ),
         Drawing(
@@ -165,15 +250,26 @@ def _drawings(
             ),
         ),
         Drawing("fig5_fig6_misses", tuple(_scatter(groups[True, law], label) for law, label in LAWS.items())),
-        Drawing("misses_without_update", tuple(_scatter(groups[False, law], f"{label}, no update") for law, label in LAWS.items())),
+        Drawing(
+            "misses_without_update",
+            tuple(_scatter(groups[False, law], f"{label}, no update") for law, label in LAWS.items()),
+        ),
     )
 
 
 def _scatter(table: pa.Table, title: str) -> Panel:
     cross, down = (values(table, f"parachute_{name}_m") / 1e3 for name in ("crossrange", "downrange"))
-    return Panel(title, "across the track (km)", "along the track (km)", (Curve(cross, down, "", "dots"),), equal=True)
+    return Panel(
+        title, "across the track (km)", "along the track (km)", (Curve(cross, down, "", "dots"),), equal=True
+    )
 
 
 STUDY = Study(
-    SCENARIO, "Extended high-gain observer with feedback linearisation", "Wu, Cui & Cui 2013", run, runs=2000, quick_runs=20, counted=True
+    SCENARIO,
+    "Extended high-gain observer with feedback linearisation",
+    "Wu, Cui & Cui 2013",
+    run,
+    runs=2000,
+    quick_runs=20,
+    counted=True,
 )

@@ -1,9 +1,11 @@
-"""Yan, Sun & Guo 2016, section 3: finite-time against proportional-derivative drag tracking, both with the disturbance observer.
+"""Yan, Sun & Guo 2016, section 3: finite-time against proportional-derivative drag tracking, both with the
+disturbance observer.
 
-The flight-path rate is disturbed by 0.01 sin(t) rad/s.  The paper says that the initial state deviates but not by how much, and prints
-neither gains nor exponent; here both laws have the same gains, and fly from all eight corners of a box of initial deviations.  Which law
-is better depends on the gains: the comparison is repeated with others.  Errors are those against the undisturbed nominal flight at equal
-time, as in the paper's figures.
+The flight-path rate is disturbed by 0.01 sin(t) rad/s.  The paper says that the initial state deviates but
+not by how much, and prints neither gains nor exponent; here both laws have the same gains, and fly from all
+eight corners of a box of initial deviations.  Which law
+is better depends on the gains: the comparison is repeated with others.  Errors are those against the
+undisturbed nominal flight at equal time, as in the paper's figures.
 """
 
 from __future__ import annotations
@@ -24,7 +26,8 @@ from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Repo
 SCENARIO = "yan2016"
 LAWS = {"ftc_dob": "FTC+DOB", "pd_dob": "PD+DOB"}
 AMPLITUDE, FREQUENCY = 0.01, 1.0
-#: k_1 = k_P (1/s2) and k_2 = k_D (1/s): those of the comparison, and others that show how much it rests on them.
+#: k_1 = k_P (1/s2) and k_2 = k_D (1/s): those of the comparison, and others that show how much it rests on
+#: them.
 GAINS = ((0.25, 0.8), (0.1, 0.6), (0.5, 1.2), (1.0, 2.0))
 #: Deviations of the initial state: path, nominal, half width of the box.
 DEVIATIONS = (
@@ -37,32 +40,59 @@ SETTLED_S = 1.0
 
 
 def run(runs: int, progress: Progress) -> Report:
-    """Fly the nominal, both laws from every corner, and one corner in full for the figures; ``runs`` is fixed."""
+    """Fly the nominal, both laws from every corner, and one corner in full for the figures; ``runs`` is
+    fixed.
+    """
     loaded = load_scenario(SCENARIO)
     nominal = fly(loaded)
     corners = [_truth(signs) for signs in product((1.0, -1.0), repeat=3)]
     cases = [_case(number, *choice) for number, choice in enumerate(product(GAINS, LAWS, corners))]
     table = fly_cases(
-        loaded, cases, collect=lambda flight: _figures(flight, nominal), progress=lambda done, row: progress(done, len(cases))
+        loaded,
+        cases,
+        collect=lambda flight: _figures(flight, nominal),
+        progress=lambda done, row: progress(done, len(cases)),
     )
-    shown = {law: fly(load_scenario(SCENARIO, _case(0, GAINS[0], law, corners[0]).overrides({}))) for law in LAWS}
+    shown = {
+        law: fly(load_scenario(SCENARIO, _case(0, GAINS[0], law, corners[0]).overrides({}))) for law in LAWS
+    }
     findings = (*_estimate(table), *_compared(table))
     remarks = (
-        "Gains are not printed: both laws have k_1 = k_P = 0.25 1/s2 and k_2 = k_D = 0.8 1/s (others as noted), the observer 60 1/s.",
-        "Errors are means over eight corners of +-500 m, +-25 m/s, +-0.1 deg at entry, against the nominal at equal time.",
+        (
+            "Gains are not printed: both laws have k_1 = k_P = 0.25 1/s2 and k_2 = k_D = 0.8 1/s (others "
+            "as noted), the observer 60 1/s."
+        ),
+        (
+            "Errors are means over eight corners of +-500 m, +-25 m/s, +-0.1 deg at entry, against the "
+            "nominal at equal time."
+        ),
     )
-    return Report(findings, (*_tracking_drawings(nominal, shown), *_observer_drawings(shown["ftc_dob"])), table, len(table), remarks)
+    return Report(
+        findings,
+        (*_tracking_drawings(nominal, shown), *_observer_drawings(shown["ftc_dob"])),
+        table,
+        len(table),
+        remarks,
+    )
 
 
 def _truth(signs: tuple[float, ...]) -> dict[str, float]:
-    deviations = {path: nominal + sign * width for (path, nominal, width), sign in zip(DEVIATIONS, signs, strict=True)}
+    deviations = {
+        path: nominal + sign * width for (path, nominal, width), sign in zip(DEVIATIONS, signs, strict=True)
+    }
     return {**deviations, "point_mass.disturbance.amplitude_rad_s": AMPLITUDE}
 
 
 def _case(number: int, gains: tuple[float, float], law: str, truth: dict[str, float]) -> Case:
     entry = "flight_software.guidance.entry"
-    belief = {f"{entry}.law": law, f"{entry}.{law}.error_gain": gains[0], f"{entry}.{law}.rate_gain": gains[1]}
-    return Case(number, truth=truth, belief=belief, label={"law": law, "error_gain": gains[0], "rate_gain": gains[1]})
+    belief = {
+        f"{entry}.law": law,
+        f"{entry}.{law}.error_gain": gains[0],
+        f"{entry}.{law}.rate_gain": gains[1],
+    }
+    return Case(
+        number, truth=truth, belief=belief, label={"law": law, "error_gain": gains[0], "rate_gain": gains[1]}
+    )
 
 
 def _figures(flight: Flight, nominal: Flight) -> dict[str, float]:
@@ -76,7 +106,10 @@ def _figures(flight: Flight, nominal: Flight) -> dict[str, float]:
     return {
         "rms_altitude_error_km": _rms(altitude),
         "rms_range_error_km": _rms(downrange),
-        "final_altitude_error_km": abs(flight.metrics["parachute_altitude_m"] - nominal.metrics["parachute_altitude_m"]) / 1e3,
+        "final_altitude_error_km": abs(
+            flight.metrics["parachute_altitude_m"] - nominal.metrics["parachute_altitude_m"]
+        )
+        / 1e3,
         "final_range_error_km": abs(float(_downrange(flight)[-1] - _downrange(nominal)[-1])) / 1e3,
         "estimate_error_pct": 100.0 * float(np.max(off[t > SETTLED_S])),
     }
@@ -96,7 +129,16 @@ def _observed(flight: Flight) -> tuple[np.ndarray, np.ndarray]:
 
 def _estimate(table: pa.Table) -> tuple[Finding, ...]:
     worst = float(np.max(values(table, "estimate_error_pct")))
-    return (Finding("disturbance estimate, largest error", "%", worst, 4.0, "<=", f"of the amplitude, after {SETTLED_S:g} s"),)
+    return (
+        Finding(
+            "disturbance estimate, largest error",
+            "%",
+            worst,
+            4.0,
+            "<=",
+            f"of the amplitude, after {SETTLED_S:g} s",
+        ),
+    )
 
 
 def _compared(table: pa.Table) -> tuple[Finding, ...]:
@@ -109,17 +151,32 @@ def _compared(table: pa.Table) -> tuple[Finding, ...]:
     ):
         errors = {law: _mean(table, name, law, GAINS[0]) for law in LAWS}
         findings += [Finding(f"{label}, {title}", "km", errors[law]) for law, title in LAWS.items()]
-        findings.append(Finding(f"{label}, FTC over PD", "", errors["ftc_dob"] / errors["pd_dob"], 1.0, "<=", "published: FTC is better"))
+        findings.append(
+            Finding(
+                f"{label}, FTC over PD",
+                "",
+                errors["ftc_dob"] / errors["pd_dob"],
+                1.0,
+                "<=",
+                "published: FTC is better",
+            )
+        )
     for gains in GAINS[1:]:
         for name, label in (("rms_altitude_error_km", "altitude"), ("rms_range_error_km", "range")):
             ratio = _mean(table, name, "ftc_dob", gains) / _mean(table, name, "pd_dob", gains)
-            findings.append(Finding(f"RMS {label} error, FTC over PD", "", ratio, note=f"gains {gains[0]:g}, {gains[1]:g}"))
+            findings.append(
+                Finding(
+                    f"RMS {label} error, FTC over PD", "", ratio, note=f"gains {gains[0]:g}, {gains[1]:g}"
+                )
+            )
     return tuple(findings)
 
 
 def _mean(table: pa.Table, name: str, law: str, gains: tuple[float, float]) -> float:
     """Mean of a column over the corners flown by one law with one pair of gains."""
-    chosen = np.array([row == law for row in table["law"].to_pylist()]) & (values(table, "error_gain") == gains[0])
+    chosen = np.array([row == law for row in table["law"].to_pylist()]) & (
+        values(table, "error_gain") == gains[0]
+    )
     return float(np.mean(values(table, name)[chosen]))
 
 
@@ -139,11 +196,17 @@ def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Drawi
         ("fig6_altitude", "altitude (km)", column("truth.altitude_m", 1e3)),
         ("fig7_range", "range (km)", ranges),
     )
-    return tuple(Drawing(name, tuple(_beside(label, times, curves, law) for law in ("pd_dob", "ftc_dob"))) for name, label, curves in plots)
+    return tuple(
+        Drawing(name, tuple(_beside(label, times, curves, law) for law in ("pd_dob", "ftc_dob")))
+        for name, label, curves in plots
+    )
 
 
 def _beside(label: str, times: dict[str, np.ndarray], curves: dict[str, np.ndarray], law: str) -> Panel:
-    pair = Curve(times[law], curves[law], "flown"), Curve(times["nominal"], curves["nominal"], "nominal", "reference")
+    pair = (
+        Curve(times[law], curves[law], "flown"),
+        Curve(times["nominal"], curves["nominal"], "nominal", "reference"),
+    )
     return Panel(LAWS[law], "time (s)", label, pair)
 
 
@@ -152,8 +215,17 @@ def _observer_drawings(flight: Flight) -> tuple[Drawing, ...]:
     true = AMPLITUDE * np.sin(FREQUENCY * t)
     both = Curve(t, estimate, "estimate"), Curve(t, true, "true", "reference")
     return (
-        Drawing("fig8_disturbance", (Panel("Disturbance of the flight-path rate", "time (s)", "d (rad/s)", both),)),
-        Drawing("fig9_estimate_error", (Panel("Error of the estimate", "time (s)", "d - estimate (rad/s)", (Curve(t, true - estimate),)),)),
+        Drawing(
+            "fig8_disturbance", (Panel("Disturbance of the flight-path rate", "time (s)", "d (rad/s)", both),)
+        ),
+        Drawing(
+            "fig9_estimate_error",
+            (
+                Panel(
+                    "Error of the estimate", "time (s)", "d - estimate (rad/s)", (Curve(t, true - estimate),)
+                ),
+            ),
+        ),
     )
 
 
@@ -161,4 +233,11 @@ def _rms(errors: np.ndarray) -> float:
     return float(np.sqrt(np.mean(errors**2)))
 
 
-STUDY = Study(SCENARIO, "Finite-time drag tracking against a sinusoidal disturbance", "Yan, Sun & Guo 2016", run, runs=64, quick_runs=64)
+STUDY = Study(
+    SCENARIO,
+    "Finite-time drag tracking against a sinusoidal disturbance",
+    "Yan, Sun & Guo 2016",
+    run,
+    runs=64,
+    quick_runs=64,
+)

@@ -1,10 +1,13 @@
-"""Zheng & Cui 2015, section 5: 500 dispersed point-mass entries under the sliding-mode law with disturbance observer.
+"""Zheng & Cui 2015, section 5: 500 dispersed point-mass entries under the sliding-mode law with disturbance
+observer.
 
-Table 1 and the text give means and 3-sigma errors of the entry state and a largest density dispersion of 20 %, taken here as the
-3-sigma of one factor per flight.  That is the harder reading: the paper's terminal altitudes lie within 100 m of each other, which a factor
-of 1 +- 7 % cannot give, and which a density drawn anew at every step would.  So the entries are flown three times: with the outer loop of
-the text (the figures held against the published ones), with the reference drag as planned, and that without density dispersion, which
-comes nearest to what is printed.  The bank profile of the reference trajectory is not printed; see scenarios/zheng2015.yaml.
+Table 1 and the text give means and 3-sigma errors of the entry state and a largest density dispersion of 20
+%, taken here as the 3-sigma of one factor per flight.  That is the harder reading: the paper's terminal
+altitudes lie within 100 m of each other, which a factor of 1 +- 7 % cannot give, and which a density drawn
+anew at every step would.  So the entries are flown three times: with the outer loop of the text (the figures
+held against the published ones), with the reference drag as planned, and that without density dispersion,
+which comes nearest to what is printed.  The bank profile of the reference trajectory is not printed; see
+scenarios/zheng2015.yaml.
 """
 
 from __future__ import annotations
@@ -53,10 +56,20 @@ def run(runs: int, progress: Progress) -> Report:
     updated, fixed, dense = (table[start : start + runs] for start in range(0, len(cases), runs))
     shown = fly(load_scenario(SCENARIO, cases[runs].overrides({})))
     history = _history(shown)
-    findings = (*_accuracy(updated, fixed, dense), *_tracking(updated, _figures(shown), history), *_ends(shown, updated))
+    findings = (
+        *_accuracy(updated, fixed, dense),
+        *_tracking(updated, _figures(shown), history),
+        *_ends(shown, updated),
+    )
     remarks = (
-        "The outer loop (eq. 12) scales the reference drag to the range to go; 'fixed' follows the reference as planned.",
-        "Density is one factor for each flight, 3 sigma 20 %; figures 3 to 5 and 'run shown' are the first run, fixed.",
+        (
+            "The outer loop (eq. 12) scales the reference drag to the range to go; 'fixed' follows the "
+            "reference as planned."
+        ),
+        (
+            "Density is one factor for each flight, 3 sigma 20 %; figures 3 to 5 and 'run shown' are the "
+            "first run, fixed."
+        ),
     )
     return Report(findings, _drawings(history, updated), table, len(table), remarks)
 
@@ -72,7 +85,10 @@ def _figures(flight: Flight) -> dict[str, float]:
     rows = flight.telemetry
     control = _range_control(flight)
     t, error = rows["t_s"][control], (rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"])[control]
-    virtual, surface = np.abs(rows["guide.virtual_m_s3"][control]), np.abs(rows["guide.surface_m_s3"][control])
+    virtual, surface = (
+        np.abs(rows["guide.virtual_m_s3"][control]),
+        np.abs(rows["guide.surface_m_s3"][control]),
+    )
     settled = _first_calm(t, virtual)
     return {
         "saturation_end_s": float(t[settled]),
@@ -83,7 +99,9 @@ def _figures(flight: Flight) -> dict[str, float]:
 
 
 def _first_calm(t: np.ndarray, virtual: np.ndarray) -> int:
-    """Row from which the virtual state stays converged for a while: the saturation at the beginning is over."""
+    """Row from which the virtual state stays converged for a while: the saturation at the beginning is
+    over.
+    """
     for start in np.flatnonzero(virtual < CONVERGED):
         if np.all(virtual[start : np.searchsorted(t, t[start] + CALM_S)] < CONVERGED):
             return int(start)
@@ -100,12 +118,17 @@ def _range_control(flight: Flight) -> np.ndarray:
 def _history(flight: Flight) -> dict[str, np.ndarray]:
     """Curves of one flight in range control, the true lumped disturbance among them.
 
-    That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n from what is known on board.
+    That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n from what is known on
+    board.
     """
     rows = flight.telemetry
     control = _range_control(flight)
     planet, atmosphere = flight.scenario.planet, flight.scenario.atmosphere
-    drag, speed, gamma = rows["nav.drag_m_s2"], rows["truth.speed_m_s"], np.radians(rows["truth.flight_path_angle_deg"])
+    drag, speed, gamma = (
+        rows["nav.drag_m_s2"],
+        rows["truth.speed_m_s"],
+        np.radians(rows["truth.flight_path_angle_deg"]),
+    )
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gravity = planet.gravity.mu_m3_s2 / radius**2
     lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
@@ -125,8 +148,13 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
         "disturbance": acceleration - authority * np.cos(np.radians(rows["truth.bank_deg"])),
     }
     profile = flight.scenario.flight_software.guidance.entry.reference_bank
-    speeds, banks = (profile.slow_speed_m_s, profile.fast_speed_m_s), (profile.slow_bank_deg, profile.fast_bank_deg)
-    return {name: values[control] for name, values in columns.items()} | {"planned_deg": np.interp(speed[control], speeds, banks)}
+    speeds, banks = (
+        (profile.slow_speed_m_s, profile.fast_speed_m_s),
+        (profile.slow_bank_deg, profile.fast_bank_deg),
+    )
+    return {name: values[control] for name, values in columns.items()} | {
+        "planned_deg": np.interp(speed[control], speeds, banks)
+    }
 
 
 def _accuracy(updated: pa.Table, fixed: pa.Table, dense: pa.Table) -> tuple[Finding, ...]:
@@ -142,19 +170,46 @@ def _accuracy(updated: pa.Table, fixed: pa.Table, dense: pa.Table) -> tuple[Find
         Finding("within 3 km", "%", _share(calm, 3.0), 79.2, note=note),
         Finding("within 5 km", "%", _share(calm, 5.0), 98.2, note=note),
         Finding("RMS miss", "km", _rms(calm), 2.47, note=note),
-        Finding("spread of terminal altitude, 3 sigma", "km", 3e-3 * float(np.std(values(dense, "parachute_altitude_m"))), 0.05, note=note),
+        Finding(
+            "spread of terminal altitude, 3 sigma",
+            "km",
+            3e-3 * float(np.std(values(dense, "parachute_altitude_m"))),
+            0.05,
+            note=note,
+        ),
     )
 
 
-def _tracking(table: pa.Table, shown: dict[str, float], history: dict[str, np.ndarray]) -> tuple[Finding, ...]:
+def _tracking(
+    table: pa.Table, shown: dict[str, float], history: dict[str, np.ndarray]
+) -> tuple[Finding, ...]:
     calm = slice(int(np.searchsorted(history["t_s"], shown["saturation_end_s"])), -2)
     true, off = history["disturbance"][calm], (history["estimate"] - history["disturbance"])[calm]
     return (
-        Finding("peak drag error, saturation over", "m/s2", float(values(table, "peak_error_settled_m_s2").max()), 0.2, "<=", "worst run"),
-        Finding("peak |s|, saturation over", "m/s3", float(values(table, "peak_surface_settled_m_s3").max()), 0.1, "<=", "worst run; c_s"),
+        Finding(
+            "peak drag error, saturation over",
+            "m/s2",
+            float(values(table, "peak_error_settled_m_s2").max()),
+            0.2,
+            "<=",
+            "worst run",
+        ),
+        Finding(
+            "peak |s|, saturation over",
+            "m/s3",
+            float(values(table, "peak_surface_settled_m_s3").max()),
+            0.1,
+            "<=",
+            "worst run; c_s",
+        ),
         Finding("peak |s|, run shown", "m/s3", shown["peak_surface_settled_m_s3"], 0.05),
         Finding("saturation over, run shown", "s", shown["saturation_end_s"], 75.0),
-        Finding("disturbance estimate, RMS error over RMS", "%", 100.0 * _rms(off) / _rms(true), note="run shown, saturation over"),
+        Finding(
+            "disturbance estimate, RMS error over RMS",
+            "%",
+            100.0 * _rms(off) / _rms(true),
+            note="run shown, saturation over",
+        ),
     )
 
 
@@ -174,16 +229,28 @@ def _drawings(history: dict[str, np.ndarray], table: pa.Table) -> tuple[Drawing,
     boundary = np.full_like(t, 0.1)
     drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
     bank = Curve(t, h["bank_deg"], "commanded"), Curve(t, h["planned_deg"], "reference", "reference")
-    surface = Curve(t, h["surface"]), Curve(t, boundary, "c_s", "reference"), Curve(t, -boundary, "", "reference")
-    disturbance = Curve(t, h["estimate"], "estimate"), Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")
-    down, cross, altitude = (values(table, f"parachute_{name}_m") / 1e3 for name in ("downrange", "crossrange", "altitude"))
+    surface = (
+        Curve(t, h["surface"]),
+        Curve(t, boundary, "c_s", "reference"),
+        Curve(t, -boundary, "", "reference"),
+    )
+    disturbance = (
+        Curve(t, h["estimate"], "estimate"),
+        Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference"),
+    )
+    down, cross, altitude = (
+        values(table, f"parachute_{name}_m") / 1e3 for name in ("downrange", "crossrange", "altitude")
+    )
     altitude = altitude + HEIGHT_OFFSET_M / 1e3
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     circles = (Curve(r * np.cos(angle), r * np.sin(angle), f"{r:g} km", "reference") for r in (3.0, 5.0))
     misses = Curve(down, cross, "runs", "dots"), *circles
     heights = (Curve(altitude, altitude, "", "histogram"),)
     return (
-        Drawing("fig3_drag_and_bank", (Panel("Drag", time, "drag (m/s2)", drag), Panel("Bank angle", time, "|bank| (deg)", bank))),
+        Drawing(
+            "fig3_drag_and_bank",
+            (Panel("Drag", time, "drag (m/s2)", drag), Panel("Bank angle", time, "|bank| (deg)", bank)),
+        ),
         Drawing(
             "fig4_error_and_surface",
             (
@@ -217,5 +284,11 @@ def _rms(values: np.ndarray) -> float:
 
 
 STUDY = Study(
-    SCENARIO, "Disturbance-observer sliding guidance with input saturation", "Zheng & Cui 2015", run, runs=500, quick_runs=20, counted=True
+    SCENARIO,
+    "Disturbance-observer sliding guidance with input saturation",
+    "Zheng & Cui 2015",
+    run,
+    runs=500,
+    quick_runs=20,
+    counted=True,
 )

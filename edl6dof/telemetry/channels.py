@@ -1,6 +1,7 @@
 """The telemetry channels, declared once: name with unit suffix, and meaning.
 
-From this table follow the log record that compiled code fills (SI units, no suffix), the Parquet columns and their metadata.
+From this table follow the log record that compiled code fills (SI units, no suffix), the Parquet columns and
+their metadata.
 """
 
 from __future__ import annotations
@@ -42,7 +43,10 @@ class Channel(NamedTuple):
 
 
 def _vector(stem: str, suffix: str, axes: str, meaning: str) -> list[Channel]:
-    return [Channel(f"{stem}_{axis}{'_' + suffix if suffix else ''}", f"{meaning}, {axis}") for axis in axes.split()]
+    return [
+        Channel(f"{stem}_{axis}{'_' + suffix if suffix else ''}", f"{meaning}, {axis}")
+        for axis in axes.split()
+    ]
 
 
 CHANNELS: tuple[Channel, ...] = (
@@ -83,7 +87,9 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("truth.engine_thrust_n", "main engine thrust"),
     Channel("truth.riser_tension_n", "tension in riser and lines"),
     *_vector("truth.canopy", "m", "east north up", "canopy relative to the landing site"),
-    *_vector("truth.heat_shield", "m", "east north up", "jettisoned heat shield relative to the landing site"),
+    *_vector(
+        "truth.heat_shield", "m", "east north up", "jettisoned heat shield relative to the landing site"
+    ),
     *_vector("truth.backshell", "m", "east north up", "released backshell relative to the landing site"),
     Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
     Channel("truth.footpads", "footpads on the ground"),
@@ -110,23 +116,45 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller"),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),
     *_vector("estimate.torque", "nm", "x y z", "estimated disturbance torque in B"),
-    *_vector("estimate.force", "n", "x y z", "estimated disturbance force in B; the axial one contains engine and drag"),
+    *_vector(
+        "estimate.force",
+        "n",
+        "x y z",
+        ("estimated disturbance force in B; the axial one contains engine and drag"),
+    ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
     Channel("diagnosis.found", "thrusters found to have failed"),
-    Channel("diagnosis.in_use", "thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
+    Channel(
+        "diagnosis.in_use",
+        ("thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
+    ),
     *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
 )
 
-#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign records.  Those that one figure
-#: needs stand together, as a log is larger than the caches: reading it is most of the work.
+#: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign
+#: records.  Those that one figure needs stand together, as a log is larger than the caches: reading it is
+#: most of the work.
 BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
     {channel.name: channel for channel in CHANNELS}[name]
     for name in (
         *("guide.phase", "guide.bank_deg"),
-        *("truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s", "truth.alpha_deg", "truth.beta_deg"),
+        *(
+            "truth.rate_p_deg_s",
+            "truth.rate_q_deg_s",
+            "truth.rate_r_deg_s",
+            "truth.alpha_deg",
+            "truth.beta_deg",
+        ),
         *("truth.dynamic_pressure_pa", "truth.propellant_kg", "truth.total_alpha_deg"),
-        *("truth.altitude_m", "truth.height_m", "truth.latitude_deg", "truth.longitude_deg", "truth.speed_m_s", "truth.mach"),
+        *(
+            "truth.altitude_m",
+            "truth.height_m",
+            "truth.latitude_deg",
+            "truth.longitude_deg",
+            "truth.speed_m_s",
+            "truth.mach",
+        ),
         *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
         *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),
         *("truth.disturbance_x_nm", "truth.disturbance_y_nm", "truth.disturbance_z_nm"),
@@ -137,7 +165,10 @@ BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
 
 def _layout(channels: Sequence[Channel]) -> list[tuple]:
     groups = dict.fromkeys(channel.group for channel in channels)
-    fields = [(group, np.dtype([(channel.field, "f8") for channel in channels if channel.group == group])) for group in groups]
+    fields = [
+        (group, np.dtype([(channel.field, "f8") for channel in channels if channel.group == group]))
+        for group in groups
+    ]
     return [("t", "f8"), *fields]
 
 

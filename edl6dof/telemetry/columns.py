@@ -13,16 +13,19 @@ from edl6dof.vehicle.faults import THRUSTER_KINDS
 
 
 class Telemetry(Mapping[str, np.ndarray]):
-    """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1), ``fault.<name>`` (0 for none) and
-    ``valve.<name>`` (1 while a pulse is commanded); of a brief log ``t_s`` and its channels.
+    """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1),
+    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded); of a brief log ``t_s``
+    and its channels.
 
-    A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of it where no unit
-    changes, else a copy.
+    A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of
+    it where no unit changes, else a copy.
     """
 
     def __init__(self, log: np.ndarray, thrusters: Sequence[str]) -> None:
         self._log = log
-        self._places, self._thrusters = (_BRIEF_PLACES, ()) if log.dtype == BRIEF else (_PLACES, tuple(thrusters))
+        self._places, self._thrusters = (
+            (_BRIEF_PLACES, ()) if log.dtype == BRIEF else (_PLACES, tuple(thrusters))
+        )
 
     def __getitem__(self, name: str) -> np.ndarray:
         place = self._places.get(name)
@@ -38,13 +41,17 @@ class Telemetry(Mapping[str, np.ndarray]):
         return Telemetry(self._log[start:stop], self._thrusters)
 
     def beside(self, t: float) -> Telemetry:
-        """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no more."""
+        """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no
+        more.
+        """
         times = self["t_s"]
         after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
         return self.rows(after - 1, after + 1)
 
     def at(self, t: float, *names: str) -> list[float]:
-        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond an end its value is held."""
+        """Values of some channels at time ``t`` (s), on the straight lines between the rows beside it; beyond
+        an end its value is held.
+        """
         near = self.beside(t)
         words, from_si = _words(self._log.dtype, names)
         table, times = rows_of_words(near._log)[:, words] * from_si, near["t_s"]
@@ -54,7 +61,9 @@ class Telemetry(Mapping[str, np.ndarray]):
         return (table[0] + share * (table[1] - table[0])).tolist()
 
     def largest(self, *names: str) -> np.ndarray:
-        """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the time that columns take."""
+        """Largest magnitude of each of some channels over all rows, ``nan`` of no rows: in a fraction of the
+        time that columns take.
+        """
         words, from_si = _words(self._log.dtype, names)
         return largest(self._log, words) * from_si
 
@@ -64,18 +73,26 @@ class Telemetry(Mapping[str, np.ndarray]):
         return longest(self._log, words) * float(from_si[0])
 
     def nearest(self, stem: str, other: str) -> float:
-        """Least distance (m) over all rows of two places given by their channels east, north and up, ``nan`` where there are none."""
-        a, b = (_words(self._log.dtype, tuple(f"truth.{name}_{axis}_m" for axis in ("east", "north", "up")))[0] for name in (stem, other))
+        """Least distance (m) over all rows of two places given by their channels east, north and up, ``nan``
+        where there are none.
+        """
+        a, b = (
+            _words(self._log.dtype, tuple(f"truth.{name}_{axis}_m" for axis in ("east", "north", "up")))[0]
+            for name in (stem, other)
+        )
         return nearest(self._log, a, b)
 
     def fastest_swings(self) -> np.ndarray:
-        """Largest pitch and yaw rate (deg/s) over all rows without their part that is banking about the velocity, ``nan`` of no rows.
+        """Largest pitch and yaw rate (deg/s) over all rows without their part that is banking about the
+        velocity, ``nan`` of no rows.
 
-        A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the body (sideslip: in pitch);
-        S1 counts the rates of the angle-of-attack and sideslip channels.
+        A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the
+        body (sideslip: in pitch); S1 counts the rates of the angle-of-attack and sideslip channels.
         """
         rates, from_si = _words(self._log.dtype, ("truth.rate_q_deg_s", "truth.rate_r_deg_s"))
-        (roll, *angles), _ = _words(self._log.dtype, ("truth.rate_p_deg_s", "truth.beta_deg", "truth.alpha_deg"))
+        (roll, *angles), _ = _words(
+            self._log.dtype, ("truth.rate_p_deg_s", "truth.beta_deg", "truth.alpha_deg")
+        )
         return fastest_turns(self._log, rates, roll, np.array(angles)) * from_si
 
     def __iter__(self) -> Iterator[str]:
@@ -88,7 +105,11 @@ class Telemetry(Mapping[str, np.ndarray]):
 @lru_cache
 def _slots(thrusters: tuple[str, ...]) -> dict[str, tuple[str, int]]:
     """Field and index of the columns of each thruster."""
-    return {f"{kind}.{name}": (field, index) for index, name in enumerate(thrusters) for kind, field in _PER_THRUSTER}
+    return {
+        f"{kind}.{name}": (field, index)
+        for index, name in enumerate(thrusters)
+        for kind, field in _PER_THRUSTER
+    }
 
 
 def describe(name: str) -> tuple[str, str]:
@@ -98,7 +119,9 @@ def describe(name: str) -> tuple[str, str]:
     if name.startswith("rcs."):
         return "", f"mean thrust fraction of thruster {name[4:]} over the last integration step"
     if name.startswith("fault."):
-        codes = ", ".join(f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_KINDS, 1))
+        codes = ", ".join(
+            f"{number} {kind.replace('_', ' ')}" for number, kind in enumerate(THRUSTER_KINDS, 1)
+        )
         return "", f"true state of thruster {name[6:]}: 0 works, {codes}"
     if name.startswith("valve."):
         return "", f"whether thruster {name[6:]} is commanded to fire in the present control cycle"
@@ -111,8 +134,13 @@ _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 
 def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
-    """Group and field of the log record, and factor to the unit, of every column that is not of a thruster."""
-    return {"t_s": ("t", "", 1.0), **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels}}
+    """Group and field of the log record, and factor to the unit, of every column that is not of a
+    thruster.
+    """
+    return {
+        "t_s": ("t", "", 1.0),
+        **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels},
+    }
 
 
 @lru_cache

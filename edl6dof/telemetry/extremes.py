@@ -1,4 +1,5 @@
-"""Extremes of what columns of a telemetry log give together: one pass over the rows, as a log is larger than the caches.
+"""Extremes of what columns of a telemetry log give together: one pass over the rows, as a log is larger than
+the caches.
 
 A log is looked at as rows of eight-byte words, and a column is its place in a row.
 """
@@ -13,12 +14,14 @@ from edl6dof.jit import kernel
 
 #: Rows that stay in the nearest cache while one column after the other is looked at.
 _BLOCK = 64
-#: All bits of a number but its sign.  Magnitudes are in the order of these as integers, what is not a number above all.
+#: All bits of a number but its sign.  Magnitudes are in the order of these as integers, what is not a number
+#: above all.
 _MAGNITUDE = np.int64(0x7FFF_FFFF_FFFF_FFFF)
 
 
 def largest(log: np.ndarray, words: np.ndarray) -> np.ndarray:
-    """Largest magnitude over all rows of the numbers that stand ``words`` eight-byte words from the start of a row.
+    """Largest magnitude over all rows of the numbers that stand ``words`` eight-byte words from the start of
+    a row.
 
     ``nan`` of no rows, and where a number is not one.
     """
@@ -30,12 +33,16 @@ def largest(log: np.ndarray, words: np.ndarray) -> np.ndarray:
 
 
 def longest(log: np.ndarray, words: np.ndarray) -> float:
-    """Largest length over all rows of the vector of some columns; ``nan`` of no rows, and where a number is not one."""
+    """Largest length over all rows of the vector of some columns; ``nan`` of no rows, and where a number is
+    not one.
+    """
     return sqrt(_longest(rows_of_words(log), words)) if len(log) else nan
 
 
 def nearest(log: np.ndarray, a: np.ndarray, b: np.ndarray) -> float:
-    """Least distance of two points, columns ``a`` and ``b``, over the rows that have both; ``nan`` where none has."""
+    """Least distance of two points, columns ``a`` and ``b``, over the rows that have both; ``nan`` where none
+    has.
+    """
     return _nearest(rows_of_words(log), a, b)
 
 

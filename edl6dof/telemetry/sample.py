@@ -32,7 +32,9 @@ from edl6dof.vehicle.trim_wing import wing_opening
 
 @kernel
 def record_brief(case, plant, fsw, tick):
-    """Write what is in a ``BRIEF`` row, into that or into a ``TICK`` row; returns what the other channels need as well."""
+    """Write what is in a ``BRIEF`` row, into that or into a ``TICK`` row; returns what the other channels
+    need as well.
+    """
     y, out, truth, guide = plant.y, plant.out, tick.truth, tick.guide
     t = plant.t
     tick.t = t
@@ -92,7 +94,9 @@ def record(case, plant, fsw, tick):
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
     truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(case.site, rotate_z(c, s, take3(y, CANOPY_POSITION)))
+        truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(
+            case.site, rotate_z(c, s, take3(y, CANOPY_POSITION))
+        )
     else:
         truth.canopy_east = truth.canopy_north = truth.canopy_up = nan
     truth.heat_shield_east = truth.heat_shield_north = truth.heat_shield_up = nan
@@ -105,12 +109,18 @@ def record(case, plant, fsw, tick):
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.mass
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
-    tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = guide.crossrange, guide.time_to_go, guide.thrust
+    tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = (
+        guide.crossrange,
+        guide.time_to_go,
+        guide.thrust,
+    )
     tick.guide.surface, tick.guide.virtual = guide.surface, guide.virtual
     tick.guide.drag_estimate, tick.guide.drag_rate = guide.drag_estimate, guide.drag_rate
     tick.guide.drag_disturbance, tick.guide.path_disturbance = guide.drag_disturbance, guide.path_disturbance
     direction = take3(guide.thrust_direction_N, 0)
-    tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = direction
+    tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
+        direction
+    )
     torque, missing = take3(fsw.demand, 3), take3(fsw.allocator.undelivered, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing

@@ -12,8 +12,8 @@ from edl6dof.fsw.mission.phases import Phase
 from edl6dof.fsw.mission.roles import NO_ROLE, begun
 from edl6dof.interface.events import EVENTS
 
-#: Plain names of what the vehicle does once, or is told to do: that the wing opens is another event.  In the order of
-#: ``edl6dof.interface.events.EVENTS``.
+#: Plain names of what the vehicle does once, or is told to do: that the wing opens is another event.  In the
+#: order of ``edl6dof.interface.events.EVENTS``.
 DEPLOYMENTS = (
     "trim wing commanded",
     "mortar fires",
@@ -24,7 +24,8 @@ DEPLOYMENTS = (
     "engine cut-off",
 )
 
-#: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and ``role`` or ``thruster``.
+#: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and
+#: ``role`` or ``thruster``.
 Moment = dict[str, Any]
 
 
@@ -40,7 +41,9 @@ def timeline(
 
     ``others`` are more of them: the trim wing open, faults and what was found out about them.
     """
-    reversals = [moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)]
+    reversals = [
+        moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
+    ]
     found = [*others, *moments(plant, fsw, phases), *reversals, moment(plant["t"], "end", ending)]
     return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
@@ -51,7 +54,9 @@ def moment(t: float, key: str, name: str, **about: Any) -> Moment:
 
 
 def moments(plant: np.void, fsw: np.void, phases: Sequence[Phase]) -> list[Moment]:
-    """What plant and flight computer note themselves when it happens, each at most once; no telemetry is needed for it."""
+    """What plant and flight computer note themselves when it happens, each at most once; no telemetry is
+    needed for it.
+    """
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
         for phase, t in zip(phases, fsw["entered"], strict=False)
@@ -90,12 +95,19 @@ def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, A
         "speed_m_s": telemetry["truth.speed_m_s"][i],
         "mach": telemetry["truth.mach"][i],
     }
-    known = t >= telemetry["t_s"][0] - 1e-9  # a flight that goes on from a saved state has no telemetry of what was before
+    # a flight that goes on from a saved state has no telemetry of what was before
+    known = t >= telemetry["t_s"][0] - 1e-9
     values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
     return {**one, "detail": _in_words(values), **values}
 
 
 def _in_words(values: Mapping[str, float | None]) -> str:
     """Altitude, speed and Mach number, as far as they are known."""
-    forms = (("altitude_m", 1e-3, "{:.1f} km"), ("speed_m_s", 1.0, "{:.0f} m/s"), ("mach", 1.0, "Mach {:.2f}"))
-    return ", ".join(form.format(factor * value) for name, factor, form in forms if (value := values[name]) is not None)
+    forms = (
+        ("altitude_m", 1e-3, "{:.1f} km"),
+        ("speed_m_s", 1.0, "{:.0f} m/s"),
+        ("mach", 1.0, "Mach {:.2f}"),
+    )
+    return ", ".join(
+        form.format(factor * value) for name, factor, form in forms if (value := values[name]) is not None
+    )

@@ -13,7 +13,8 @@ N_EVENTS = len(EVENTS)
 
 @kernel
 def actuate(case, command, plant):
-    """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested with its delay.
+    """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested
+    with its delay.
 
     Faults and isolation valves have the last word.
     """

@@ -1,12 +1,16 @@
-"""Aerodynamic force and moment of the entry capsule, of what is left after jettisons, and of simple constant-coefficient bodies.
+"""Aerodynamic force and moment of the entry capsule, of what is left after jettisons, and of simple
+constant-coefficient bodies.
 
-Every model takes the air-relative velocity (u, v, w) in body axes `B` (x forward through the nose, y right, z down, m/s), the
-dynamic pressure ``qbar`` (Pa) and the rates (p, q, r) (rad/s), and returns (Fx, Fy, Fz, Mx, My, Mz) in `B` (N, N m).  Moments are
+Every model takes the air-relative velocity (u, v, w) in body axes `B` (x forward through the nose, y right, z
+down, m/s), the dynamic pressure ``qbar`` (Pa) and the rates (p, q, r) (rad/s), and returns (Fx, Fy, Fz, Mx,
+My, Mz) in `B` (N, N m).  Moments are
 about a point on the x axis: ``table.moment_reference_x`` (capsule), ``bluff.centre_of_pressure_x``,
-``constant.moment_reference_x``.  The caller adds (r_ref - r_cg) x F; :func:`aerodynamic_wrench` returns the station as well.
+``constant.moment_reference_x``.  The caller adds (r_ref - r_cg) x F; :func:`aerodynamic_wrench` returns the
+station as well.
 
-Axisymmetric bodies are described by the total angle aT between velocity and +x, 0..pi, and the direction e = (0, v, w)/|(v, w)|:
-F = qbar A (-CA, -CN e_y, -CN e_z), M = qbar A D Cm (0, e_z, -e_y).  CN and Cm vanish with aT: zero lateral velocity is regular.
+Axisymmetric bodies are described by the total angle aT between velocity and +x, 0..pi, and the direction e =
+(0, v, w)/|(v, w)|: F = qbar A (-CA, -CN e_y, -CN e_z), M = qbar A D Cm (0, e_z, -e_y).  CN and Cm vanish with
+aT: zero lateral velocity is regular.
 """
 
 from __future__ import annotations
@@ -34,7 +38,9 @@ MIN_SPEED = 1e-9
 
 
 class CapsuleParams(Hardware):
-    """Sphere-cone capsule: static table, shape for angles beyond the table, damping, uncertainty multipliers."""
+    """Sphere-cone capsule: static table, shape for angles beyond the table, damping, uncertainty
+    multipliers.
+    """
 
     moved: ClassVar = {
         "molecular_diameter_m": "planet.gas.molecular_diameter_m",
@@ -50,9 +56,20 @@ class CapsuleParams(Hardware):
         -0.253, "station of the table's moment reference / diameter, negative aft of the nose", status="published",
         source=PHOENIX, record=False, le=0.0, ge=-2.0,
     )  # fmt: skip
-    diameter_m: float = param(3.4, "largest diameter; reference length", status="published", source="S&T Daily 2021", gt=0.0)
-    nose_radius_m: float = param(0.85, "radius of the spherical nose", status="estimate", source="D/4, Viking family", gt=0.0, record=False)
-    shoulder_radius_m: float = param(0.085, "radius of the shoulder", status="estimate", source="D/40, as Phoenix", ge=0.0, record=False)
+    diameter_m: float = param(
+        3.4, "largest diameter; reference length", status="published", source="S&T Daily 2021", gt=0.0
+    )
+    nose_radius_m: float = param(
+        0.85,
+        "radius of the spherical nose",
+        status="estimate",
+        source="D/4, Viking family",
+        gt=0.0,
+        record=False,
+    )
+    shoulder_radius_m: float = param(
+        0.085, "radius of the shoulder", status="estimate", source="D/40, as Phoenix", ge=0.0, record=False
+    )
     cone_half_angle_deg: float = param(
         70.0, "half angle of the forebody cone", status="published", source="Li, Rao et al., Astrodynamics 6(1), 2022", gt=10.0,
         lt=90.0, record=False,
@@ -62,19 +79,31 @@ class CapsuleParams(Hardware):
         record=False,
     )  # fmt: skip
     backshell_break_radius_m: float = param(
-        1.0, "radius where the second backshell cone begins", status="estimate", source="height about 2.6 m", gt=0.0, record=False
+        1.0,
+        "radius where the second backshell cone begins",
+        status="estimate",
+        source="height about 2.6 m",
+        gt=0.0,
+        record=False,
     )
     backshell_second_cone_angle_deg: float = param(
         40.0, "half angle of the second backshell cone", status="estimate", source="total height about 2.6 m", gt=0.0, lt=90.0,
         record=False,
     )  # fmt: skip
     backshell_base_radius_m: float = param(
-        0.45, "radius of the flat lid of the backshell", status="estimate", source="parachute volume", gt=0.0, record=False
+        0.45,
+        "radius of the flat lid of the backshell",
+        status="estimate",
+        source="parachute volume",
+        gt=0.0,
+        record=False,
     )
     axial_factor: float = param(1.0, "multiplies CA", gt=0.0, le=10.0)
     normal_factor: float = param(1.0, "multiplies CN", ge=0.0, le=10.0)
     moment_factor: float = param(1.0, "multiplies Cm about the table's reference point", ge=-10.0, le=10.0)
-    moment_bias: float = param(0.0, "pitching moment coefficient of an asymmetry, fixed in the body", ge=-1.0, le=1.0)
+    moment_bias: float = param(
+        0.0, "pitching moment coefficient of an asymmetry, fixed in the body", ge=-1.0, le=1.0
+    )
     damping_factor: float = param(1.0, "multiplies the damping coefficients", ge=-10.0, le=10.0)
     damping_mach: list[float] = param(
         ..., "Mach numbers of the damping table, ascending, clamped outside", status="estimate", source=DAMPING, record=False,
@@ -101,7 +130,11 @@ class CapsuleParams(Hardware):
             raise ValueError("the backshell radii must decrease: diameter/2 - shoulder > break > base")
         if self.nose_radius_m >= radius or self.shoulder_radius_m >= 0.5 * radius:
             raise ValueError("nose radius must be below diameter/2 and shoulder radius below diameter/4")
-        if any(b <= a for grid in (self.damping_mach, self.damping_angle_deg) for a, b in zip(grid, grid[1:], strict=False)):
+        if any(
+            b <= a
+            for grid in (self.damping_mach, self.damping_angle_deg)
+            for a, b in zip(grid, grid[1:], strict=False)
+        ):
             raise ValueError("damping_mach and damping_angle_deg must ascend")
         if any(angle != round(angle) or not 0.0 <= angle <= 180.0 for angle in self.damping_angle_deg):
             raise ValueError("damping_angle_deg must be whole degrees between 0 and 180")
@@ -121,7 +154,9 @@ class ConstantAeroParams(Hardware):
     reference_area_m2: float = param(1.0, "reference area", gt=0.0)
     span_m: float = param(1.0, "reference length of roll and yaw", gt=0.0)
     chord_m: float = param(1.0, "reference length of pitch", gt=0.0)
-    moment_reference_x_m: float = param(0.0, "station where the drag acts; the CG for a body without static moment")
+    moment_reference_x_m: float = param(
+        0.0, ("station where the drag acts; the CG for a body without static moment")
+    )
 
 
 class LiftDragParams(Hardware):
@@ -129,20 +164,35 @@ class LiftDragParams(Hardware):
 
     reference_area_m2: float = param(1.0, "reference area", gt=0.0)
     drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
-    lift_to_drag: float = param(0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0)
+    lift_to_drag: float = param(
+        0.0, ("L/D; lift stands on the velocity in the plane of x and z of B, towards -z"), ge=-5.0, le=5.0
+    )
 
 
 class BluffParams(Hardware):
-    """Bluff body after a jettison: CA = CD cos aT and CN = slope sin aT, acting at a centre of pressure on the axis."""
+    """Bluff body after a jettison: CA = CD cos aT and CN = slope sin aT, acting at a centre of pressure on
+    the axis.
+    """
 
-    reference_area_m2: float = param(9.079, "reference area", status="derived", source="pi/4 (3.4 m)^2", gt=0.0)
-    reference_length_m: float = param(3.4, "reference length of the damping", status="published", source="S&T Daily 2021", gt=0.0)
-    drag_coefficient: float = param(1.3, "axial coefficient at aT = 0; its negative at 180 deg", status="estimate", ge=0.0)
+    reference_area_m2: float = param(
+        9.079, "reference area", status="derived", source="pi/4 (3.4 m)^2", gt=0.0
+    )
+    reference_length_m: float = param(
+        3.4, "reference length of the damping", status="published", source="S&T Daily 2021", gt=0.0
+    )
+    drag_coefficient: float = param(
+        1.3, "axial coefficient at aT = 0; its negative at 180 deg", status="estimate", ge=0.0
+    )
     normal_slope: float = param(
-        0.3, "CN = slope sin aT; equal to the drag coefficient it makes the force pure drag", status="estimate", ge=0.0
+        0.3,
+        "CN = slope sin aT; equal to the drag coefficient it makes the force pure drag",
+        status="estimate",
+        ge=0.0,
     )
     centre_of_pressure_x_m: float = param(
-        -1.4, "body station of the centre of pressure; aft of the CG (more negative) is stable", status="estimate"
+        -1.4,
+        "body station of the centre of pressure; aft of the CG (more negative) is stable",
+        status="estimate",
     )
     pitch_damping: float = param(-0.2, "Cmq = Cnr per rad of rate L/2V", status="estimate", le=1.0)
 
@@ -165,11 +215,15 @@ def _lander() -> BluffParams:
 class AeroParams(Hardware):
     """Aerodynamics of the vehicle in all its configurations."""
 
-    model: Literal["capsule", "constant", "none", "lift_drag"] = param("capsule", "which aerodynamic model flies")
+    model: Literal["capsule", "constant", "none", "lift_drag"] = param(
+        "capsule", "which aerodynamic model flies"
+    )
     capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
     lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
-    backshell: BluffParams = param(..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell)
+    backshell: BluffParams = param(
+        ..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell
+    )
     lander: BluffParams = param(..., "bare lander", status="estimate", factory=_lander)
 
 
@@ -194,14 +248,21 @@ def free_molecular_weight(capsule, gas, rho):
 
 @kernel
 def _hermite(grid, i, k, basis):
-    return basis[0] * grid[i, k] + basis[1] * grid[i + 1, k] + basis[2] * grid[i, k + 1] + basis[3] * grid[i + 1, k + 1]
+    return (
+        basis[0] * grid[i, k]
+        + basis[1] * grid[i + 1, k]
+        + basis[2] * grid[i, k + 1]
+        + basis[3] * grid[i + 1, k + 1]
+    )
 
 
 @kernel
 def capsule_coefficients(capsule, table, gas, mach, rho, angle):
-    """(CA, CN, Cm, Cmq) at a total angle (rad, 0..pi), bridged and multiplied by the factors; Cm about the table's reference.
+    """(CA, CN, Cm, Cmq) at a total angle (rad, 0..pi), bridged and multiplied by the factors; Cm about the
+    table's reference.
 
-    Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source: :mod:`edl6dof.vehicle.aerotable`.
+    Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source:
+    :mod:`edl6dof.vehicle.aerotable`.
     """
     low, b = cell_among(table.mach, table.n_mach, mach)
     i, t = cell(angle * DEG_PER_RAD, 180)
@@ -212,7 +273,9 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     ca = (1.0 - b) * _hermite(lower, i, 0, basis) + b * _hermite(upper, i, 0, basis)
     cn = (1.0 - b) * _hermite(lower, i, 2, basis) + b * _hermite(upper, i, 2, basis)
     cm = (1.0 - b) * _hermite(lower, i, 4, basis) + b * _hermite(upper, i, 4, basis)
-    cmq = (1.0 - t) * ((1.0 - b) * lower[i, 6] + b * upper[i, 6]) + t * ((1.0 - b) * lower[i + 1, 6] + b * upper[i + 1, 6])
+    cmq = (1.0 - t) * ((1.0 - b) * lower[i, 6] + b * upper[i, 6]) + t * (
+        (1.0 - b) * lower[i + 1, 6] + b * upper[i + 1, 6]
+    )
     weight = free_molecular_weight(capsule, gas, rho)
     if weight > 0.0:
         ca += weight * (_hermite(rare, i, 0, basis) - ca)
@@ -225,9 +288,11 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
 
 @kernel
 def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
-    """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).  No roll damping (``p`` is unused).
+    """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).  No roll damping
+    (``p`` is unused).
 
-    Damping: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds qbar A D bias to My.
+    Damping: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds qbar A D bias to
+    My.
     Source: decomposition by total angle for a body of revolution, module docstring.
     """
     capsule = aero.capsule
@@ -251,7 +316,8 @@ def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
 
 @kernel
 def bluff_aero(bluff, qbar, u, v, w, p, q, r):
-    """Force and moment in `B` of a bluff body, moment (pitch and yaw damping only) about (bluff.centre_of_pressure_x, 0, 0).
+    """Force and moment in `B` of a bluff body, moment (pitch and yaw damping only) about
+    (bluff.centre_of_pressure_x, 0, 0).
 
     CA = CD cos aT, CN = slope sin aT.  Source: engineering estimate, see :class:`BluffParams`.
     """
@@ -268,9 +334,11 @@ def bluff_aero(bluff, qbar, u, v, w, p, q, r):
 
 @kernel
 def constant_aero(aero, qbar, u, v, w, p, q, r):
-    """Constant drag against the velocity and rate damping in `B`, moment about (constant.moment_reference_x, 0, 0).
+    """Constant drag against the velocity and rate damping in `B`, moment about (constant.moment_reference_x,
+    0, 0).
 
-    L = qbar S b Clp p b/2V, M = qbar S c Cmq q c/2V, N = qbar S b Cnr r b/2V.  Source: NASA/TM-2015-218675, cases 3 and 4.
+    L = qbar S b Clp p b/2V, M = qbar S c Cmq q c/2V, N = qbar S b Cnr r b/2V.  Source: NASA/TM-2015-218675,
+    cases 3 and 4.
     """
     constant = aero.constant
     speed = sqrt(u * u + v * v + w * w)
@@ -287,7 +355,9 @@ def constant_aero(aero, qbar, u, v, w, p, q, r):
 
 @kernel
 def lift_drag_aero(lift_drag, qbar, u, v, w):
-    """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source: definition of lift and drag."""
+    """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source:
+    definition of lift and drag.
+    """
     speed, plane = sqrt(u * u + v * v + w * w), sqrt(u * u + w * w)
     if plane < MIN_SPEED:
         return 0.0, 0.0, 0.0
@@ -298,7 +368,9 @@ def lift_drag_aero(lift_drag, qbar, u, v, w):
 
 @kernel
 def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
-    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration (``CONFIG_...``)."""
+    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
+    (``CONFIG_...``).
+    """
     if aero.model == MODEL_NONE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if aero.model == MODEL_CONSTANT:

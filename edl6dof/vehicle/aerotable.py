@@ -1,11 +1,14 @@
-"""Building of the shared aerodynamic table of a sphere-cone capsule: Mach x total angle 0..180 deg.  Plain numpy, at load time.
+"""Building of the shared aerodynamic table of a sphere-cone capsule: Mach x total angle 0..180 deg.  Plain
+numpy, at load time.
 
-0-16 deg is the published static table, made C1 in angle by monotone cubics (PCHIP) through its points and their mirror images.
-Beyond it modified Newtonian flow over the whole capsule, plus a correction that makes value and slope continuous at the end of
-the table and fades out at 40 deg.  Free-molecular coefficients by the same surface integral.
+0-16 deg is the published static table, made C1 in angle by monotone cubics (PCHIP) through its points and
+their mirror images. Beyond it modified Newtonian flow over the whole capsule, plus a correction that makes
+value and slope continuous at the end of the table and fades out at 40 deg.  Free-molecular coefficients by
+the same surface integral.
 
-The capsule is a convex body of revolution, so the only shadowing is n.v < 0, and the integrals over the azimuth are closed form:
-with flow direction (cos a, 0, sin a) and normal (nx, nr cos phi), n.v = nx cos a + nr sin a cos phi, positive for |phi| < phi0.
+The capsule is a convex body of revolution, so the only shadowing is n.v < 0, and the integrals over the
+azimuth are closed form: with flow direction (cos a, 0, sin a) and normal (nx, nr cos phi), n.v = nx cos a +
+nr sin a cos phi, positive for |phi| < phi0.
 """
 
 from __future__ import annotations
@@ -28,7 +31,8 @@ ANGLES = 181
 FADE_END = 40
 BASE_SUCTION = 0.2  # [E] mean base pressure coefficient of a bluff body at Mach 0
 
-#: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA .. dCm)], slopes per degree.
+#: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA ..
+#: dCm)], slopes per degree.
 AERO_TABLE = np.dtype(
     [
         ("n_mach", "i8"),
@@ -42,7 +46,9 @@ AERO_TABLE = np.dtype(
 
 
 class Rings(NamedTuple):
-    """Surface of revolution: station and radius (m), outward normal (axial, radial), weight = radius x meridian length (m2)."""
+    """Surface of revolution: station and radius (m), outward normal (axial, radial), weight = radius x
+    meridian length (m2).
+    """
 
     x: np.ndarray
     r: np.ndarray
@@ -54,7 +60,8 @@ class Rings(NamedTuple):
 def build_aero_table(capsule: CapsuleParams, heat_capacity_ratio: float) -> np.ndarray:
     """The table record (array of one) of a capsule: every entry finite, Mach ascending, slopes per degree.
 
-    Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all coefficients.
+    Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all
+    coefficients.
     """
     mach, alpha, static = read_static_table(capsule.static_table)
     rings = capsule_rings(capsule)
@@ -68,7 +75,10 @@ def build_aero_table(capsule: CapsuleParams, heat_capacity_ratio: float) -> np.n
     grid = np.union1d(mach, capsule.damping_mach)
     grid = grid[(grid >= mach[0]) & (grid <= mach[-1])]
     if len(grid) > MACH_CAPACITY:
-        raise ValueError(f"{capsule.static_table}: {len(grid)} Mach numbers with those of the damping, at most {MACH_CAPACITY}")
+        raise ValueError(
+            f"{capsule.static_table}: {len(grid)} Mach numbers with those of the damping, at most "
+            f"{MACH_CAPACITY}"
+        )
     table = np.zeros(1, AERO_TABLE)
     record = table[0]
     record["n_mach"], record["moment_reference_x"] = len(grid), x_ref
@@ -88,7 +98,9 @@ def static_table_path(name: str) -> Path:
 
 
 def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD, CL, Cm."""
+    """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD,
+    CL, Cm.
+    """
     path = static_table_path(name)
     if not path.exists():
         raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
@@ -100,13 +112,19 @@ def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rows = [list(map(float, row[:5])) for row in csv.reader(lines)]
     data = np.array(sorted(rows))
     mach, alpha = np.unique(data[:, 0]), np.unique(data[:, 1])
-    if len(mach) < 2 or data.shape != (len(mach) * len(alpha), 5) or np.any(data[:, 1].reshape(len(mach), -1) != alpha):
+    if (
+        len(mach) < 2
+        or data.shape != (len(mach) * len(alpha), 5)
+        or np.any(data[:, 1].reshape(len(mach), -1) != alpha)
+    ):
         raise ValueError(f"{path}: not a complete Mach x alpha table")
     cd, cl, cm = (data[:, k].reshape(len(mach), len(alpha)) for k in (2, 3, 4))
     return _checked(path, mach, alpha, cd, cl, cm)
 
 
-def _checked(path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _checked(
+    path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mach, alpha and (CA, CN, Cm) from CD, CL, Cm."""
     cd, cl, cm = coefficients
     if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
@@ -118,14 +136,19 @@ def _checked(path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.
 def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
     """Effective Cp_max of the Newtonian integral, in a gas of this ratio of specific heats behind the shock.
 
-    Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a base suction
-    (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral leaves out [E].
+    Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a
+    base suction (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral
+    leaves out [E].
     Source: Anderson, Modern Compressible Flow, eq. 8.80 (recalled).
     """
     mach = np.asarray(mach, dtype=np.float64)
     g = heat_capacity_ratio
     m2 = np.maximum(mach, 1.0) ** 2
-    pitot = ((g + 1.0) ** 2 * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0))) ** (g / (g - 1.0)) * (1.0 - g + 2.0 * g * m2) / (g + 1.0)
+    pitot = (
+        ((g + 1.0) ** 2 * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0))) ** (g / (g - 1.0))
+        * (1.0 - g + 2.0 * g * m2)
+        / (g + 1.0)
+    )
     s2 = np.minimum(mach, 1.0) ** 2
     stagnation = (1.0 + 0.5 * (g - 1.0) * s2) ** (g / (g - 1.0))
     subsonic = (stagnation - 1.0) / (0.5 * g * s2) + BASE_SUCTION * (1.0 - s2)
@@ -133,7 +156,9 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
 
 
 def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
-    """Rings of nose sphere, cone, shoulder, two backshell cones and flat lid; Gauss-Legendre points on every piece."""
+    """Rings of nose sphere, cone, shoulder, two backshell cones and flat lid; Gauss-Legendre points on every
+    piece.
+    """
     rn, rs, rmax = capsule.nose_radius_m, capsule.shoulder_radius_m, 0.5 * capsule.diameter_m
     cone, back = radians(capsule.cone_half_angle_deg), radians(capsule.backshell_cone_angle_deg)
     back2 = radians(capsule.backshell_second_cone_angle_deg)
@@ -159,13 +184,17 @@ def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
     return Rings(*(np.concatenate(column) for column in zip(*pieces, strict=True)))
 
 
-def surface_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: float) -> tuple[np.ndarray, np.ndarray]:
-    """Newtonian (per unit Cp_max) and free-molecular coefficients [angle, (CA, CN, Cm)], Cm about (x_ref, 0, 0) and ``diameter``.
+def surface_integrals(
+    rings: Rings, angle: np.ndarray, diameter: float, x_ref: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newtonian (per unit Cp_max) and free-molecular coefficients [angle, (CA, CN, Cm)], Cm about (x_ref, 0,
+    0) and ``diameter``.
 
     ``angle`` is the total angle, rad, 0..pi.
 
-    Newtonian: Cp = Cp_max (n.v)^2.  Free molecular: hyperthermal, diffuse, cold fully accommodated wall: force 2 qbar per
-    projected area against the velocity.  Source: Regan & Anandakrishnan, Dynamics of Atmospheric Re-Entry, ch. 11-12 (recalled).
+    Newtonian: Cp = Cp_max (n.v)^2.  Free molecular: hyperthermal, diffuse, cold fully accommodated wall:
+    force 2 qbar per projected area against the velocity.  Source: Regan & Anandakrishnan, Dynamics of
+    Atmospheric Re-Entry, ch. 11-12 (recalled).
     """
     area, ca, sa = 0.25 * pi * diameter**2, np.cos(angle)[:, None], np.sin(angle)[:, None]
     a, b = rings.nx * ca, rings.nr * sa
@@ -203,7 +232,9 @@ def _line(x0: float, r0: float, x1: float, r1: float, points: int) -> Rings:
     node, weight = np.polynomial.legendre.leggauss(points)
     t, length = 0.5 * (node + 1.0), sqrt((x1 - x0) ** 2 + (r1 - r0) ** 2)
     r, one = r0 + t * (r1 - r0), np.ones(points)
-    return Rings(x0 + t * (x1 - x0), r, one * (r1 - r0) / length, one * (x0 - x1) / length, r * 0.5 * length * weight)
+    return Rings(
+        x0 + t * (x1 - x0), r, one * (r1 - r0) / length, one * (x0 - x1) / length, r * 0.5 * length * weight
+    )
 
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -213,7 +244,9 @@ def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np
     mirrored = np.concatenate((static[:, :0:-1] * parity, static), axis=1)
     inside, inside_slopes = (
         np.moveaxis(part, -1, 1)
-        for part in curve(np.concatenate((-alpha[:0:-1], alpha)), np.moveaxis(mirrored, 1, -1), np.arange(end + 1.0))
+        for part in curve(
+            np.concatenate((-alpha[:0:-1], alpha)), np.moveaxis(mirrored, 1, -1), np.arange(end + 1.0)
+        )
     )
     values, slopes = newton.copy(), _slopes(newton)
     gap, gap_slope = inside[:, end] - values[:, end], inside_slopes[:, end] - slopes[:, end]
@@ -229,7 +262,9 @@ def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np
 
 
 def _slopes(values: np.ndarray) -> np.ndarray:
-    """Central differences per degree of [.., degree, (CA, CN, Cm)], with CA even and CN, Cm odd about 0 and 180 deg."""
+    """Central differences per degree of [.., degree, (CA, CN, Cm)], with CA even and CN, Cm odd about 0 and
+    180 deg.
+    """
     parity = np.array([1.0, -1.0, -1.0])
     padded = np.concatenate((values[:, 1:2] * parity, values, values[:, -2:-1] * parity), axis=1)
     return 0.5 * (padded[:, 2:] - padded[:, :-2])

@@ -1,8 +1,9 @@
 """Equations of motion: the derivative of the integrated state of vehicle, propellant, engine and canopy.
 
-State in I: position and velocity of the centre of mass, quaternion ``q_I2B``, body rate.  Forces: gravitation, aerodynamics, trim
-wing, thrusters, engine, riser, ground.  Left out: the momentum of propellant moving inside the vehicle (jet damping) and the slow
-shift of the centre of mass inside the body while propellant is used, both below 1e-4 of the control torque.
+State in I: position and velocity of the centre of mass, quaternion ``q_I2B``, body rate.  Forces:
+gravitation, aerodynamics, trim wing, thrusters, engine, riser, ground.  Left out: the momentum of propellant
+moving inside the vehicle (jet damping) and the slow shift of the centre of mass inside the body while
+propellant is used, both below 1e-4 of the control torque.
 """
 
 from __future__ import annotations
@@ -14,7 +15,19 @@ from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
-from edl6dof.spatial.vector import add, clamp, cross, dot, inertia_solve, inertia_times, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import (
+    add,
+    clamp,
+    cross,
+    dot,
+    inertia_solve,
+    inertia_times,
+    norm,
+    put3,
+    scale,
+    sub,
+    take3,
+)
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
@@ -45,7 +58,9 @@ from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
 @kernel
 def derivatives(case, tables, plant, t, y, dy):
-    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); refreshes ``plant.out`` with the quantities met on the way."""
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); refreshes ``plant.out`` with the
+    quantities met on the way.
+    """
     if case.dynamics == POINT_MASS:
         point_attitude(case, tables, plant, t, y)
         loads(case, tables, plant, t, y)
@@ -57,7 +72,9 @@ def derivatives(case, tables, plant, t, y, dy):
 
 @kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
-    """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach number and dynamic pressure."""
+    """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach
+    number and dynamic pressure.
+    """
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
     speed = norm(v_air)
@@ -66,7 +83,19 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     # capsule, open backshell, lander: 0, 1, 2 as parts leave
     shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
     wrench = aerodynamic_wrench(
-        vehicle.aero, tables.aero, case.planet.gas, shape, qbar, mach, density, v_air[0], v_air[1], v_air[2], w[0], w[1], w[2]
+        vehicle.aero,
+        tables.aero,
+        case.planet.gas,
+        shape,
+        qbar,
+        mach,
+        density,
+        v_air[0],
+        v_air[1],
+        v_air[2],
+        w[0],
+        w[1],
+        w[2],
     )
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
@@ -83,7 +112,9 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
 
 @kernel
 def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
-    """Pull of the riser: force and moment about the centre of mass (B), and tension (N); writes the canopy's acceleration to ``out``."""
+    """Pull of the riser: force and moment about the centre of mass (B), and tension (N); writes the canopy's
+    acceleration to ``out``.
+    """
     chute = case.vehicle.parachute
     hook = sub(take3(chute.confluence, 0), centre)
     hook_r = add(take3(y, POSITION), from_frame(q, hook))
@@ -99,7 +130,11 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
     force = add(sub(drag, scale(tension, line)), scale(packed, g_I))
-    put3(plant.out.canopy_acceleration_I, 0, scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force))
+    put3(
+        plant.out.canopy_acceleration_I,
+        0,
+        scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force),
+    )
     pull = to_frame(q, scale(tension, line))
     return pull, cross(hook, pull), tension
 
@@ -113,7 +148,9 @@ def ground_loads(case, plant, y, q, w, centre, turn, place):
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
     slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
-    normal_F = ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
+    normal_F = ned_to_fixed(
+        sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse)
+    )
     normal_B = to_frame(q, rotate_z(c, -s, normal_F))
     v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
     w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
@@ -124,9 +161,11 @@ def ground_loads(case, plant, y, q, w, centre, turn, place):
 
 @kernel
 def loads(case, tables, plant, t, y):
-    """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t`` (s), in ``plant.out``.
+    """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t``
+    (s), in ``plant.out``.
 
-    They do not depend on the commands to engine and thrusters: flight software may change those between this and :func:`motion`.
+    They do not depend on the commands to engine and thrusters: flight software may change those between this
+    and :func:`motion`.
     """
     out = plant.out
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
@@ -168,7 +207,8 @@ def loads(case, tables, plant, t, y):
 def motion(case, plant, y, dy):
     """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``, the engine and the thrusters.
 
-    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
+    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see
+    :mod:`edl6dof.vehicle.rcs`).
     """
     out, engine = plant.out, case.vehicle.engine
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)

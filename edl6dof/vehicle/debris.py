@@ -24,8 +24,8 @@ def fall(case, tables, part, t, r_I, v_I):
 def step_part(case, tables, part, t, h, ground_elevation):
     """Advance one part by ``h`` s; on the ground it rests and turns with the planet.
 
-    Beeman's position and the second-order Adams-Bashforth velocity need one evaluation a step: nothing flies on what debris does, and
-    over its whole fall the error stays below a centimetre.
+    Beeman's position and the second-order Adams-Bashforth velocity need one evaluation a step: nothing flies
+    on what debris does, and over its whole fall the error stays below a centimetre.
     """
     r, v = take3(part.r_I, 0), take3(part.v_I, 0)
     spin = case.planet.rotation_rate

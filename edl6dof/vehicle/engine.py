@@ -1,4 +1,6 @@
-"""Main landing engine: start at full level, throttle band, first-order valve with a rate limit, specific impulse by throttle."""
+"""Main landing engine: start at full level, throttle band, first-order valve with a rate limit, specific
+impulse by throttle.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,19 @@ class EngineParams(Hardware):
     full_thrust_n: float = param(0.0, "thrust at the full level used at the start; 0 for no engine", ge=0.0)
     throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
     throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
-    full_specific_impulse_s: float = param(300.0, "specific impulse at full thrust", status="estimate", gt=0.0)
-    low_specific_impulse_s: float = param(285.0, "specific impulse at the lower end of the band", status="estimate", gt=0.0)
+    full_specific_impulse_s: float = param(
+        300.0, "specific impulse at full thrust", status="estimate", gt=0.0
+    )
+    low_specific_impulse_s: float = param(
+        285.0, "specific impulse at the lower end of the band", status="estimate", gt=0.0
+    )
     lag_s: float = param(0.15, "first-order time constant of the thrust", status="estimate", gt=0.0)
-    rate_n_s: float = param(1500.0, "largest rate of change of thrust while throttling", status="estimate", gt=0.0)
-    start_rate_n_s: float = param(25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0)
+    rate_n_s: float = param(
+        1500.0, "largest rate of change of thrust while throttling", status="estimate", gt=0.0
+    )
+    start_rate_n_s: float = param(
+        25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0
+    )
     ignition_delay_s: float = param(0.15, "time from command to first thrust", status="estimate", ge=0.0)
     nozzle_m: Vec3 = param((0.0, 0.0, 0.0), "point of thrust application in B")
     misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
@@ -36,7 +46,9 @@ ENGINE = dtype_of(EngineParams)
 
 @kernel
 def thrust_rate(engine, thrust, command, starting):
-    """Time derivative of thrust (N/s) towards the commanded level; ``starting`` selects the fast build-up and cut-off rate."""
+    """Time derivative of thrust (N/s) towards the commanded level; ``starting`` selects the fast build-up and
+    cut-off rate.
+    """
     limit = engine.start_rate if starting else engine.rate
     return clamp((command - thrust) / engine.lag, -limit, limit)
 
@@ -60,7 +72,9 @@ def thrust_wrench(engine, thrust):
 
 @kernel
 def propellant_flow(engine, thrust):
-    """Propellant mass flow (kg/s) at ``thrust`` N; the specific impulse runs linearly from the band's lower end to full thrust."""
+    """Propellant mass flow (kg/s) at ``thrust`` N; the specific impulse runs linearly from the band's lower
+    end to full thrust.
+    """
     if thrust <= 0.0:
         return 0.0
     span = engine.full_thrust - engine.throttle_min

@@ -1,7 +1,8 @@
 """Faults: what breaks, and when.  They change the true vehicle only; the flight computer has to find out.
 
-A fault begins at a flight time, or a while after a mission phase was entered, and lasts.  It acts between the actuators and the plant:
-:func:`inflict` runs after the commands of a base cycle have reached the valves and before the plant moves.
+A fault begins at a flight time, or a while after a mission phase was entered, and lasts.  It acts between the
+actuators and the plant: :func:`inflict` runs after the commands of a base cycle have reached the valves and
+before the plant moves.
 
 Left out: intermittent faults, leaks, and valves that fail between open and shut.
 """
@@ -46,7 +47,9 @@ class DegradedParams(Params):
 class WingStuckParams(Params):
     """The trim wing opens no further."""
 
-    opening: float = param(0.0, "opening at which it stays, unless it is further open already", ge=0.0, lt=1.0)
+    opening: float = param(
+        0.0, "opening at which it stays, unless it is further open already", ge=0.0, lt=1.0
+    )
 
 
 class WingLostParams(Params):
@@ -66,7 +69,9 @@ class EngineShortfallParams(Params):
 
 
 class ThrottleStuckParams(Params):
-    """The throttle of the main engine stays where it is; before ignition, at full thrust.  Cut-off still works."""
+    """The throttle of the main engine stays where it is; before ignition, at full thrust.  Cut-off still
+    works.
+    """
 
 
 @kernel
@@ -136,7 +141,9 @@ FAULT_KINDS = Family(
         Member("wing_stuck", WingStuckParams, {"inflict": wing_stuck}, "Hu et al. 2022, section 4.3"),
         Member("wing_lost", WingLostParams, {"inflict": wing_lost}, "structural failure"),
         Member("parachute_delay", ParachuteDelayParams, {"inflict": parachute_delay}, "late mortar"),
-        Member("engine_shortfall", EngineShortfallParams, {"inflict": engine_shortfall}, "low chamber pressure"),
+        Member(
+            "engine_shortfall", EngineShortfallParams, {"inflict": engine_shortfall}, "low chamber pressure"
+        ),
         Member("throttle_stuck", ThrottleStuckParams, {"inflict": throttle_stuck}, "seized throttle valve"),
     ),
 )
@@ -191,18 +198,26 @@ FAULT = np.dtype(
 FAULTS = np.dtype([("count", "i8"), ("slots", FAULT, (MAX_FAULTS,))], align=True)
 
 
-def fault_problems(faults: Sequence[FaultParams], thrusters: Sequence[str], phases: Sequence[str]) -> dict[str, str]:
+def fault_problems(
+    faults: Sequence[FaultParams], thrusters: Sequence[str], phases: Sequence[str]
+) -> dict[str, str]:
     """Names of thrusters and phases that do not exist, by dotted key."""
     problems: dict[str, str] = {}
     for index, fault in enumerate(faults):
         if fault.thruster is not None and fault.thruster not in thrusters:
-            problems[f"faults.{index}.thruster"] = f"no thruster named {fault.thruster!r}; names: {', '.join(thrusters) or 'none'}"
+            problems[f"faults.{index}.thruster"] = (
+                f"no thruster named {fault.thruster!r}; names: {', '.join(thrusters) or 'none'}"
+            )
         if fault.at.phase is not None and fault.at.phase not in phases:
-            problems[f"faults.{index}.at.phase"] = f"no phase named {fault.at.phase!r}; names: {', '.join(phases) or 'none'}"
+            problems[f"faults.{index}.at.phase"] = (
+                f"no phase named {fault.at.phase!r}; names: {', '.join(phases) or 'none'}"
+            )
     return problems
 
 
-def fill_faults(record: np.void, faults: Sequence[FaultParams], thrusters: Sequence[str], phases: Sequence[str]) -> None:
+def fill_faults(
+    record: np.void, faults: Sequence[FaultParams], thrusters: Sequence[str], phases: Sequence[str]
+) -> None:
     """Write checked faults into a ``FAULTS`` record, names turned into indices."""
     record["count"] = len(faults)
     for slot, fault in zip(record["slots"], faults, strict=False):

@@ -1,8 +1,9 @@
 """Fixed-step fourth-order Runge-Kutta with events located inside the step.
 
-Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state (line stretch, first contact of
-a footpad) are found by repeating the step with a shorter length until the event function is zero to 1e-9 s.  A step is cut, never
-rounded; thruster impulse stays exact because valve levels are integrated in closed form over whatever length the step has.
+Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state (line
+stretch, first contact of a footpad) are found by repeating the step with a shorter length until the event
+function is zero to 1e-9 s.  A step is cut, never rounded; thruster impulse stays exact because valve levels
+are integrated in closed form over whatever length the step has.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ from edl6dof.vehicle.staging import carry_out
 
 TIME_TOLERANCE = 1e-9
 N_EVENTS = len(EVENTS)
-#: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far within a cycle.
+#: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far
+#: within a cycle.
 NEAR_GROUND = 2000.0
 
 
@@ -81,8 +83,9 @@ def look_down(case, tables, plant):
 def refresh(case, tables, plant):
     """Bring ``plant.out`` and the ground below up to date with the present state.
 
-    The step that follows starts from these loads (saves one evaluation of nine in a cycle of two steps), except on the ground: its
-    push was found with the slope and height of the step before.  A point mass may be told another bank angle after this.
+    The step that follows starts from these loads (saves one evaluation of nine in a cycle of two steps),
+    except on the ground: its push was found with the slope and height of the step before.  A point mass may
+    be told another bank angle after this.
     """
     derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
     look_down(case, tables, plant)
@@ -91,12 +94,16 @@ def refresh(case, tables, plant):
 
 @kernel
 def ground_clearance(case, plant, t):
-    """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground, m."""
+    """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground,
+    m.
+    """
     y, out = plant.y, plant.out
     q = take_attitude(y)
     slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
-    up_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse))
+    up_F = ned_to_fixed(
+        out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse)
+    )
     spin = case.planet.rotation_rate
     up_B = to_frame(q, rotate_z(cos(spin * t), -sin(spin * t), up_F))
     centre = take3(out.centre, 0)
@@ -135,7 +142,9 @@ def take_attitude(y):
 
 @kernel
 def step(case, tables, plant, h):
-    """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its end."""
+    """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its
+    end.
+    """
     t = plant.t
     plant.step = h
     for i in range(STATES):
@@ -151,7 +160,11 @@ def step(case, tables, plant, h):
     plant.t = t + h
     # half in the axes at the start, half in those at the end: second order in the turn during the step
     felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), scale(h, take3(plant.out.gravity_I, 0))))
-    put3(plant.velocity_gain, 0, add(take3(plant.velocity_gain, 0), add(to_frame(q, felt), to_frame(take_attitude(plant.y), felt))))
+    put3(
+        plant.velocity_gain,
+        0,
+        add(take3(plant.velocity_gain, 0), add(to_frame(q, felt), to_frame(take_attitude(plant.y), felt))),
+    )
 
 
 @kernel
@@ -168,7 +181,9 @@ def restore(plant, t):
 
 @kernel
 def located_step(case, tables, plant, h):
-    """Step of at most ``h`` that ends exactly at the first event of the state; returns whether it ended at one."""
+    """Step of at most ``h`` that ends exactly at the first event of the state; returns whether it ended at
+    one.
+    """
     t = plant.t
     before = event_function(case, plant, t)
     for i in range(plant.level0.shape[0]):
@@ -200,7 +215,9 @@ def located_step(case, tables, plant, h):
 
 @kernel
 def finite(y):
-    """Whether the states of the vehicle, or their derivatives, are finite; those of the canopy show in them at once."""
+    """Whether the states of the vehicle, or their derivatives, are finite; those of the canopy show in them
+    at once.
+    """
     total = 0.0
     for i in range(STATES_VEHICLE):
         total += 0.0 * y[i]
@@ -227,10 +244,12 @@ def go_back(plant):
 
 @kernel
 def retrace(case, tables, plant):
-    """Look for what made the step fail that :func:`go_back` has undone: evaluate its stages again up to the first that is not finite.
+    """Look for what made the step fail that :func:`go_back` has undone: evaluate its stages again up to the
+    first that is not finite.
 
-    The state of that stage is left in ``plant.trial``, the quantities met there in ``plant.out``, its derivative in ``plant.k[0]``.  When
-    every stage is finite, the result of the step stays in ``plant.trial``.
+    The state of that stage is left in ``plant.trial``, the quantities met there in ``plant.out``, its
+    derivative in ``plant.k[0]``.  When every stage is finite, the result of the step stays in
+    ``plant.trial``.
     """
     dy, y = plant.k[0], plant.k[1]
     for i in range(STATES):
@@ -247,7 +266,9 @@ def retrace(case, tables, plant):
 
 @kernel
 def advance(case, tables, plant, t_end):
-    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False after a step that failed."""
+    """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False
+    after a step that failed.
+    """
     while True:
         due = t_end
         event = -1

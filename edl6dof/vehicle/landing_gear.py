@@ -21,7 +21,9 @@ class LandingGearParams(Hardware):
     )
     stiffness_n_m: float = param(60000.0, "spring constant of one leg", status="estimate", gt=0.0)
     damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
-    friction: float = param(0.6, "Coulomb friction coefficient of a footpad on the soil", status="estimate", ge=0.0, le=2.0)
+    friction: float = param(
+        0.6, "Coulomb friction coefficient of a footpad on the soil", status="estimate", ge=0.0, le=2.0
+    )
     slip_speed_m_s: float = param(0.05, "speed over which friction builds up (keeps it smooth)", gt=0.0)
 
 
@@ -47,7 +49,8 @@ def leg_force(gear, depth, v_normal, v_slip):
 
 @kernel
 def contact(gear, centre, clearance, up_B, v_B, w_B):
-    """Ground reaction on all footpads: force and moment about the origin of B (two tuples), and the number of pads on the ground.
+    """Ground reaction on all footpads: force and moment about the origin of B (two tuples), and the number of
+    pads on the ground.
 
     Args:
         gear: landing-gear record.
@@ -84,7 +87,9 @@ def contact(gear, centre, clearance, up_B, v_B, w_B):
 
 @kernel
 def lowest_point(gear, centre, up_B):
-    """Signed distance along the normal from the centre of mass to the lowest footpad (negative: below), m; 0 without footpads."""
+    """Signed distance along the normal from the centre of mass to the lowest footpad (negative: below), m; 0
+    without footpads.
+    """
     low = 0.0
     for k in range(gear.n_footpads):
         p = gear.footpads[k]

@@ -1,7 +1,8 @@
 """Mass, centre of mass and inertia of what is still attached, with the propellant that is left.
 
-The file gives the whole entry vehicle and the parts that leave it; the dry lander is what remains.  Composition and decomposition
-use the parallel-axis theorem, so the parts always add up to the entry vehicle.  Stations are in B (origin at the nose, x forward).
+The file gives the whole entry vehicle and the parts that leave it; the dry lander is what remains.
+Composition and decomposition use the parallel-axis theorem, so the parts always add up to the entry vehicle.
+Stations are in B (origin at the nose, x forward).
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ class MassParams(Hardware):
     """Mass properties of the entry vehicle and of its parts."""
 
     entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)
-    entry_centre_m: Vec3 = param(REQUIRED, "centre of mass at entry interface in B; the radial offset sets the trim angle")
+    entry_centre_m: Vec3 = param(
+        REQUIRED, ("centre of mass at entry interface in B; the radial offset sets the trim angle")
+    )
     entry_inertia_kg_m2: Vec3 = param(REQUIRED, "Ixx, Iyy, Izz about the centre of mass at entry interface")
     heat_shield: Part = group(Part, "heat shield, jettisoned under the parachute")
     backshell: Part = group(Part, "backshell, leaves with the parachute")
@@ -41,7 +44,10 @@ class MassParams(Hardware):
         inertia = dry[1] if dry[0] > 0.0 else np.diag([-1.0] * 3)
         principal = np.linalg.eigvalsh(inertia)
         if dry[0] <= 0.0:
-            raise ValueError(f"the parts weigh {self.entry_kg - dry[0]:.1f} kg together, more than entry_kg {self.entry_kg:g}")
+            raise ValueError(
+                f"the parts weigh {self.entry_kg - dry[0]:.1f} kg together, more than entry_kg "
+                f"{self.entry_kg:g}"
+            )
         if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
             raise ValueError(
                 "what is left for the dry lander has impossible principal inertias "
@@ -65,7 +71,9 @@ def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def lander_dry(params: MassParams) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without propellant."""
+    """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without
+    propellant.
+    """
     parts = (params.heat_shield, params.backshell, params.parachute, params.propellant)
     mass = params.entry_kg - sum(part.mass_kg for part in parts)
     if mass <= 0.0:
@@ -75,7 +83,9 @@ def lander_dry(params: MassParams) -> tuple[float, np.ndarray, np.ndarray]:
     centre = moment / mass
     inertia = _tensor(params.entry_inertia_kg_m2) - _shift(mass, centre - whole)
     for part in parts:
-        inertia = inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
+        inertia = (
+            inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
+        )
     return mass, inertia, centre
 
 
@@ -87,7 +97,9 @@ def fill_lander(record, params: MassParams) -> None:
 
 @kernel
 def join(a, b):
-    """Mass properties of two rigid bodies joined: (mass, centre, inertia) of each, inertia about its own centre, same axes."""
+    """Mass properties of two rigid bodies joined: (mass, centre, inertia) of each, inertia about its own
+    centre, same axes.
+    """
     mass = a[0] + b[0]
     share = b[0] / mass
     dx, dy, dz = b[1][0] - a[1][0], b[1][1] - a[1][1], b[1][2] - a[1][2]
@@ -120,7 +132,9 @@ def part_of(part):
 
 @kernel
 def compose_dry(mass, lander, attached, dry):
-    """Write into ``dry`` the mass properties, without propellant, of the lander and of the parts still attached."""
+    """Write into ``dry`` the mass properties, without propellant, of the lander and of the parts still
+    attached.
+    """
     body = body_of(lander)
     if attached[HEAT_SHIELD] != 0:
         body = join(body, part_of(mass.heat_shield))
@@ -137,7 +151,9 @@ def compose_dry(mass, lander, attached, dry):
 
 @kernel
 def with_propellant(dry, load, propellant):
-    """Mass properties of ``dry`` with ``propellant`` kg left of the part ``load``; its own inertia shrinks in proportion."""
+    """Mass properties of ``dry`` with ``propellant`` kg left of the part ``load``; its own inertia shrinks in
+    proportion.
+    """
     body = body_of(dry)
     if propellant <= 0.0:
         return body

@@ -1,10 +1,11 @@
 """Disk-gap-band parachute: canopy as its own body on an elastic riser, inflation, Mach-dependent drag.
 
-The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on it in its own
-air-relative velocity.  Drag area, opening load, Mach efficiency and inflation follow the model used for the Mars Science Laboratory:
-Cruz, Way, Shidner et al., "Parachute Models Used in the Mars Science Laboratory Entry, Descent, and Landing Simulation",
-AIAA 2013-1276 (numbers second hand, see the reference data).  Left out: the thrust term of growing apparent mass (the opening-load
-factor was fitted without it) and canopy attitude of its own.
+The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
+it in its own air-relative velocity.  Drag area, opening load, Mach efficiency and inflation follow the model
+used for the Mars Science Laboratory: Cruz, Way, Shidner et al., "Parachute Models Used in the Mars Science
+Laboratory Entry, Descent, and Landing Simulation", AIAA 2013-1276 (numbers second hand, see the reference
+data).  Left out: the thrust term of growing apparent mass (the opening-load factor was fitted without it) and
+canopy attitude of its own.
 """
 
 from __future__ import annotations
@@ -24,28 +25,56 @@ class ParachuteParams(Hardware):
 
     diameter_m: float = param(0.0, "nominal diameter; the reference area is pi/4 of its square", ge=0.0)
     drag_coefficient: float = param(
-        0.62, "axial force coefficient at low Mach number, on the nominal area", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+        0.62,
+        "axial force coefficient at low Mach number, on the nominal area",
+        status="published",
+        source="MSL, Cruz et al. 2013",
+        gt=0.0,
     )
-    mortar_speed_m_s: float = param(30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0)
+    mortar_speed_m_s: float = param(
+        30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0
+    )
     mortar_delay_s: float = param(0.015, "time from command to mortar fire", status="estimate", ge=0.0)
-    pack_drag_area_m2: float = param(0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0)
-    line_length_m: float = param(1.0, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0)
+    pack_drag_area_m2: float = param(
+        0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0
+    )
+    line_length_m: float = param(
+        1.0, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0
+    )
     confluence_m: Vec3 = param((0.0, 0.0, 0.0), "bridle confluence point in B (the bridle is taken as rigid)")
     stiffness_n_m: float = param(40000.0, "of lines and riser together", status="estimate", gt=0.0)
-    damping_ratio: float = param(0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0)
-    inflation_speed_m_s: float = param(27.2, "diameter over inflation time", status="published", source="MSL, Cruz et al. 2013", gt=0.0)
-    inflation_exponent: float = param(4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0)
+    damping_ratio: float = param(
+        0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0
+    )
+    inflation_speed_m_s: float = param(
+        27.2, "diameter over inflation time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+    )
+    inflation_exponent: float = param(
+        4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+    )
     opening_load_factor: float = param(
-        1.344, "drag-area overshoot at full inflation", status="published", source="MSL, Cruz et al. 2013", ge=1.0
+        1.344,
+        "drag-area overshoot at full inflation",
+        status="published",
+        source="MSL, Cruz et al. 2013",
+        ge=1.0,
     )
     overshoot_decay_s: float = param(0.25, "time in which the overshoot is gone", status="estimate", gt=0.0)
     apparent_mass_factor: float = param(0.75, "K in K rho (4/3) pi (0.35 D)^3", status="estimate", ge=0.0)
-    area_oscillation: float = param(0.0, "relative drag-area oscillation above Mach 1.4", status="estimate", ge=0.0, lt=1.0)
+    area_oscillation: float = param(
+        0.0, "relative drag-area oscillation above Mach 1.4", status="estimate", ge=0.0, lt=1.0
+    )
     area_oscillation_frequency_hz: float = param(3.0, "its frequency", status="estimate", gt=0.0)
-    normal_slope: float = param(0.35, "normal-force coefficient slope far above the trim angle, per rad", status="estimate", ge=0.0)
-    trim_angle_deg: float = param(8.0, "canopy angle of attack at which the normal force vanishes", status="estimate", ge=0.0, le=30.0)
+    normal_slope: float = param(
+        0.35, "normal-force coefficient slope far above the trim angle, per rad", status="estimate", ge=0.0
+    )
+    trim_angle_deg: float = param(
+        8.0, "canopy angle of attack at which the normal force vanishes", status="estimate", ge=0.0, le=30.0
+    )
     drag_factor: float = param(1.0, "drag over its table value", gt=0.0)
-    backshell_drag_area_m2: float = param(0.0, "drag area of backshell and canopy after release; 0: the canopy's own", ge=0.0)
+    backshell_drag_area_m2: float = param(
+        0.0, ("drag area of backshell and canopy after release; 0: the canopy's own"), ge=0.0
+    )
 
 
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)
@@ -53,7 +82,9 @@ PARACHUTE_PARAMS = dtype_of(ParachuteParams)
 
 @kernel
 def mach_efficiency(mach):
-    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); continuous, 0.61 beyond Mach 2.6."""
+    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); continuous, 0.61 beyond Mach
+    2.6.
+    """
     if mach <= 0.7:
         return 1.0
     if mach <= 0.94:
@@ -69,7 +100,9 @@ def mach_efficiency(mach):
 
 @kernel
 def inflation(chute, since_line_stretch):
-    """Drag-area fraction after line stretch: a power law up to the opening load factor, then a decay to one."""
+    """Drag-area fraction after line stretch: a power law up to the opening load factor, then a decay to
+    one.
+    """
     if since_line_stretch <= 0.0:
         return 0.0
     x = since_line_stretch * chute.inflation_speed / chute.diameter
@@ -115,7 +148,8 @@ def canopy_force(chute, fraction, density, mach, t, v_air, axis):
         v_air: air-relative velocity of the canopy.
         axis: unit vector from the canopy to the vehicle.
 
-    The normal force is restoring beyond the trim angle and destabilising inside it, which makes the canopy cone and swing.
+    The normal force is restoring beyond the trim angle and destabilising inside it, which makes the canopy
+    cone and swing.
     """
     speed2 = v_air[0] * v_air[0] + v_air[1] * v_air[1] + v_air[2] * v_air[2]
     speed = sqrt(speed2)

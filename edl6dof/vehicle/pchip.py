@@ -1,7 +1,8 @@
 """Monotone piecewise cubic interpolation of table columns, while a table is built.
 
-The same curve as scipy's ``PchipInterpolator`` (a test holds the two together); written out because importing ``scipy.interpolate`` costs
-0.2 s and 85 MB in every flight.  Source: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304.
+The same curve as scipy's ``PchipInterpolator`` (a test holds the two together); written out because importing
+``scipy.interpolate`` costs 0.2 s and 85 MB in every flight.  Source: Fritsch and Butland, SIAM J. Sci. Stat.
+Comput. 5 (1984) 300-304.
 """
 
 from __future__ import annotations
@@ -10,7 +11,9 @@ import numpy as np
 
 
 def slopes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Slopes at the nodes ``x`` (n,) of ``y`` (..., n): weighted harmonic means inside, one-sided three-point formula at the ends."""
+    """Slopes at the nodes ``x`` (n,) of ``y`` (..., n): weighted harmonic means inside, one-sided three-point
+    formula at the ends.
+    """
     h = np.diff(x)
     d = np.diff(y) / h
     out = np.empty_like(y)

@@ -8,7 +8,9 @@ from edl6dof.spatial.vector import norm, take3
 
 @kernel
 def note_peaks(plant):
-    """Bring ``plant.peaks`` up to date with ``plant.out``; what the ground does to the vehicle is no load of flight."""
+    """Bring ``plant.peaks`` up to date with ``plant.out``; what the ground does to the vehicle is no load of
+    flight.
+    """
     out, peaks = plant.out, plant.peaks
     if out.pads == 0:
         peaks.load = max(peaks.load, norm(take3(out.specific_force_B, 0)))

@@ -15,7 +15,17 @@ from edl6dof.vehicle.parachute import PACKED, RELEASED
 from edl6dof.vehicle.surroundings import KEPT
 
 #: Layout of the integrated state ``y``.
-POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = 0, 3, 6, 10, 13, 14, 15, 16, 19
+POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = (
+    0,
+    3,
+    6,
+    10,
+    13,
+    14,
+    15,
+    16,
+    19,
+)
 STATES = 22
 STATE_NAMES = (
     *(f"position {c} (I)" for c in "xyz"),
@@ -33,7 +43,8 @@ STATES_VEHICLE = 16
 
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
-#: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that works.
+#: Faults of one thruster, by the number that ``valves.fault`` and the telemetry carry; 0 is a thruster that
+#: works.
 THRUSTER_KINDS = ("stuck_off", "stuck_on", "degraded")
 
 VALVES = np.dtype(
@@ -43,13 +54,14 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
-        ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),  # which fault each thruster has, 0 for none
+        # which fault each thruster has, 0 for none
+        ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),
     ],
     align=True,
 )
 
-#: Quantities evaluated with the derivatives at the last point of the trajectory, in the order in which one follows from the other; sensors
-#: and the log read them.
+#: Quantities evaluated with the derivatives at the last point of the trajectory, in the order in which one
+#: follows from the other; sensors and the log read them.
 OUTPUT = np.dtype(
     [
         ("sin_lat", "f8"),
@@ -101,7 +113,9 @@ DEBRIS = np.dtype(
 )
 
 #: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
-PEAKS = np.dtype([("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True)
+PEAKS = np.dtype(
+    [("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True
+)
 
 #: One follows from the other roughly in this order.
 PLANT = np.dtype(
@@ -149,7 +163,8 @@ PLANT = np.dtype(
         ("peaks", PEAKS),
         ("debris", DEBRIS, (2,)),
         ("kept", KEPT),
-        # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate them
+        # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate
+        # them
         ("fresh", FLAG),
         # at the start of the last step, and its length
         ("y0", "f8", (STATES,)),

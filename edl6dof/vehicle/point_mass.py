@@ -1,9 +1,10 @@
 """A point mass in place of the rigid body: attitude follows the commanded bank angle instead of torques.
 
-Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body; angle of attack is the
-commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one at once or at a limited rate, the shorter way
-round.  Left out: body rates, thrusters, engine, what follows the parachute; in a wind, bank here is about the air-relative velocity
-and the command about the planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
+Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body;
+angle of attack is the commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one
+at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, what follows
+the parachute; in a wind, bank here is about the air-relative velocity and the command about the
+planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
 Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
 """
 
@@ -27,7 +28,9 @@ RATE_LIMITED = 1
 
 
 class PathDisturbanceParams(Params):
-    """Sinusoidal disturbance of the flight-path rate (Yan, Sun & Guo 2016, eq. 5): d = amplitude sin(frequency t)."""
+    """Sinusoidal disturbance of the flight-path rate (Yan, Sun & Guo 2016, eq. 5): d = amplitude
+    sin(frequency t).
+    """
 
     amplitude_rad_s: float = param(0.0, "amplitude of the added flight-path rate", ge=0.0, le=0.1)
     frequency_rad_s: float = param(1.0, "its frequency", ge=0.0, le=20.0)
@@ -36,8 +39,12 @@ class PathDisturbanceParams(Params):
 class PointMassParams(Params):
     """How a point mass carries out commands, and what disturbs it."""
 
-    bank_response: Literal["ideal", "rate_limited"] = param("rate_limited", "whether the bank angle follows at once")
-    bank_rate_deg_s: float = param(20.0, "largest bank rate of response rate_limited", status="published", source="S1", gt=0.0)
+    bank_response: Literal["ideal", "rate_limited"] = param(
+        "rate_limited", "whether the bank angle follows at once"
+    )
+    bank_rate_deg_s: float = param(
+        20.0, "largest bank rate of response rate_limited", status="published", source="S1", gt=0.0
+    )
     disturbance: PathDisturbanceParams = group(PathDisturbanceParams, "disturbance of the flight-path rate")
 
 
@@ -62,7 +69,9 @@ def command_bank(case, plant, bank, alpha):
 
 @kernel
 def point_attitude(case, tables, plant, t, y):
-    """Write into the state ``y`` the attitude that bank, angle of attack and zero sideslip give at time ``t`` (s)."""
+    """Write into the state ``y`` the attitude that bank, angle of attack and zero sideslip give at time ``t``
+    (s).
+    """
     turn, place, _, _, air_I, _ = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
     up_F = ned_to_fixed(place[0], place[1], place[2], place[3], (0.0, 0.0, -1.0))
     up = rotate_z(turn[0], -turn[1], up_F)
@@ -74,7 +83,9 @@ def point_attitude(case, tables, plant, t, y):
 
 @kernel
 def point_motion(case, plant, t, y, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``; attitude and rates do not move by themselves."""
+    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``; attitude and rates do not move
+    by themselves.
+    """
     out = plant.out
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     disturbance = case.point_mass.disturbance

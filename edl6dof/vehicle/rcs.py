@@ -1,8 +1,9 @@
 """Reaction-control thrusters: valves opened and closed at any time, impulse delivered exactly.
 
-A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in ``rise_s`` while the valve is
-open and falls to zero in ``decay_s`` when it is shut.  Over one integration step the level is integrated in closed form and its mean
-is applied as a constant force, so the impulse of a pulse does not depend on the step.
+A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in
+``rise_s`` while the valve is open and falls to zero in ``decay_s`` when it is shut.  Over one integration
+step the level is integrated in closed form and its mean is applied as a constant force, so the impulse of a
+pulse does not depend on the step.
 """
 
 from __future__ import annotations
@@ -27,7 +28,11 @@ class Thruster(Hardware):
 
     name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
     group: Literal[THRUSTER_GROUPS] = param(
-        REQUIRED, "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; fine pointing"
+        REQUIRED,
+        (
+            "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; "
+            "fine pointing"
+        ),
     )
     position_m: Vec3 = param(REQUIRED, "nozzle position in B")
     direction: Vec3 = param(REQUIRED, "unit vector of the force on the vehicle in B")
@@ -52,8 +57,12 @@ class RcsParams(Hardware):
     thrusters: Annotated[list[Thruster], Capacity(MAX_THRUSTERS)] = param(
         None, "thrusters; empty for none", factory=list, max_length=MAX_THRUSTERS
     )
-    flow_loss: float = param(0.0, "fraction of thrust lost at the reference dynamic pressure", status="estimate", ge=0.0, lt=1.0)
-    flow_loss_pressure_pa: float = param(5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0)
+    flow_loss: float = param(
+        0.0, "fraction of thrust lost at the reference dynamic pressure", status="estimate", ge=0.0, lt=1.0
+    )
+    flow_loss_pressure_pa: float = param(
+        5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0
+    )
 
     @field_validator("thrusters")
     @classmethod
@@ -70,7 +79,9 @@ RCS = dtype_of(RcsParams)
 
 @kernel
 def climb(level, duration, slope):
-    """Integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0 or 1; returns (integral, new level)."""
+    """Integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0 or 1; returns
+    (integral, new level).
+    """
     if duration <= 0.0:
         return 0.0, level
     goal = 1.0 if slope > 0.0 else 0.0
@@ -83,7 +94,9 @@ def climb(level, duration, slope):
 
 @kernel
 def mean_level(level, rise, decay, start, step, opens, closes):
-    """Mean thrust level over [start, start + step] of a valve open during [opens, closes]; returns (mean, level at the end)."""
+    """Mean thrust level over [start, start + step] of a valve open during [opens, closes]; returns (mean,
+    level at the end).
+    """
     end = start + step
     a = clamp(opens, start, end)
     b = clamp(closes, a, end)
@@ -95,10 +108,11 @@ def mean_level(level, rise, decay, start, step, opens, closes):
 
 @kernel
 def fire(rcs, valves, t, step, dynamic_pressure):
-    """Mean force and moment of all thrusters over a step and their propellant flow, for constant application in that step.
+    """Mean force and moment of all thrusters over a step and their propellant flow, for constant application
+    in that step.
 
-    Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn as plumes).
-    Returns (Fx, Fy, Fz, Mx, My, Mz about the origin of B, kg/s).
+    Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
+    as plumes). Returns (Fx, Fy, Fz, Mx, My, Mz about the origin of B, kg/s).
     """
     efficiency = 1.0 - rcs.flow_loss * clamp(dynamic_pressure / rcs.flow_loss_pressure, 0.0, 1.0)
     fx = fy = fz = mx = my = mz = flow = 0.0
@@ -107,7 +121,9 @@ def fire(rcs, valves, t, step, dynamic_pressure):
             valves.mean[i] = 0.0
             continue
         jet = rcs.thrusters[i]
-        mean, level = mean_level(valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i])
+        mean, level = mean_level(
+            valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i]
+        )
         valves.level[i] = level
         mean *= 1.0 - valves.lost[i]
         valves.mean[i] = mean

@@ -1,10 +1,20 @@
-"""What happens at each event: deployments, jettisons and ignition, with momentum conserved at every separation."""
+"""What happens at each event: deployments, jettisons and ignition, with momentum conserved at every
+separation.
+"""
 
 from __future__ import annotations
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import dtype_of
-from edl6dof.interface.events import BACKSHELL_OFF, CUT_OFF, HEAT_SHIELD_OFF, IGNITION, LEGS_OUT, MORTAR, TRIM_WING
+from edl6dof.interface.events import (
+    BACKSHELL_OFF,
+    CUT_OFF,
+    HEAT_SHIELD_OFF,
+    IGNITION,
+    LEGS_OUT,
+    MORTAR,
+    TRIM_WING,
+)
 from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
@@ -13,7 +23,15 @@ from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.debris import LOOSE
 from edl6dof.vehicle.mass import compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
-from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, CANOPY_VELOCITY, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    CANOPY_POSITION,
+    CANOPY_VELOCITY,
+    POSITION,
+    PROPELLANT,
+    RATE,
+    VELOCITY,
+)
 from edl6dof.vehicle.point_mass import POINT_MASS
 
 
@@ -21,10 +39,18 @@ class StagingParams(Hardware):
     """Separation springs and pyrotechnic delays."""
 
     pyro_delay_s: float = param(0.013, "time from command to separation", status="estimate", ge=0.0, le=1.0)
-    heat_shield_speed_m_s: float = param(1.5, "speed at which springs push the heat shield off, forward", status="estimate", ge=0.0)
-    heat_shield_drag_area_m2: float = param(9.0, "drag area of the falling heat shield", status="estimate", ge=0.0)
-    backshell_speed_m_s: float = param(0.5, "speed at which springs push the backshell off, aft", status="estimate", ge=0.0)
-    backshell_drag_area_m2: float = param(9.0, "drag area of the backshell without its canopy", status="estimate", ge=0.0)
+    heat_shield_speed_m_s: float = param(
+        1.5, "speed at which springs push the heat shield off, forward", status="estimate", ge=0.0
+    )
+    heat_shield_drag_area_m2: float = param(
+        9.0, "drag area of the falling heat shield", status="estimate", ge=0.0
+    )
+    backshell_speed_m_s: float = param(
+        0.5, "speed at which springs push the backshell off, aft", status="estimate", ge=0.0
+    )
+    backshell_drag_area_m2: float = param(
+        9.0, "drag area of the backshell without its canopy", status="estimate", ge=0.0
+    )
 
 
 STAGING = dtype_of(StagingParams)
@@ -32,10 +58,12 @@ STAGING = dtype_of(StagingParams)
 
 @kernel
 def separate(case, plant, part, kept_part, speed, debris, drag_area):
-    """Take ``part`` off the vehicle and push it along +x of B at ``speed`` relative to what stays; momentum is conserved.
+    """Take ``part`` off the vehicle and push it along +x of B at ``speed`` relative to what stays; momentum
+    is conserved.
 
-    The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the rigid-body velocity of their
-    own centre, then share the spring's impulse, which acts along x of B through the part's centre and turns what stays behind.
+    The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the
+    rigid-body velocity of their own centre, then share the spring's impulse, which acts along x of B through
+    the part's centre and turns what stays behind.
 
     Args:
         case: true parameters.
@@ -107,7 +135,11 @@ def carry_out(case, tables, plant, event):
     if event == TRIM_WING:
         plant.wing_start = plant.t
     elif event == MORTAR:
-        if plant.attached[PARACHUTE] != 0 and case.vehicle.parachute.diameter > 0.0 and case.dynamics != POINT_MASS:
+        if (
+            plant.attached[PARACHUTE] != 0
+            and case.vehicle.parachute.diameter > 0.0
+            and case.dynamics != POINT_MASS
+        ):
             fire_mortar(case, plant)
     elif event == HEAT_SHIELD_OFF:
         if plant.attached[HEAT_SHIELD] != 0:

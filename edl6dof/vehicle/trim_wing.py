@@ -1,4 +1,5 @@
-"""The trim wing (trim tab) of the Tianwen-1 entry capsule: a plate unfolded beside the backshell before parachute deployment.
+"""The trim wing (trim tab) of the Tianwen-1 entry capsule: a plate unfolded beside the backshell before
+parachute deployment.
 
 It cancels the moment of the radial CG offset, which moves the trim angle from -10 deg to 0.
 """
@@ -17,18 +18,37 @@ class TrimWingParams(Hardware):
 
     area_m2: float = param(0.16, "area of the plate", status="estimate", source="tianwen1.md 1.4", ge=0.0)
     force_coefficient: float = param(
-        1.7, "normal force coefficient of the plate, broadside to the flow", status="estimate", source="tianwen1.md 1.4", ge=0.0
+        1.7,
+        "normal force coefficient of the plate, broadside to the flow",
+        status="estimate",
+        source="tianwen1.md 1.4",
+        ge=0.0,
     )
-    position_x_m: float = param(-0.95, "body station of the centre of the plate", status="estimate", source="aft of the shoulder")
+    position_x_m: float = param(
+        -0.95, "body station of the centre of the plate", status="estimate", source="aft of the shoulder"
+    )
     position_z_m: float = param(
         -1.904,
-        "body z of the centre of the plate: 0.56 D out, on the side of the CG offset (-z for lift up at alpha -10 deg)",
+        (
+            "body z of the centre of the plate: 0.56 D out, on the side of the CG offset (-z for lift up "
+            "at alpha -10 deg)"
+        ),
         status="estimate",
         source="tianwen1.md 1.4",
     )
-    normal_tilt_deg: float = param(0.0, "tilt of the open plate's normal from +x away from the axis", status="estimate", gt=-90.0, lt=90.0)
-    deploy_time_s: float = param(0.7, "time from closed to open", status="estimate", source="tianwen1.md 1.4: 0.5-1 s", gt=0.0)
-    moment_factor: float = param(1.0, "multiplies the effectiveness (force, hence moment); 0 is a lost wing", ge=0.0, le=10.0)
+    normal_tilt_deg: float = param(
+        0.0,
+        "tilt of the open plate's normal from +x away from the axis",
+        status="estimate",
+        gt=-90.0,
+        lt=90.0,
+    )
+    deploy_time_s: float = param(
+        0.7, "time from closed to open", status="estimate", source="tianwen1.md 1.4: 0.5-1 s", gt=0.0
+    )
+    moment_factor: float = param(
+        1.0, "multiplies the effectiveness (force, hence moment); 0 is a lost wing", ge=0.0, le=10.0
+    )
 
 
 TRIM_WING = dtype_of(TrimWingParams)
@@ -36,7 +56,8 @@ TRIM_WING = dtype_of(TrimWingParams)
 
 @kernel
 def wing_opening(wing, elapsed):
-    """Deflection 0..1 at ``elapsed`` s after the deploy command: starts and stops at rest over ``deploy_time``.
+    """Deflection 0..1 at ``elapsed`` s after the deploy command: starts and stops at rest over
+    ``deploy_time``.
 
     Source: cubic ramp s^2 (3 - 2 s), engineering choice.
     """
@@ -52,9 +73,10 @@ def wing_opening(wing, elapsed):
 def wing_force(wing, deflection, qbar, u, v, w):
     """(Fx, Fy, Fz, Mx, My, Mz) in `B` (N, N m) of the wing, moment about the `B` origin.
 
-    ``deflection`` 0 closed (no force) .. 1 open, ``qbar`` Pa, (u, v, w) air-relative velocity in `B` (m/s).  Newtonian plate:
-    F = -deflection qbar A C (n.v/V)^2 n on its windward side, n the normal of the open plate; the capsule's disturbance of the
-    local flow is inside the coefficient.  Source: Newtonian impact theory; numbers tianwen1.md 1.4 [E].
+    ``deflection`` 0 closed (no force) .. 1 open, ``qbar`` Pa, (u, v, w) air-relative velocity in `B` (m/s).
+    Newtonian plate: F = -deflection qbar A C (n.v/V)^2 n on its windward side, n the normal of the open
+    plate; the capsule's disturbance of the local flow is inside the coefficient.  Source: Newtonian impact
+    theory; numbers tianwen1.md 1.4 [E].
     """
     speed = sqrt(u * u + v * v + w * w)
     if speed < 1e-9 or deflection <= 0.0:
@@ -64,6 +86,8 @@ def wing_force(wing, deflection, qbar, u, v, w):
     if z < 0.0:
         n_z = -n_z
     incidence = max((n_x * u + n_z * w) / speed, 0.0)
-    force = deflection * qbar * wing.area * wing.force_coefficient * wing.moment_factor * incidence * incidence
+    force = (
+        deflection * qbar * wing.area * wing.force_coefficient * wing.moment_factor * incidence * incidence
+    )
     fx, fz = -force * n_x, -force * n_z
     return fx, 0.0, fz, 0.0, z * fx - x * fz, 0.0

@@ -18,7 +18,9 @@ from edl6dof.vehicle.trim_wing import TrimWingParams
 
 
 def _or_daveml(schema: dict[str, Any]) -> None:
-    """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it validates)."""
+    """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it
+    validates).
+    """
     own = [name for name in schema["required"] if name not in ("mass", "aero")]
     schema["anyOf"] = [{"required": ["mass", "aero"]}, {"required": ["daveml"]}]
     schema["required"] = own
@@ -31,9 +33,14 @@ class VehicleParams(Hardware):
 
     name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(
-        None, "DAVE-ML files that give mass and aero; what the YAML states itself goes before them", record=False, factory=list
+        None,
+        "DAVE-ML files that give mass and aero; what the YAML states itself goes before them",
+        record=False,
+        factory=list,
     )
-    nose_radius_m: float = param(0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0)
+    nose_radius_m: float = param(
+        0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0
+    )
     mass: MassParams = section("mass properties")
     aero: AeroParams = section("aerodynamics")
     trim_wing: TrimWingParams = group(TrimWingParams, "trim wing")

@@ -1,1 +1,3 @@
-"""Check cases that ship with the package: each compares the simulator with something that does not come from it."""
+"""Check cases that ship with the package: each compares the simulator with something that does not come from
+it.
+"""

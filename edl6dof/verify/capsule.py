@@ -1,7 +1,7 @@
 """A capsule held at one Mach number: the scene flown, and its coefficients from the published table by scipy.
 
-The vehicle weighs a million tonnes with the inertia of the real one: it turns like the capsule and neither slows down nor turns its
-path, so the linearised pitch equation alone governs it.
+The vehicle weighs a million tonnes with the inertia of the real one: it turns like the capsule and neither
+slows down nor turns its path, so the linearised pitch equation alone governs it.
 """
 
 from __future__ import annotations
@@ -75,7 +75,9 @@ def scene(mach: float, density: float = 1e-3, extra: tuple[str, ...] = ()) -> tu
 
 
 def stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
-    """Natural frequency (rad/s) of the linearised pitch equation about trim, and qbar A D^2 / (2 V Iyy) (1/s), without the simulator."""
+    """Natural frequency (rad/s) of the linearised pitch equation about trim, and qbar A D^2 / (2 V Iyy)
+    (1/s), without the simulator.
+    """
     table = Published(mach)
     speed, inertia = scenario.initial.speed_m_s, scenario.vehicle.mass.entry_inertia_kg_m2[1]
     push = 0.5 * scenario.atmosphere.exponential.density_kg_m3 * speed**2 * pi / 4.0 * DIAMETER**2

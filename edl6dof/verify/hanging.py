@@ -1,7 +1,9 @@
-"""A vehicle under its parachute in a plane: the scene flown, and an independent two-body model in plain numpy.
+"""A vehicle under its parachute in a plane: the scene flown, and an independent two-body model in plain
+numpy.
 
-The model shares nothing with the simulator but the parameters: flat ground, uniform gravity and density, body and canopy as two bodies
-on an elastic riser, linearised by central differences.  State: x (east), z (down), tilt, their rates; x, z and rates of the canopy.
+The model shares nothing with the simulator but the parameters: flat ground, uniform gravity and density, body
+and canopy as two bodies on an elastic riser, linearised by central differences.  State: x (east), z (down),
+tilt, their rates; x, z and rates of the canopy.
 """
 
 from __future__ import annotations
@@ -45,8 +47,14 @@ class Planar:
         self.rho = scenario.atmosphere.exponential.density_kg_m3
         self.packed = vehicle.mass.parachute.mass_kg
         self.mass, self.inertia = vehicle.mass.entry_kg - self.packed, vehicle.mass.entry_inertia_kg_m2[1]
-        self.canopy_mass = self.packed + chute.apparent_mass_factor * self.rho * 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
-        self.hook, self.pressure_point = chute.confluence_m[0] - CENTRE, self.bluff.centre_of_pressure_x_m - CENTRE
+        self.canopy_mass = (
+            self.packed
+            + chute.apparent_mass_factor * self.rho * 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
+        )
+        self.hook, self.pressure_point = (
+            chute.confluence_m[0] - CENTRE,
+            self.bluff.centre_of_pressure_x_m - CENTRE,
+        )
         self.drag_area = np.pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient * chute.drag_factor
         self.normal_area = np.pi / 4.0 * chute.diameter_m**2 * chute.normal_slope
 
@@ -62,7 +70,10 @@ class Planar:
         forward, down = v @ nose, v @ belly
         half = 0.5 * self.rho * np.linalg.norm(v) * self.bluff.reference_area_m2
         along, across = -half * self.bluff.drag_coefficient * forward, -half * self.bluff.normal_slope * down
-        moment = -self.pressure_point * across + 0.5 * half * self.bluff.pitch_damping * self.bluff.reference_length_m**2 * turn
+        moment = (
+            -self.pressure_point * across
+            + 0.5 * half * self.bluff.pitch_damping * self.bluff.reference_length_m**2 * turn
+        )
         line = s[6:8] - s[0:2] - self.hook * nose
         length = np.linalg.norm(line)
         line = line / length
@@ -89,7 +100,9 @@ class Planar:
         return state(speed, apart)
 
     def modes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Eigenvalues with positive frequency of motion out of the vertical, ascending, and their modes (columns, unit tilt)."""
+        """Eigenvalues with positive frequency of motion out of the vertical, ascending, and their modes
+        (columns, unit tilt).
+        """
         rest = self.equilibrium()
         step = 1e-5 * np.eye(10)
         matrix = np.stack([(self.rates(rest + h) - self.rates(rest - h)) / 2e-5 for h in step], axis=1)
@@ -99,14 +112,19 @@ class Planar:
         return values[keep], shapes[:, keep] / shapes[2, keep]
 
 
-def descend(state: np.ndarray, seconds: float, planted: Sequence[str] = ()) -> tuple[np.ndarray, np.ndarray, Flight]:
+def descend(
+    state: np.ndarray, seconds: float, planted: Sequence[str] = ()
+) -> tuple[np.ndarray, np.ndarray, Flight]:
     """Fly from a planar state; returns time (s), tilt (rad) and the flight."""
     _, loaded = scenes([*SCENE, f"simulation.time_limit_s={seconds}"], planted)
 
     def place(plant: np.void, fsw: np.void) -> None:
         east, down = np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0])
         x, z, tilt = state[:3]
-        axes = np.stack([np.sin(tilt) * east + np.cos(tilt) * down, [0, 0, 0], np.sin(tilt) * down - np.cos(tilt) * east], axis=1)
+        axes = np.stack(
+            [np.sin(tilt) * east + np.cos(tilt) * down, [0, 0, 0], np.sin(tilt) * down - np.cos(tilt) * east],
+            axis=1,
+        )
         axes[:, 1] = np.cross(axes[:, 2], axes[:, 0])
         y, origin = plant["y"], plant["y"][0:3].copy()
         y[0:3] = origin + x * east + z * down

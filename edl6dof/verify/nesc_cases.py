@@ -1,9 +1,9 @@
 """NASA NESC check cases 1 to 10 against simulation 04: flights, reference tables and their differences.
 
-Cases 1, 2, 6 and 9 are compared row by row, the others at their end (30 s).  Tolerances are those the project promises.  They lie far
-above the differences found (the largest, 0.004 ft in case 9, comes from 1e-6 in the constants of US76) and far below any mistake in a
-model.  In case 3 simulation 04 and this one damp the inertial body rate; 05 and 06 damp the rate relative to the air, which makes
-0.03 deg at 30 s.
+Cases 1, 2, 6 and 9 are compared row by row, the others at their end (30 s).  Tolerances are those the project
+promises.  They lie far above the differences found (the largest, 0.004 ft in case 9, comes from 1e-6 in the
+constants of US76) and far below any mistake in a model.  In case 3 simulation 04 and this one damp the
+inertial body rate; 05 and 06 damp the rate relative to the air, which makes 0.03 deg at 30 s.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ TOLERANCES = (
 def flown(number: int, overrides: Iterable[str] = ()) -> Columns:
     """A case as it is flown here, in the check cases' columns."""
     flight = fly(load_scenario(f"nesc/case{number:02d}", overrides))
-    return check_case_table(flight.telemetry, flight.case[0], build_tables(flight.loaded.truth)[0]["atmosphere"])
+    return check_case_table(
+        flight.telemetry, flight.case[0], build_tables(flight.loaded.truth)[0]["atmosphere"]
+    )
 
 
 def reference(number: int) -> Columns:
@@ -71,7 +73,9 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 
 def differences(own: Columns, other: Columns) -> dict[str, float]:
-    """Largest difference of each quantity over the rows of ``other``; angles on the circle; infinite where a row is missing."""
+    """Largest difference of each quantity over the rows of ``other``; angles on the circle; infinite where a
+    row is missing.
+    """
     place = {round(float(t), 6): i for i, t in enumerate(own["time"])}
     rows = [place.get(round(float(t), 6), -1) for t in other["time"]]
     found = {}

@@ -35,7 +35,9 @@ class Result:
 
 @dataclass(frozen=True)
 class History:
-    """Curves for the plot of a case; dashed ones (name ends in ``expected``) come from the independent source."""
+    """Curves for the plot of a case; dashed ones (name ends in ``expected``) come from the independent
+    source.
+    """
 
     title: str
     x_label: str

@@ -1,8 +1,9 @@
 """The same kernels as plain Python, in a process of their own with numba switched off.
 
-The records are built by the compiled program and handed over byte for byte.  Plain Python reads them through :class:`Record`: numpy's own
-``recarray`` will not do, because ``rates.base`` is an attribute of every numpy scalar.  Scalars are numpy's, so divisions follow the
-same rules as in compiled code.  About a thousand times slower.
+The records are built by the compiled program and handed over byte for byte.  Plain Python reads them through
+:class:`Record`: numpy's own ``recarray`` will not do, because ``rates.base`` is an attribute of every numpy
+scalar.  Scalars are numpy's, so divisions follow the same rules as in compiled code.  About a thousand times
+slower.
 """
 
 from __future__ import annotations
@@ -44,13 +45,18 @@ class Setting:
 def setting(loaded: LoadedScenario, state: State) -> Setting:
     """Records of ``loaded`` with copies of the state."""
     tables = records.build_tables(loaded.truth)
-    fixed = {"case": records.build_case(loaded.truth, tables), "onboard": records.build_onboard(loaded.scenario, tables)}
+    fixed = {
+        "case": records.build_case(loaded.truth, tables),
+        "onboard": records.build_onboard(loaded.scenario, tables),
+    }
     moving = {"plant": state.plant.copy(), "sensors": state.sensors.copy(), "fsw": state.fsw.copy()}
     return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
 
 
 def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
-    """Fly base cycles from a setting, compiled or plain as the process is; returns the changed records and the log."""
+    """Fly base cycles from a setting, compiled or plain as the process is; returns the changed records and
+    the log.
+    """
     from edl6dof.sim.loop import fly
 
     log = np.zeros(cycles + 2, TICK)
@@ -63,7 +69,9 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
 
 
 def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndarray]:
-    """Integrate the right-hand side, with commands as they are, by scipy's DOP853; returns the end state and the evaluations."""
+    """Integrate the right-hand side, with commands as they are, by scipy's DOP853; returns the end state and
+    the evaluations.
+    """
     from scipy.integrate import solve_ivp
 
     from edl6dof.vehicle.body import derivatives
@@ -71,7 +79,11 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
     case, tables, plant = (s.arrays[name][0] for name in ("case", "tables", "plant"))
     full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
     count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
-    seen = [Record(void) for void in (case, tables, plant)] if numba.config.DISABLE_JIT else [case, tables, plant]
+    seen = (
+        [Record(void) for void in (case, tables, plant)]
+        if numba.config.DISABLE_JIT
+        else [case, tables, plant]
+    )
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         full[:count] = y
@@ -95,10 +107,15 @@ def in_plain_python(s: Setting, task: str, *numbers: float) -> dict[str, np.ndar
         raw = {name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()}
         np.savez(given, cycle=s.cycle, steps=s.steps, task=task, numbers=np.array(numbers), **raw)
         command = [sys.executable, "-m", "edl6dof.verify.plain", str(given), str(answer)]
-        subprocess.run(command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True, capture_output=True, text=True)
+        subprocess.run(
+            command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True, capture_output=True, text=True
+        )
         layout = {**LAYOUT, "log": TICK}
         with np.load(answer) as file:
-            return {name: np.frombuffer(file[name].tobytes(), layout[name]) if name in layout else file[name] for name in file.files}
+            return {
+                name: np.frombuffer(file[name].tobytes(), layout[name]) if name in layout else file[name]
+                for name in file.files
+            }
 
 
 def differing(a: np.ndarray, b: np.ndarray, prefix: str = "") -> list[str]:
@@ -118,10 +135,21 @@ def main(given: str, answer: str) -> None:
         raise RuntimeError("numba is not switched off: set NUMBA_DISABLE_JIT=1")
     with np.load(given) as file:
         arrays = {name: np.frombuffer(file[name].tobytes(), dtype).copy() for name, dtype in LAYOUT.items()}
-        s, task, numbers = Setting(arrays, int(file["cycle"]), int(file["steps"])), str(file["task"]), file["numbers"]
+        s, task, numbers = (
+            Setting(arrays, int(file["cycle"]), int(file["steps"])),
+            str(file["task"]),
+            file["numbers"],
+        )
     with np.errstate(all="ignore"):
-        result = fly_cycles(s, int(numbers[0])) if task == "fly_cycles" else integrate(s, *(float(x) for x in numbers))
-    np.savez(answer, **{name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()})
+        result = (
+            fly_cycles(s, int(numbers[0]))
+            if task == "fly_cycles"
+            else integrate(s, *(float(x) for x in numbers))
+        )
+    np.savez(
+        answer,
+        **{name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()},
+    )
 
 
 if __name__ == "__main__":

@@ -36,10 +36,19 @@ class Report:
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON; an error that is not finite becomes null."""
         rows = [
-            {**vars(result), "error": float(result.error) if math.isfinite(result.error) else None, "passed": result.passed}
+            {
+                **vars(result),
+                "error": float(result.error) if math.isfinite(result.error) else None,
+                "passed": result.passed,
+            }
             for result in self.results
         ]
-        state = {"passed": self.passed, "skipped": self.skipped, "note": self.note, "seconds": round(self.seconds, 3)}
+        state = {
+            "passed": self.passed,
+            "skipped": self.skipped,
+            "note": self.note,
+            "seconds": round(self.seconds, 3),
+        }
         return {"case": self.name, **state, "results": rows}
 
 

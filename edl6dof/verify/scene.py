@@ -1,4 +1,6 @@
-"""Scenes for check cases: the shipped scenario stripped down by overrides, and flights from a state of one's own."""
+"""Scenes for check cases: the shipped scenario stripped down by overrides, and flights from a state of one's
+own.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,21 @@ from edl6dof.sim.outcome import OUTCOMES
 
 SCENARIO = "tianwen1"
 #: No flight software, wind, ground, rotation of the planet.
-BARE = ("mission.phases=[]", "wind.model=none", "terrain.model=none", "planet.rotation_rate_rad_s=0", "planet.flattening=0")
+BARE = (
+    "mission.phases=[]",
+    "wind.model=none",
+    "terrain.model=none",
+    "planet.rotation_rate_rad_s=0",
+    "planet.flattening=0",
+)
 VACUUM = ("atmosphere.model=none", "vehicle.aero.model=none")
 WEIGHTLESS = ("planet.gravity.model=none",)
 #: A planet so large that gravity is 3.72 m/s2 straight down within 1e-5 over the few kilometres of a case.
 FLAT = ("planet.equatorial_radius_m=1e9", "planet.gravity.model=central", "planet.gravity.mu_m3_s2=3.72e18")
 #: An atmosphere of the same density everywhere.
 UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_m=1e15")
-#: No part ever leaves and no propellant: the vehicle is one rigid body with the mass properties of the entry vehicle.
+#: No part ever leaves and no propellant: the vehicle is one rigid body with the mass properties of the entry
+#: vehicle.
 ONE_BODY = tuple(
     f"vehicle.mass.{part}.{value}"
     for part in ("heat_shield", "backshell", "parachute", "propellant")
@@ -42,7 +51,9 @@ def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scena
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
-def flown(overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit") -> tuple[Scenario, Flight]:
+def flown(
+    overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
+) -> tuple[Scenario, Flight]:
     """The scenario that expected values follow from, and the flight.
 
     Raises:
@@ -65,7 +76,9 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
-    """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties and loads made consistent."""
+    """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties
+    and loads made consistent.
+    """
     tables = records.build_tables(loaded.truth)
     case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario, tables)
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)

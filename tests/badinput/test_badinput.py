@@ -1,9 +1,11 @@
-"""Every broken file of the corpus is refused by ``check`` and ``fly`` with exactly the messages it announces; nothing is written.
+"""Every broken file of the corpus is refused by ``check`` and ``fly`` with exactly the messages it announces;
+nothing is written.
 
 A case is a YAML file in ``cases/``.  Its first lines say what is expected of it::
 
-    # set: dotted.path=value                       an override given on the command line (any number)
-    # expect: FILE:LINE: dotted.key: text          a message: beginning of the text, as many as there are mistakes
+    # set: dotted.path=value                       an override given on the command line (any number) #
+    expect: FILE:LINE: dotted.key: text          a message: beginning of the text, as many as there are
+    mistakes
 """
 
 from __future__ import annotations
@@ -41,7 +43,9 @@ def run(capsys, monkeypatch, *words: str) -> tuple[int, str, str]:
 
 
 def matches(expected: str, line: str) -> bool:
-    """Whether a message begins as announced; folders and columns are left open, but the column must be there."""
+    """Whether a message begins as announced; folders and columns are left open, but the column must be
+    there.
+    """
     if expected.startswith("--set "):
         return line.startswith(expected)
     file, number, rest = expected.split(":", 2)
@@ -73,10 +77,14 @@ def test_corpus_is_wide_enough():
 
 
 def test_all_files_in_one_call_without_a_traceback(tmp_path):
-    """The real program, all files at once: every message of every file on stderr, one line each, nothing else."""
+    """The real program, all files at once: every message of every file on stderr, one line each, nothing
+    else.
+    """
     plain = [case for case in CASES if not flags(case)]
     command = [sys.executable, "-c", "from edl6dof.cli import main; main()", "check", *map(str, plain)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, timeout=60)
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, timeout=60
+    )
     assert (done.returncode, done.stdout) == (2, "")
     require(done.stderr.splitlines(), [text for case in plain for text in announced(case, "expect")])
 
@@ -94,7 +102,10 @@ ODD_FILES = {
     "empty.yaml": (b"", "empty.yaml:1:1: the file is empty"),
     "binary.yaml": (bytes(range(256)), "not UTF-8"),
     "nul.yaml": (b"name: a\x00b\n", "nul.yaml:1:8: character '\\x00' is not allowed in YAML"),
-    "latin1.yaml": ("name: bad\ndescription: Größe\n".encode("latin-1"), "latin1.yaml:2:16: is not UTF-8 text"),
+    "latin1.yaml": (
+        "name: bad\ndescription: Größe\n".encode("latin-1"),
+        "latin1.yaml:2:16: is not UTF-8 text",
+    ),
     "folder.yaml": (None, "folder, not a"),
     "huge.yaml": (b"#" * 2_000_001, "has 2000001 bytes"),
     "deep.yaml": (b"wind: " + b"[" * 500 + b"]" * 500, "deep"),

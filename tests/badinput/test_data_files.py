@@ -16,8 +16,12 @@ from edl6dof.interchange.xmlfile import read_xml
 from edl6dof.sim.checkpoint import State
 
 ATMOSPHERE = "h_km,rho,T_K\n0.0,1.5e-2,210.0\n1.0,1.4e-2,209.0\n2.0,1.3e-2,208.0\n"
-AERO = "mach,alpha,CD,CL,Cm\n" + "".join(f"{m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in (1.0, 5.0) for a in (0, 2, 4))
-GRAVITY = "3396.0,42828.37285418775,0,120,120,1,0,0\n2,0,-8.75e-4,0.0,0,0\n2,1,0,0,0,0\n2,2,-8.4e-5,4.9e-5,0,0\n"
+AERO = "mach,alpha,CD,CL,Cm\n" + "".join(
+    f"{m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in (1.0, 5.0) for a in (0, 2, 4)
+)
+GRAVITY = (
+    "3396.0,42828.37285418775,0,120,120,1,0,0\n2,0,-8.75e-4,0.0,0,0\n2,1,0,0,0,0\n2,2,-8.4e-5,4.9e-5,0,0\n"
+)
 
 KEYS = {
     "atmosphere": "atmosphere.table",
@@ -32,11 +36,23 @@ BROKEN = {
     "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "not a table of numbers"),
     "atmosphere one row": ("atmosphere", "h_km,rho,T_K\n0.0,1.5e-2,210.0\n", "not a table of numbers"),
     "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "not a complete table"),
-    "atmosphere text": ("atmosphere", ATMOSPHERE.replace("209.0", "cold"), "could not convert string to float: 'cold'"),
+    "atmosphere text": (
+        "atmosphere",
+        ATMOSPHERE.replace("209.0", "cold"),
+        "could not convert string to float: 'cold'",
+    ),
     "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "not finite"),
-    "atmosphere altitude falls": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "3.0,1.4"), "altitudes must rise"),
+    "atmosphere altitude falls": (
+        "atmosphere",
+        ATMOSPHERE.replace("1.0,1.4", "3.0,1.4"),
+        "altitudes must rise",
+    ),
     "atmosphere density zero": ("atmosphere", ATMOSPHERE.replace("1.4e-2", "0.0"), "densities be positive"),
-    "atmosphere no temperature": ("atmosphere", ATMOSPHERE.replace("T_K", "T_C"), "no column that begins with 'T_K'"),
+    "atmosphere no temperature": (
+        "atmosphere",
+        ATMOSPHERE.replace("T_K", "T_C"),
+        "no column that begins with 'T_K'",
+    ),
     "atmosphere fine steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "0.001,1.4"), "at most 512 fit"),
     "atmosphere absurd steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "1e-300,1.4"), ""),
     "aero empty": ("aero", "", "not a complete table"),
@@ -47,7 +63,11 @@ BROKEN = {
     "aero nan": ("aero", AERO.replace("1.5", "nan", 1), "not finite"),
     "gravity empty": ("gravity", "", "not a complete table"),
     "gravity text": ("gravity", GRAVITY.replace("2,1,0", "2,1,o"), "could not convert string to float: 'o'"),
-    "gravity of another planet": ("gravity", GRAVITY.replace("3396.0", "6378.0"), "holds for reference_radius_m 6378000.0"),
+    "gravity of another planet": (
+        "gravity",
+        GRAVITY.replace("3396.0", "6378.0"),
+        "holds for reference_radius_m 6378000.0",
+    ),
     "gravity nan": ("gravity", GRAVITY.replace("-8.4e-5", "nan"), "not finite"),
     "gravity order above degree": ("gravity", GRAVITY + "2,99,0,0,0,0\n", "not a complete table"),
 }
@@ -97,7 +117,11 @@ def test_no_such_file(kind, what, tmp_path):
 
 def test_table_that_does_not_fit_with_the_damping_is_refused_at_the_capsule(tmp_path):
     path = tmp_path / "table.csv"
-    path.write_text("".join(f"{0.5 + 0.1003 * m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in range(60) for a in (0, 2, 4)))
+    path.write_text(
+        "".join(
+            f"{0.5 + 0.1003 * m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in range(60) for a in (0, 2, 4)
+        )
+    )
     with pytest.raises(ConfigError) as caught:
         load("aero", path)
     (problem,) = caught.value.problems
@@ -113,7 +137,9 @@ def test_resolved_scenario_and_saved_state_go_through_the_same_check(tmp_path):
     from edl6dof.scenario.schema import Scenario
     from edl6dof.sim.flight import resolved_text
 
-    text = resolved_text(edl6dof.load("tianwen1")).replace("marsgram2010_jezero_feb2021_winds.csv", "gone.csv")
+    text = resolved_text(edl6dof.load("tianwen1")).replace(
+        "marsgram2010_jezero_feb2021_winds.csv", "gone.csv"
+    )
     with pytest.raises(ConfigError) as caught:
         validate(Scenario, parse_document(text, "scenario.yaml"))
     (problem,) = caught.value.problems
@@ -181,7 +207,9 @@ def test_file_of_numpy_that_is_no_state(kind, tmp_path):
         if kind == "array":
             np.save(file, np.zeros(3))
         else:
-            np.savez_compressed(file, layout=np.zeros(60_000_000 if kind == "packed zeros" else 1000, dtype=np.uint8))
+            np.savez_compressed(
+                file, layout=np.zeros(60_000_000 if kind == "packed zeros" else 1000, dtype=np.uint8)
+            )
     if kind == "damaged":
         content = bytearray(path.read_bytes())
         content[100] ^= 0xFF

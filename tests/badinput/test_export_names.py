@@ -31,7 +31,9 @@ def test_a_message_has_the_lines_of_an_ordinary_one(write):
     write(forged, EVIL, "Mars", EPOCH, columns(), [EVIL * 10])
     assert forged.getvalue().isascii()
     lines = forged.getvalue().splitlines()
-    assert [line.partition(" ")[0] for line in lines] == [line.partition(" ")[0] for line in ordinary.getvalue().splitlines()]
+    assert [line.partition(" ")[0] for line in lines] == [
+        line.partition(" ")[0] for line in ordinary.getvalue().splitlines()
+    ]
     assert all(line.count("=") <= 1 and len(line) <= 254 for line in lines)
     (name,) = (line for line in lines if line.startswith("OBJECT_NAME"))
     assert name == "OBJECT_NAME = LANDER REF_FRAME EME2000 META_STOP 2021-05-14T00:00:00 1 2 3 4 5 6"
@@ -45,7 +47,12 @@ def test_a_name_of_nothing_printable_is_unknown():
 
 @pytest.mark.parametrize("name", ["rcs.D 1", "1st", "_x", "a\nb", "x=1", "é", "y" * 100])
 def test_variables_of_other_programs_are_plain(name, tmp_path):
-    assert plain(name).isascii() and plain(name).isidentifier() and plain(name)[0].isalpha() and len(plain(name)) <= 63
+    assert (
+        plain(name).isascii()
+        and plain(name).isidentifier()
+        and plain(name)[0].isalpha()
+        and len(plain(name)) <= 63
+    )
     data = {"t_s": np.arange(2.0), f"rcs.{name}": np.ones(2)}
     about = Description(dict.fromkeys(data, ""), dict.fromkeys(data, ""), {})
     write_mat(tmp_path / "x.mat", data, about)

@@ -45,7 +45,9 @@ def write_drop(folder: Path, **changes: str) -> str:
 
 def program(*words: str, cwd: Path, prefix: tuple[str, ...] = (), **more: str) -> subprocess.Popen[str]:
     """Start the program."""
-    environment = {key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "TERM")}
+    environment = {
+        key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "TERM")
+    }
     environment.update(PYTHONPATH=str(ROOT), **more)
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([*prefix, *PROGRAM, *words], cwd=cwd, env=environment, **pipes)

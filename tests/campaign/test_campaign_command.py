@@ -74,18 +74,24 @@ def test_case_flown_from_its_resolved_scenario_is_the_same(edl6dof, tmp_path):
     """The run folder of a case holds all of it, the random profiles too."""
     file = Path(write_drop(tmp_path))
     file.write_text(
-        file.read_text().replace("atmosphere:\n", "atmosphere:\n  perturbation: {enabled: true}\n") + "wind: {gust: {enabled: true}}\n"
+        file.read_text().replace("atmosphere:\n", "atmosphere:\n  perturbation: {enabled: true}\n")
+        + "wind: {gust: {enabled: true}}\n"
     )
     edl6dof("campaign", str(file), "-n", "5", "-q")
     edl6dof("refly", "runs/drops", "4", "--no-replay")
     edl6dof("fly", "runs/drops_case4/scenario.yaml", "--out", "again", "--no-replay", "-q")
-    first, second = (json.loads(Path(folder, "summary.json").read_text())["figures"] for folder in ("runs/drops_case4", "again"))
+    first, second = (
+        json.loads(Path(folder, "summary.json").read_text())["figures"]
+        for folder in ("runs/drops_case4", "again")
+    )
     assert first == second
 
 
 def test_stops_when_the_interval_is_narrow_enough(edl6dof, tmp_path):
     """100 successes of 100: half width 1.85 %; 150 of 150: 1.25 %."""
-    status, out, _ = edl6dof("campaign", write_drop(tmp_path), "--until", "p_success +- 1.5%", "--workers", "2")
+    status, out, _ = edl6dof(
+        "campaign", write_drop(tmp_path), "--until", "p_success +- 1.5%", "--workers", "2"
+    )
     assert status == 0 and table().num_rows == 150
     assert "stopped after 150 of 430 cases" in out
 
@@ -100,10 +106,21 @@ def test_refuses_to_overwrite_and_to_mix(edl6dof, tmp_path):
     assert status == 2 and "begun with another plan" in err
     info = read_sealed(Path("runs/drops/campaign.json"), Info)
     others = {"sources": "f" * 64, "versions": {**info.identity.versions, "numpy": "1.0"}}
-    write_sealed(Path("runs/drops/campaign.json"), info.model_copy(update={"identity": info.identity.model_copy(update=others)}))
-    for words in (["campaign", "runs/drops", "--resume"], ["refly", "runs/drops", "3"], ["replay", "runs/drops", "--html", "x.html"]):
+    write_sealed(
+        Path("runs/drops/campaign.json"),
+        info.model_copy(update={"identity": info.identity.model_copy(update=others)}),
+    )
+    for words in (
+        ["campaign", "runs/drops", "--resume"],
+        ["refly", "runs/drops", "3"],
+        ["replay", "runs/drops", "--html", "x.html"],
+    ):
         status, _, err = edl6dof(*words)
-        assert status == 2 and f"numpy: was 1.0, is {np.__version__}" in err and "sources of edl6dof: was ffffffffffff, is " in err
+        assert (
+            status == 2
+            and f"numpy: was 1.0, is {np.__version__}" in err
+            and "sources of edl6dof: was ffffffffffff, is " in err
+        )
 
 
 def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
@@ -111,7 +128,9 @@ def test_force_does_not_remove_what_is_no_campaign(edl6dof, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("")
     status, _, err = edl6dof("campaign", file, "--out", "mine", "--force")
-    assert status == 2 and "not the folder of a campaign" in err and (tmp_path / "mine" / "thesis.txt").is_file()
+    assert (
+        status == 2 and "not the folder of a campaign" in err and (tmp_path / "mine" / "thesis.txt").is_file()
+    )
 
 
 @pytest.mark.parametrize(
@@ -145,7 +164,9 @@ def test_sweep_flies_every_point_and_is_mapped(edl6dof, tmp_path):
 
 
 def test_comparison_on_common_random_numbers(edl6dof, tmp_path):
-    """A heavier body of the same drag falls faster; the pairs show it at once, and the sign is that of B - A."""
+    """A heavier body of the same drag falls faster; the pairs show it at once, and the sign is that of B -
+    A.
+    """
     file = write_drop(tmp_path)
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "a")
     edl6dof("campaign", file, "-n", "40", "-q", "--out", "b", "--set", "initial.altitude_m=8000")

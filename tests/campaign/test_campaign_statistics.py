@@ -19,12 +19,16 @@ def test_no_trials_say_nothing():
     assert Proportion(0, 0).interval == (0.0, 1.0)
 
 
-@pytest.mark.parametrize("text", ["p_success +- 0.5%", "p_success +/- 0.005", "p_success±0.5 %", " p_success  +-  5e-3 "])
+@pytest.mark.parametrize(
+    "text", ["p_success +- 0.5%", "p_success +/- 0.005", "p_success±0.5 %", " p_success  +-  5e-3 "]
+)
 def test_stop_rule_is_read(text):
     assert Until.parse(text).half_width == pytest.approx(0.005)
 
 
-@pytest.mark.parametrize("text", ["p_success", "0.5%", "p_success +- 0", "p_success +- 60%", "success +- 1%", "p_success +- .%"])
+@pytest.mark.parametrize(
+    "text", ["p_success", "0.5%", "p_success +- 0", "p_success +- 60%", "success +- 1%", "p_success +- .%"]
+)
 def test_other_stop_rules_are_refused(text):
     with pytest.raises(ValueError, match="must have the form"):
         Until.parse(text)
@@ -32,7 +36,11 @@ def test_other_stop_rules_are_refused(text):
 
 def test_stop_rule_waits_for_the_interval():
     until = Until.parse("p_success +- 1%")
-    assert not until.reached(Proportion(0, 0)) and not until.reached(Proportion(150, 150)) and until.reached(Proportion(200, 200))
+    assert (
+        not until.reached(Proportion(0, 0))
+        and not until.reached(Proportion(150, 150))
+        and until.reached(Proportion(200, 200))
+    )
 
 
 def test_ellipse_holds_the_share_of_a_normal_cloud():
@@ -64,7 +72,9 @@ def test_rank_correlation_is_that_of_scipy_and_finds_curved_effects():
     a, b = rng.standard_normal((2, 400))
     figure = np.exp(3.0 * a) + 0.1 * b
     found, _ = drivers({"a": a, "b": b}, figure)
-    assert found[0].name == "a" and found[0].rank_correlation == pytest.approx(stats.spearmanr(a, figure).statistic, abs=1e-12)
+    assert found[0].name == "a" and found[0].rank_correlation == pytest.approx(
+        stats.spearmanr(a, figure).statistic, abs=1e-12
+    )
 
 
 def test_flights_without_the_figure_are_left_out():

@@ -35,7 +35,9 @@ def run(words, cwd):
 @contextmanager
 def scheduler(cwd):
     """Address of a scheduler started by hand, as the README says, on a free port; and its process."""
-    with process("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", cwd=cwd) as started:
+    with process(
+        "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", cwd=cwd
+    ) as started:
         for line in started.stdout:
             if found := re.search(r"tcp://127\.0\.0\.1:\d+", line):
                 yield found[0], started
@@ -43,7 +45,17 @@ def scheduler(cwd):
 
 
 def worker(address, cwd):
-    return process("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1", cwd=cwd)
+    return process(
+        "dask_worker",
+        address,
+        "--nthreads",
+        "1",
+        "--no-nanny",
+        "--no-dashboard",
+        "--host",
+        "127.0.0.1",
+        cwd=cwd,
+    )
 
 
 def begun(folder, campaign, parts=1):
@@ -67,7 +79,9 @@ def test_scheduler_and_workers_started_by_hand(tmp_path, undisturbed):
 
 
 def test_cluster_of_its_own(tmp_path, undisturbed):
-    status, _, err = finished("campaign", write_drop(tmp_path), "--engine", "dask", "--workers", "2", "-q", cwd=tmp_path)
+    status, _, err = finished(
+        "campaign", write_drop(tmp_path), "--engine", "dask", "--workers", "2", "-q", cwd=tmp_path
+    )
     assert status == 0, err
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
@@ -107,7 +121,9 @@ def test_no_worker_is_left(tmp_path, undisturbed):
         words = ["campaign", file, "--engine", "dask", "--cluster", address, "-q"]
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        campaign = subprocess.Popen([sys.executable, "-c", LONELY, *words], cwd=tmp_path, env=environment, **pipes)
+        campaign = subprocess.Popen(
+            [sys.executable, "-c", LONELY, *words], cwd=tmp_path, env=environment, **pipes
+        )
         begun(tmp_path, campaign)
         only.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=60)
@@ -124,7 +140,11 @@ def test_scheduler_is_killed(tmp_path, undisturbed):
         begun(tmp_path, campaign)
         killed.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=120)
-    assert campaign.returncode == 2 and "go on with: edl6dof campaign runs/drops --resume" in err and "Traceback" not in err, err
+    assert (
+        campaign.returncode == 2
+        and "go on with: edl6dof campaign runs/drops --resume" in err
+        and "Traceback" not in err
+    ), err
     assert finished("campaign", "runs/drops", "--resume", "-q", cwd=tmp_path)[0] == 0
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
@@ -143,8 +163,23 @@ def test_worker_that_is_no_copy_is_refused(tmp_path):
     """The message names the worker, and each item in which it differs."""
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, _):
-        words = [sys.executable, "-c", OTHER, address, "--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"]
+        words = [
+            sys.executable,
+            "-c",
+            OTHER,
+            address,
+            "--nthreads",
+            "1",
+            "--no-nanny",
+            "--no-dashboard",
+            "--host",
+            "127.0.0.1",
+        ]
         with run(words, tmp_path):
-            status, _, err = finished("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+            status, _, err = finished(
+                "campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path
+            )
     assert status == 2 and "Traceback" not in err, err
-    assert re.search(r"worker tcp://127.0.0.1:\d+ is no copy of this program: numpy: was \S+, is 0.7; ", err), err
+    assert re.search(
+        r"worker tcp://127.0.0.1:\d+ is no copy of this program: numpy: was \S+, is 0.7; ", err
+    ), err

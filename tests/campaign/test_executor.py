@@ -39,8 +39,14 @@ def test_rows_are_those_of_single_flights(loaded, table):
     for case in (CASES[1], CASES[2], CASES[5]):
         flight = edl6dof.fly("tianwen1", [*GUSTY, *case.overrides({})])
         row = rows[case.index]
-        assert {name: row[name] for name in flight.metrics} == pytest.approx(flight.metrics, rel=0.0, abs=0.0, nan_ok=True)
-        assert (row["outcome"], row["success"], row["rows"]) == (flight.outcome, flight.success, len(flight.log))
+        assert {name: row[name] for name in flight.metrics} == pytest.approx(
+            flight.metrics, rel=0.0, abs=0.0, nan_ok=True
+        )
+        assert (row["outcome"], row["success"], row["rows"]) == (
+            flight.outcome,
+            flight.success,
+            len(flight.log),
+        )
 
 
 def test_reused_telemetry_buffer_gives_the_same_log(loaded):
@@ -95,7 +101,9 @@ def test_cases_are_read_only_a_little_ahead():
 
 
 def test_a_few_cases_keep_all_workers_busy(loaded):
-    """Cases are taken by handfuls for the sake of the caches; few ones are spread over the workers instead."""
+    """Cases are taken by handfuls for the sake of the caches; few ones are spread over the workers
+    instead.
+    """
     pilot, taken = Pilot(loaded), []
     pilot.fly = lambda cases: taken.append(len(cases)) or [{"case": case.index} for case in cases]
     rows = list(pilot.rows((Case(index) for index in range(30)), workers=3))
@@ -115,7 +123,10 @@ def test_value_that_did_not_arrive_is_noticed(loaded, known):
     if known:
         applied(variant, CASES[0].truth, CASES[0].told, places)
         assert list(places) == ["vehicle.mass.entry_kg"]
-    assert applied(variant, CASES[0].truth, CASES[0].told, places) == {"truth.vehicle.mass.entry_kg": 1290.0, "profile": 0}
+    assert applied(variant, CASES[0].truth, CASES[0].told, places) == {
+        "truth.vehicle.mass.entry_kg": 1290.0,
+        "profile": 0,
+    }
     variant.parts.case["vehicle"]["mass"]["entry"] = 1285.0
     with pytest.raises(NotApplied, match="its record holds 1285"):
         applied(variant, CASES[0].truth, CASES[0].told, places)
@@ -134,7 +145,9 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
     )
     variant, places = Pilot(loaded).variants.build(case), {}
     for _ in range(2):
-        assert applied(variant, case.truth, {}, places) == {f"truth.{path}": value for path, value in case.truth.items()}
+        assert applied(variant, case.truth, {}, places) == {
+            f"truth.{path}": value for path, value in case.truth.items()
+        }
     record = variant.parts.case[0]["vehicle"]
     assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
     assert record["engine"]["misalignment_y"] == pytest.approx(np.radians(0.1))
@@ -150,11 +163,28 @@ def test_overrides_are_exact():
 
 def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):
     """Sections are JSON text, also where they could not fly; lists of numbers stay lists."""
-    changes = [{"wind": {"model": "none"}}, {"wind": {"scale": 1.0, "weight": 2.0}}, {"wind": {"scale": "x"}}, {"wind": 3.0}]
+    changes = [
+        {"wind": {"model": "none"}},
+        {"wind": {"scale": 1.0, "weight": 2.0}},
+        {"wind": {"scale": "x"}},
+        {"wind": 3.0},
+    ]
     brief = {"simulation.time_limit_s": 2.0}
     cases = [Case(index, truth=truth, belief=brief) for index, truth in enumerate(changes)]
     found = fly_cases(loaded, cases, workers=1)
-    assert found["truth.wind"].to_pylist() == ['{"model": "none"}', '{"scale": 1.0, "weight": 2.0}', '{"scale": "x"}', "3.0"]
-    assert [cause.startswith("could not fly") for cause in found["cause"].to_pylist()] == [False, True, True, True]
-    listed = fly_cases(loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0]}, belief=brief)], workers=1)
+    assert found["truth.wind"].to_pylist() == [
+        '{"model": "none"}',
+        '{"scale": 1.0, "weight": 2.0}',
+        '{"scale": "x"}',
+        "3.0",
+    ]
+    assert [cause.startswith("could not fly") for cause in found["cause"].to_pylist()] == [
+        False,
+        True,
+        True,
+        True,
+    ]
+    listed = fly_cases(
+        loaded, [Case(0, truth={"initial.rate_deg_s": [0.1, 0, 0.0]}, belief=brief)], workers=1
+    )
     assert listed["truth.initial.rate_deg_s"].to_pylist() == [[0.1, 0.0, 0.0]]

@@ -1,4 +1,6 @@
-"""Rows follow from everything that is read: a campaign goes on only with the same plan, program and tables."""
+"""Rows follow from everything that is read: a campaign goes on only with the same plan, program and
+tables.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +55,12 @@ def test_shipped_tables_of_the_shipped_campaign():
     [
         ["atmosphere: {{table: {air}}}"],
         ["truth: {{atmosphere.table: {air}}}"],
-        ["sweep: {{axes: [{{path: atmosphere.table, of: truth, values: [{air}, mars_cospar_nh_mean.csv]}}]}}"],
+        [
+            (
+                "sweep: {{axes: [{{path: atmosphere.table, of: truth, values: [{air}, "
+                "mars_cospar_nh_mean.csv]}}]}}"
+            )
+        ],
         ["sweep: {{axes: [{{path: atmosphere, values: [{{table: {air}}}]}}]}}"],
         ["    atmosphere.table: {{kind: discrete, choices: [{air}, mars_cospar_nh_mean.csv]}}"],
     ],
@@ -61,7 +68,9 @@ def test_shipped_tables_of_the_shipped_campaign():
 )
 def test_files_of_the_user_wherever_they_are_named(tmp_path, lines):
     mine = shutil.copy(AIR, tmp_path / "mine.csv")
-    assert Path(mine).resolve() in input_files(load_plan(drop_with(tmp_path, *(line.format(air=mine) for line in lines))))
+    assert Path(mine).resolve() in input_files(
+        load_plan(drop_with(tmp_path, *(line.format(air=mine) for line in lines)))
+    )
 
 
 def test_vehicles_of_a_sweep_and_their_tables(tmp_path):
@@ -71,7 +80,9 @@ def test_vehicles_of_a_sweep_and_their_tables(tmp_path):
     text = (ROOT / "vehicles" / "tianwen1.yaml").read_text()
     named = text.replace("  capsule:\n", f"  capsule:\n    static_table: {tmp_path / 'aero.csv'}\n", 1)
     (tmp_path / "capsule.yaml").write_text(named)
-    file = Path(drop_with(tmp_path, "sweep: {axes: [{path: vehicle, of: truth, values: [capsule.yaml, tianwen1]}]}"))
+    file = Path(
+        drop_with(tmp_path, ("sweep: {axes: [{path: vehicle, of: truth, values: [capsule.yaml, tianwen1]}]}"))
+    )
     file.write_text(file.read_text().replace("    vehicle.", "    # vehicle."))
     found = input_files(load_plan(str(file)))
     named = {tmp_path / "capsule.yaml", tmp_path / "aero.csv", ROOT / "vehicles" / "tianwen1.yaml"}
@@ -154,7 +165,9 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     monkeypatch.setattr(origin, "_PACKAGE", tmp_path / "edl6dof")
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")
-    with pytest.raises(StoreError, match=f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}"):
+    with pytest.raises(
+        StoreError, match=(f"file edl6dof/data/atmosphere/{AIR.name}: was [0-9a-f]{{12}}, is [0-9a-f]{{12}}")
+    ):
         run.resumed_plan(store)
 
 

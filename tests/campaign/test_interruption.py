@@ -30,7 +30,11 @@ def command(*words: str) -> tuple[int, str]:
     """Status and standard error."""
     sys.argv = ["edl6dof", *words]
     err = io.StringIO()
-    with contextlib.redirect_stderr(err), contextlib.redirect_stdout(io.StringIO()), pytest.raises(SystemExit) as end:
+    with (
+        contextlib.redirect_stderr(err),
+        contextlib.redirect_stdout(io.StringIO()),
+        pytest.raises(SystemExit) as end,
+    ):
         cli.main()
     return int(end.value.code or 0), err.getvalue()
 
@@ -71,10 +75,14 @@ def test_resume_is_interrupted_while_the_program_loads(file, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", loading)
     assert command("campaign", "runs/drops", "--resume") == (130, GO_ON)
     status, err = command("campaign", "drops.yaml", "--out", "my runs", "--resume")
-    assert status == 130 and err.endswith("go on with: edl6dof campaign drops.yaml --out 'my runs' --resume\n")
+    assert status == 130 and err.endswith(
+        "go on with: edl6dof campaign drops.yaml --out 'my runs' --resume\n"
+    )
 
 
-@pytest.mark.parametrize("owner, name", [(campaign_flight, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")])
+@pytest.mark.parametrize(
+    "owner, name", [(campaign_flight, "load_plan"), (store.Store, "check_new"), (store, "write_sealed")]
+)
 def test_new_campaign_is_interrupted_before_it_begins(file, monkeypatch, owner, name):
     monkeypatch.setattr(owner, name, interrupt)
     assert command("campaign", file) == (130, NOTHING)

@@ -1,4 +1,6 @@
-"""Whatever ends a campaign - Ctrl-C, a kill, a full disk - ``--resume`` completes it to the same table, byte for byte."""
+"""Whatever ends a campaign - Ctrl-C, a kill, a full disk - ``--resume`` completes it to the same table, byte
+for byte.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,12 @@ def begin_and_wait_for_parts(tmp_path, process, parts=3):
 def resume(tmp_path) -> bytes:
     status, _, err = finished("campaign", str(FOLDER), "--resume", "-q", cwd=tmp_path)
     assert status == 0, err
-    assert sorted(os.listdir(tmp_path / FOLDER)) == ["campaign.json", "campaign.yaml", "cases.parquet", "summary.json"]
+    assert sorted(os.listdir(tmp_path / FOLDER)) == [
+        "campaign.json",
+        "campaign.yaml",
+        "cases.parquet",
+        "summary.json",
+    ]
     return (tmp_path / FOLDER / "cases.parquet").read_bytes()
 
 
@@ -88,7 +95,9 @@ def test_file_size_limit_stops_it_with_a_plain_word(tmp_path, undisturbed):
 def small_disk(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", str(disk)], capture_output=True)
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", str(disk)], capture_output=True
+    )
     if mounted.returncode != 0:
         pytest.skip(f"a small file system cannot be mounted here: {mounted.stderr.decode().strip()}")
     yield disk
@@ -111,7 +120,12 @@ def test_another_process_is_kept_out(tmp_path):
     run.begin(load_plan(file), store, None)
     before = {path.name: path.read_bytes() for path in store.folder.iterdir()}
     with store.lock():
-        for words in ((str(FOLDER), "--resume"), (file,), (file, "--force"), (file, "--force", "--seed", "9")):
+        for words in (
+            (str(FOLDER), "--resume"),
+            (file,),
+            (file, "--force"),
+            (file, "--force", "--seed", "9"),
+        ):
             status, out, err = finished("campaign", *words, cwd=tmp_path)
             assert (status, out) == (2, "") and "runs/drops: another process flies this campaign" in err
     assert {path.name: path.read_bytes() for path in store.folder.iterdir()} == before
@@ -150,7 +164,9 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
         here = str(Path(__file__).parent)
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join([here, str(Path(here).parents[1])])}
-        done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(
+            [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=600
+        )
         assert done.returncode == 0, done.stderr
         peaks[cases] = int(done.stdout) / 1024
     assert peaks[100_000] - peaks[10_000] < 30.0, peaks
@@ -168,7 +184,10 @@ def test_folder_remembers_its_plugins(tmp_path, monkeypatch):
 
     for change, words in (
         (origin.outside_sources.clear, "is not loaded in this process: set EDL6DOF_PLUGINS to it"),
-        (lambda: origin.outside_sources.append(str(plugin)) or plugin.write_text("x = 2\n"), "is [0-9a-f]{12}"),
+        (
+            lambda: origin.outside_sources.append(str(plugin)) or plugin.write_text("x = 2\n"),
+            "is [0-9a-f]{12}",
+        ),
         (lambda: origin.outside_sources.clear() or plugin.unlink(), "is gone"),
     ):
         change()

@@ -25,8 +25,14 @@ def test_shipped_campaign_disperses_the_reference_quantities():
     shipped = load_plan("tianwen1_mc")
     assert shipped.count == 1000
     names = set(shipped.columns)
-    assert {"truth.vehicle.mass.entry_kg", "truth.vehicle.rcs.thrusters.F6.thrust_n", "truth.vehicle.mass.entry_inertia_kg_m2.2"} <= names
-    assert shipped.loaded.scenario.wind.gust.enabled and shipped.loaded.scenario.atmosphere.perturbation.enabled
+    assert {
+        "truth.vehicle.mass.entry_kg",
+        "truth.vehicle.rcs.thrusters.F6.thrust_n",
+        "truth.vehicle.mass.entry_inertia_kg_m2.2",
+    } <= names
+    assert (
+        shipped.loaded.scenario.wind.gust.enabled and shipped.loaded.scenario.atmosphere.perturbation.enabled
+    )
 
 
 def test_drawn_values_have_the_widths_of_the_file():
@@ -57,7 +63,10 @@ sweep:
 
 
 def test_pieces_are_those_of_the_whole_across_the_points_of_a_sweep(tmp_path):
-    body = "  truth: {wind.scale: {kind: uniform, low: 0.0, high: 2.0}}\nsweep:\n  axes: [{path: seed, values: [1, 2, 3]}]\n"
+    body = (
+        "  truth: {wind.scale: {kind: uniform, low: 0.0, high: 2.0}}\nsweep:\n  axes: [{path: seed, "
+        "values: [1, 2, 3]}]\n"
+    )
     swept = plan(tmp_path, body)
     whole = list(swept.cases())
     assert [case.index for case in whole] == list(range(120))
@@ -74,16 +83,23 @@ def test_dispersed_belief_leaves_the_truth_at_its_nominal(tmp_path):
 
 
 def test_dispersion_known_to_both_has_no_truth_of_its_own(tmp_path):
-    case = next(plan(tmp_path, "  both: {vehicle.mass.entry_kg: {kind: normal, three_sigma: 30.0}}\n").cases())
+    case = next(
+        plan(tmp_path, "  both: {vehicle.mass.entry_kg: {kind: normal, three_sigma: 30.0}}\n").cases()
+    )
     assert not case.truth and "vehicle.mass.entry_kg" in case.belief
 
 
 def test_faults_happen_with_their_chance(tmp_path):
-    body = "  faults: [{chance: 0.2, later_s: 9.0, one_of: [{kind: stuck_off, thruster: D7, at: {time_s: 100.0}}, {kind: wing_lost, at: {phase: lift}}]}]\n"
+    body = (
+        "  faults: [{chance: 0.2, later_s: 9.0, one_of: [{kind: stuck_off, thruster: D7, at: {time_s: "
+        "100.0}}, {kind: wing_lost, at: {phase: lift}}]}]\n"
+    )
     faults = [case.truth.get("faults", []) for case in plan(tmp_path, body, cases=4000).cases()]
     happened = [fault for case in faults for fault in case]
     assert len(happened) / 4000 == pytest.approx(0.2, abs=0.02)
-    assert sum(fault["kind"] == "wing_lost" for fault in happened) / len(happened) == pytest.approx(0.5, abs=0.06)
+    assert sum(fault["kind"] == "wing_lost" for fault in happened) / len(happened) == pytest.approx(
+        0.5, abs=0.06
+    )
     times = [fault["at"]["time_s"] for fault in happened if fault["kind"] == "stuck_off"]
     assert 100.0 <= min(times) < 101.0 and 108.0 < max(times) <= 109.0
 
@@ -101,15 +117,19 @@ REFUSED = {
     "no nominal": ("  truth:\n    initial.yaw_pitch_roll_deg.0: {kind: normal, sigma: 1.0}\n", 7, "yaw_pitch_roll_deg"),
     "log of nothing": ("  truth:\n    vehicle.mass.entry_centre_m.1: {kind: log_normal, sigma_ln: 0.1}\n", 7, "positive median"),
     "no truth of its own": ("  truth:\n    limits.slope_deg: {kind: normal, sigma: 1.0}\n", 7, "is no part of the true world or vehicle"),
-    "twice": ("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\n  both: {wind.scale: {kind: normal, sigma: 0.1}}\n", 7, "dispersed twice"),
+    "twice": (("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\n  both: {wind.scale: {kind: normal, sigma: "
+        "0.1}}\n"), 7, "dispersed twice"),
     "impossible correlation": (
-        "  correlated:\n    - {paths: [wind.scale, vehicle.mass.entry_kg], three_sigma: [1.0, 1.0], correlation: [[1.0, 1.2], [1.2, 1.0]]}\n",
+        ("  correlated:\n    - {paths: [wind.scale, vehicle.mass.entry_kg], three_sigma: [1.0, 1.0], "
+            "correlation: [[1.0, 1.2], [1.2, 1.0]]}\n"),
         7, "positive definite",
     ),
-    "wrong fault": ("  faults:\n    - {chance: 0.1, one_of: [{kind: stuck_off, thruster: D99, at: {phase: lift}}]}\n", 7, "no thruster named"),
+    "wrong fault": (("  faults:\n    - {chance: 0.1, one_of: [{kind: stuck_off, "
+        "thruster: D99, at: {phase: lift}}]}\n"), 7, "no thruster named"),
     "star elsewhere": ("  truth:\n    vehicle.mass.*: {kind: normal, sigma: 1.0}\n", 7, "items of a list"),
     "unknown key": ("  sampels: 10\n", 6, "unknown key"),
-    "sweep and dispersion": ("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\nsweep:\n  axes:\n    - {path: wind.scale, values: [1.0]}\n", 9, "dispersed too"),
+    "sweep and dispersion": (("  truth: {wind.scale: {kind: normal, sigma: 0.1}}\nsweep:\n  axes:\n    - {path: wind.scale, "
+        "values: [1.0]}\n"), 9, "dispersed too"),
 }  # fmt: skip
 
 
@@ -123,7 +143,10 @@ def test_mistakes_are_named_with_file_and_line(tmp_path, body, line, words):
 
 
 def test_all_mistakes_are_named_at_once(tmp_path):
-    body = "  truth:\n    wind.scal: {kind: normal, sigma: 1.0}\n    vehicle.mas.entry_kg: {kind: normal, sigma: 1.0}\n"
+    body = (
+        "  truth:\n    wind.scal: {kind: normal, sigma: 1.0}\n    vehicle.mas.entry_kg: {kind: normal, "
+        "sigma: 1.0}\n"
+    )
     with pytest.raises(ConfigError) as error:
         plan(tmp_path, body)
     assert len(error.value.problems) == 2
@@ -131,14 +154,22 @@ def test_all_mistakes_are_named_at_once(tmp_path):
 
 def test_extending_file_changes_what_it_says_and_nothing_else(tmp_path):
     file = tmp_path / "e.yaml"
-    file.write_text("extends: tianwen1\nname: other\nvehicle: {mass: {entry_kg: 1300.0}}\nlimits: {touchdown_tilt_deg: 2.0}\n")
+    file.write_text(
+        "extends: tianwen1\nname: other\nvehicle: {mass: {entry_kg: 1300.0}}\nlimits: {touchdown_tilt_deg: "
+        "2.0}\n"
+    )
     extended, base = load_scenario(str(file)).scenario, load_scenario("tianwen1").scenario
     assert extended.vehicle.mass.entry_kg == 1300.0 and extended.limits.touchdown_tilt_deg == 2.0
     assert extended.mission == base.mission and extended.vehicle.rcs == base.vehicle.rcs
 
 
 @pytest.mark.parametrize(
-    "text, words", [("extends: nowhere\n", "no such scenario"), ("extends: e\n", "leads back"), ("extends: 3\n", "name or path")]
+    "text, words",
+    [
+        ("extends: nowhere\n", "no such scenario"),
+        ("extends: e\n", "leads back"),
+        ("extends: 3\n", "name or path"),
+    ],
 )
 def test_extending_nothing_or_itself_is_refused(tmp_path, text, words):
     file = tmp_path / "e.yaml"

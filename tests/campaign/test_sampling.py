@@ -41,20 +41,27 @@ def test_latin_hypercube_has_one_case_in_each_stratum():
 
 
 def test_sobol_fills_space_better_than_chance():
-    sobol, chance = (qmc.discrepancy(unit_numbers(plan, 4, NAMES, 1024, 0, 1024)) for plan in ("sobol", "monte_carlo"))
+    sobol, chance = (
+        qmc.discrepancy(unit_numbers(plan, 4, NAMES, 1024, 0, 1024)) for plan in ("sobol", "monte_carlo")
+    )
     assert sobol < 0.1 * chance
 
 
 @pytest.mark.parametrize("plan", ["monte_carlo", "latin_hypercube"])
 def test_a_quantity_keeps_its_numbers_when_another_is_added(plan):
     """Common random numbers between campaigns that differ in one dispersion."""
-    few, more = unit_numbers(plan, 4, NAMES[:2], N, 0, N), unit_numbers(plan, 4, [NAMES[2], *NAMES[:2]], N, 0, N)
+    few, more = (
+        unit_numbers(plan, 4, NAMES[:2], N, 0, N),
+        unit_numbers(plan, 4, [NAMES[2], *NAMES[:2]], N, 0, N),
+    )
     assert np.array_equal(few, more[:, 1:])
 
 
 def test_seeds_differ():
     for plan in PLANS:
-        assert not np.array_equal(unit_numbers(plan, 4, NAMES, 64, 0, 64), unit_numbers(plan, 5, NAMES, 64, 0, 64))
+        assert not np.array_equal(
+            unit_numbers(plan, 4, NAMES, 64, 0, 64), unit_numbers(plan, 5, NAMES, 64, 0, 64)
+        )
 
 
 UNIT = (np.arange(20000) + 0.5) / 20000
@@ -70,7 +77,11 @@ UNIT = (np.arange(20000) + 0.5) / 20000
         (Uniform(kind="uniform", half_width=0.5), 9.0, stats.uniform(8.5, 1.0)),
         (LogNormal(kind="log_normal", sigma_ln=0.3), 2.0, stats.lognorm(0.3, scale=2.0)),
         (TruncatedNormal(kind="truncated_normal", sigma=1.0, low=0.5), 0.0, stats.truncnorm(0.5, np.inf)),
-        (TruncatedNormal(kind="truncated_normal", sigma=2.0, low=-1.0, high=4.0), 1.0, stats.truncnorm(-1.0, 1.5, 1.0, 2.0)),
+        (
+            TruncatedNormal(kind="truncated_normal", sigma=2.0, low=-1.0, high=4.0),
+            1.0,
+            stats.truncnorm(-1.0, 1.5, 1.0, 2.0),
+        ),
     ],
 )
 def test_distribution_is_that_of_scipy(distribution, nominal, expected):

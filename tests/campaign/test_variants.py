@@ -16,21 +16,42 @@ from edl6dof.scenario import records
 from edl6dof.scenario.schema import Scenario, check_document
 
 CASES = {
-    "truth only": {"truth": {"vehicle.mass.entry_kg": 1291.3, "atmosphere.density_factor": 1.07, "wind.scale": 1.4}},
-    "belief only": {"belief": {"vehicle.mass.entry_kg": 1279.0, "flight_software.guidance.entry.preset_bank_deg": 52.5}},
-    "truth beside belief": {"truth": {"vehicle.mass.entry_kg": 1291.3}, "belief": {"vehicle.mass.entry_kg": 1280.0}},
-    "list elements": {"truth": {"vehicle.mass.entry_centre_m.2": -0.0352, "vehicle.rcs.thrusters.D3.thrust_n": 243.0}},
+    "truth only": {
+        "truth": {"vehicle.mass.entry_kg": 1291.3, "atmosphere.density_factor": 1.07, "wind.scale": 1.4}
+    },
+    "belief only": {
+        "belief": {"vehicle.mass.entry_kg": 1279.0, "flight_software.guidance.entry.preset_bank_deg": 52.5}
+    },
+    "truth beside belief": {
+        "truth": {"vehicle.mass.entry_kg": 1291.3},
+        "belief": {"vehicle.mass.entry_kg": 1280.0},
+    },
+    "list elements": {
+        "truth": {"vehicle.mass.entry_centre_m.2": -0.0352, "vehicle.rcs.thrusters.D3.thrust_n": 243.0}
+    },
     "whole list": {"truth": {"vehicle.mass.entry_inertia_kg_m2": [1160.0, 905.0, 955.0]}},
-    "default not in the file": {"truth": {"vehicle.engine.thrust_factor": 0.98, "wind.gust.scale_length_m": 350.0}},
-    "random profiles": {"truth": {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}, "profile": 12},
-    "shape, hence tables": {"truth": {"vehicle.aero.capsule.nose_radius_m": 0.8, "planet.gas.gas_constant_j_kg_k": 190.0}},
-    "entry state": {"truth": {"initial.flight_path_angle_deg": -11.7, "initial.rate_deg_s": [0.2, 0.0, -0.1]}},
+    "default not in the file": {
+        "truth": {"vehicle.engine.thrust_factor": 0.98, "wind.gust.scale_length_m": 350.0}
+    },
+    "random profiles": {
+        "truth": {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True},
+        "profile": 12,
+    },
+    "shape, hence tables": {
+        "truth": {"vehicle.aero.capsule.nose_radius_m": 0.8, "planet.gas.gas_constant_j_kg_k": 190.0}
+    },
+    "entry state": {
+        "truth": {"initial.flight_path_angle_deg": -11.7, "initial.rate_deg_s": [0.2, 0.0, -0.1]}
+    },
     "text, the long way": {"belief": {"flight_software.guidance.powered.law": "gravity_turn"}},
     "faults": {"truth": {"faults": [{"kind": "stuck_off", "thruster": "D7", "at": {"phase": "lift"}}]}},
     "point mass": {"belief": {"dynamics": "point_mass", "mission.goal": "deployment"}},
     "nothing": {},
 }
-BASES = {"plain": [], "with a truth of its own": ["truth={vehicle.mass.entry_kg: 1300.0, atmosphere.density_factor: 0.9}"]}
+BASES = {
+    "plain": [],
+    "with a truth of its own": [("truth={vehicle.mass.entry_kg: 1300.0, atmosphere.density_factor: 0.9}")],
+}
 
 
 def the_long_way(base, case):

@@ -1,4 +1,5 @@
-"""The check case ``allen_eggers`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``allen_eggers`` passes, and fails for each of these planted errors, which change what flies
+and not what is expected:
 
 * scale height 1 mm too large
 * path 0.1 deg off the vertical

@@ -1,4 +1,5 @@
-"""The check case ``capsule_trim`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``capsule_trim`` passes, and fails for each of these planted errors, which change what flies
+and not what is expected:
 
 * centre of mass 0.1 mm too far off the axis
 * static moment 1 % too large

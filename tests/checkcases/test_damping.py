@@ -1,4 +1,5 @@
-"""The check case ``damping`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``damping`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * damping 1 % too strong
 """

@@ -1,4 +1,5 @@
-"""The check case ``equilibrium_glide`` passes, and fails for each of these planted errors in what flies, not in what is expected:
+"""The check case ``equilibrium_glide`` passes, and fails for each of these planted errors in what flies, not
+in what is expected:
 
 * axial force 3 % too large
 * glide begun 5 % too fast

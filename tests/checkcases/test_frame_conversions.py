@@ -36,7 +36,11 @@ def test_passes():
     ("kernel", "wrong", "quantity"),
     [
         ("geodetic", geocentric, "latitude, longitude"),
-        ("attitude_from_wind_angles", lambda v, up, bank, alpha, beta: attitude(v, up, bank, alpha, -beta), "attitude from wind angles"),
+        (
+            "attitude_from_wind_angles",
+            lambda v, up, bank, alpha, beta: attitude(v, up, bank, alpha, -beta),
+            "attitude from wind angles",
+        ),
         ("great_circle", from_east, "great-circle azimuth"),
     ],
 )

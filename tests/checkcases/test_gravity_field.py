@@ -1,4 +1,5 @@
-"""The check case ``gravity_field`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``gravity_field`` passes, and fails for each of these planted errors, which change what
+flies and not what is expected:
 
 * harmonics cut off at degree 3
 * J2 wrong in the sixth digit

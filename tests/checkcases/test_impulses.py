@@ -1,4 +1,5 @@
-"""The check case ``impulses`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``impulses`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * valves 1 % slower in opening
 * specific impulse 0.001 % too large

@@ -1,4 +1,5 @@
-"""The check case ``jettison`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``jettison`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * heat shield 10 mg heavier than its momentum counts
 * inertia of the backshell 1 g m2 larger

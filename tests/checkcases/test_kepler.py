@@ -1,4 +1,5 @@
-"""The check case ``kepler`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``kepler`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * gravitational parameter 1e-8 too large
 * a trace of air: 1e-15 kg/m3 with a drag area of 9 m2

@@ -1,4 +1,5 @@
-"""The check case ``nesc`` passes, and fails for this planted error: gravity 1e-5 too strong, 0.14 ft after 30 s.
+"""The check case ``nesc`` passes, and fails for this planted error: gravity 1e-5 too strong, 0.14 ft after 30
+s.
 
 More planted errors, one for each model: ``tests/nesc/test_check_cases.py``.
 """
@@ -13,5 +14,9 @@ def test_passes():
 
 
 def test_planted_error_is_caught():
-    caught = {result.quantity for result in nesc.run(["planet.gravity.mu_m3_s2=3.98604427804418e14"]).results if not result.passed}
+    caught = {
+        result.quantity
+        for result in nesc.run(["planet.gravity.mu_m3_s2=3.98604427804418e14"]).results
+        if not result.passed
+    }
     assert "case 6: altitude" in caught, caught

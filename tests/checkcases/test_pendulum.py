@@ -1,4 +1,5 @@
-"""The check case ``pendulum`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``pendulum`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * normal force of the canopy 1 % too large
 * bridle 1 cm too long

@@ -1,9 +1,11 @@
-"""Compiled and plain Python agree bit for bit over half a second of flight in each kind of phase, flight software included.
+"""Compiled and plain Python agree bit for bit over half a second of flight in each kind of phase, flight
+software included.
 
 Exempt is the integrator's scratch.
 
-Started from saved states: coasting, in lift, while the parachute inflates, below it, right after ignition, hovering.  Planted error:
-a roll rate one bit off in the state that plain Python starts from shows in the comparison.
+Started from saved states: coasting, in lift, while the parachute inflates, below it, right after ignition,
+hovering.  Planted error: a roll rate one bit off in the state that plain Python starts from shows in the
+comparison.
 """
 
 from __future__ import annotations
@@ -38,7 +40,10 @@ def test_compiled_and_plain_python_agree_bit_for_bit(loaded, t):
 def test_point_mass_agrees_too():
     loaded = edl6dof.load("zheng2015")
     state = fly(loaded, save_at_s=90.0).saved
-    compiled, plain = fly_cycles(setting(loaded, state), CYCLES), in_plain_python(setting(loaded, state), "fly_cycles", CYCLES)
+    compiled, plain = (
+        fly_cycles(setting(loaded, state), CYCLES),
+        in_plain_python(setting(loaded, state), "fly_cycles", CYCLES),
+    )
     for found in (compiled, plain):
         found["plant"] = found["plant"].copy()
         found["plant"]["k"] = found["plant"]["trial"] = 0.0

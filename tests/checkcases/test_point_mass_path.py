@@ -1,4 +1,5 @@
-"""The check case ``point_mass`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``point_mass`` passes, and fails for each of these planted errors, which change what flies
+and not what is expected:
 
 * bank angle 1e-4 deg larger
 * planet turning by a part in 10^5 faster

@@ -1,4 +1,5 @@
-"""The check case ``rocket_equation`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``rocket_equation`` passes, and fails for each of these planted errors, which change what
+flies and not what is expected:
 
 * specific impulse at full thrust 1 ms too large
 * thrust tilted by 0.001 deg

@@ -1,4 +1,5 @@
-"""The check case ``symmetric_top`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``symmetric_top`` passes, and fails for each of these planted errors, which change what
+flies and not what is expected:
 
 * moment of inertia about x 10 g m2 too large
 * moment of inertia about y 10 g m2 too large

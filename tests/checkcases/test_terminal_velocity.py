@@ -1,4 +1,5 @@
-"""The check case ``terminal_velocity`` passes, and fails for each of these planted errors in what flies, not in what is expected:
+"""The check case ``terminal_velocity`` passes, and fails for each of these planted errors in what flies, not
+in what is expected:
 
 * drag of the canopy 0.1 % too large
 * canopy 0.2 kg too heavy
@@ -13,7 +14,10 @@ from edl6dof.verify.cases import terminal_velocity
 PLANTED = [
     pytest.param(["vehicle.parachute.drag_factor=1.001"], "speed", id="drag"),
     pytest.param(
-        ["vehicle.mass.parachute={mass_kg: 38.2, centre_m: [-1, 0, 0], inertia_kg_m2: [0, 0, 0]}", "vehicle.mass.entry_kg=1100.2"],
+        [
+            "vehicle.mass.parachute={mass_kg: 38.2, centre_m: [-1, 0, 0], inertia_kg_m2: [0, 0, 0]}",
+            "vehicle.mass.entry_kg=1100.2",
+        ],
         "speed",
         id="weight",
     ),

@@ -1,4 +1,5 @@
-"""The check case ``tumbling`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``tumbling`` passes, and fails for each of these planted errors, which change what flies and
+not what is expected:
 
 * moment of inertia about x 1 g m2 too large
 * a trace of rate damping in a trace of air
@@ -17,7 +18,10 @@ PLANTED = [
             "atmosphere.model=exponential",
             "atmosphere.exponential={density_kg_m3: 1e-7, scale_height_m: 1e15, temperature_k: 214}",
             "vehicle.aero.model=constant",
-            "vehicle.aero.constant={roll_damping: -1, pitch_damping: -1, yaw_damping: -1, reference_area_m2: 9, span_m: 3, chord_m: 3}",
+            (
+                "vehicle.aero.constant={roll_damping: -1, pitch_damping: -1, yaw_damping: -1, "
+                "reference_area_m2: 9, span_m: 3, chord_m: 3}"
+            ),
             "wind.model=constant",
             "wind.east_m_s=100",
         ],

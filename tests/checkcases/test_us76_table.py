@@ -1,4 +1,5 @@
-"""The check case ``us76_table`` passes, and fails for each of these planted errors, which change what flies and not what is expected:
+"""The check case ``us76_table`` passes, and fails for each of these planted errors, which change what flies
+and not what is expected:
 
 * density 1e-4 too large
 * the Mars table in its place

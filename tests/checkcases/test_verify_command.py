@@ -1,4 +1,6 @@
-"""``edl6dof verify``: exit status, JSON, plots and names; the cases themselves are proved one by one beside this file."""
+"""``edl6dof verify``: exit status, JSON, plots and names; the cases themselves are proved one by one beside
+this file.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def test_json_of_two_cases(capsys):
     assert all(result[key] for key in ("quantity", "verifies", "source", "why", "unit"))
 
 
-@pytest.mark.parametrize(("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Outcome(()), "FAILED")])
+@pytest.mark.parametrize(
+    ("case", "text"), [(lambda: FAILING, "FAIL"), (broken, "boom"), (lambda: Outcome(()), "FAILED")]
+)
 def test_a_case_that_fails_or_breaks_or_proves_nothing_fails_the_command(monkeypatch, capsys, case, text):
     monkeypatch.setitem(registry.CASES, "kepler", case)
     assert run_verify(["kepler", "us76_table"], False, None) == 1

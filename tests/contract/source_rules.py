@@ -57,7 +57,9 @@ def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str
             yield node.lineno, base
             yield from ((node.lineno, f"{base}.{alias.name}") for alias in node.names)
         elif isinstance(node, ast.Call) and _called(node) in ("import_module", "__import__"):
-            yield from ((node.lineno, str(name.value)) for name in node.args[:1] if isinstance(name, ast.Constant))
+            yield from (
+                (node.lineno, str(name.value)) for name in node.args[:1] if isinstance(name, ast.Constant)
+            )
 
 
 def imports_at_load(source: str, module: str) -> Iterator[tuple[int, str]]:
@@ -86,7 +88,12 @@ def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef):
             every = node.args
-            given = [*every.posonlyargs, *every.args, *every.kwonlyargs, *filter(None, (every.vararg, every.kwarg))]
+            given = [
+                *every.posonlyargs,
+                *every.args,
+                *every.kwonlyargs,
+                *filter(None, (every.vararg, every.kwarg)),
+            ]
             label = getattr(node, "name", "lambda")
             found += [f"{node.lineno}: {label}({a.arg})" for a in given if a.arg in names]
     return found
@@ -98,22 +105,46 @@ def has_kernels(source: str) -> bool:
 
 
 def _is_kernel(function: ast.FunctionDef) -> bool:
-    return any(getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit") for mark in function.decorator_list)
+    return any(
+        getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit")
+        for mark in function.decorator_list
+    )
 
 
 #: Methods and functions that take a text apart.
-PARSING = ("startswith", "endswith", "removeprefix", "removesuffix", "split", "rsplit", "partition", "rpartition", "find", "index")
+PARSING = (
+    "startswith",
+    "endswith",
+    "removeprefix",
+    "removesuffix",
+    "split",
+    "rsplit",
+    "partition",
+    "rpartition",
+    "find",
+    "index",
+)
 PARSING += ("search", "match", "fullmatch", "findall", "finditer", "sub")
 
 
 def parsed_prose(source: str) -> list[str]:
-    """``line: text`` of calls that take the key, name or detail of an event, or the words of an outcome, apart."""
+    """``line: text`` of calls that take the key, name or detail of an event, or the words of an outcome,
+    apart.
+    """
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARSING:
-            found += [f"{node.lineno}: {ast.unparse(node)}" for part in (node.func.value, *node.args) if any(map(_prose, ast.walk(part)))]
+            found += [
+                f"{node.lineno}: {ast.unparse(node)}"
+                for part in (node.func.value, *node.args)
+                if any(map(_prose, ast.walk(part)))
+            ]
         elif isinstance(node, ast.Compare) and any(isinstance(way, ast.In | ast.NotIn) for way in node.ops):
-            found += [f"{node.lineno}: {ast.unparse(node)}" for part in node.comparators if any(map(_prose, ast.walk(part)))]
+            found += [
+                f"{node.lineno}: {ast.unparse(node)}"
+                for part in node.comparators
+                if any(map(_prose, ast.walk(part)))
+            ]
     return sorted(set(found))
 
 
@@ -145,7 +176,22 @@ def upward_imports(module: str, source: str) -> list[str]:
 
 
 #: Calls that make a whole number of a float: what is not a number becomes one that lies outside every table.
-WHOLE = ("int", "round", "floor", "ceil", "trunc", "rint", "int32", "int64", "intp", "uint8", "uint32", "uint64", "astype", "searchsorted")
+WHOLE = (
+    "int",
+    "round",
+    "floor",
+    "ceil",
+    "trunc",
+    "rint",
+    "int32",
+    "int64",
+    "intp",
+    "uint8",
+    "uint32",
+    "uint64",
+    "astype",
+    "searchsorted",
+)
 
 
 def whole_numbers_in_kernels(source: str) -> list[str]:
@@ -163,9 +209,17 @@ def whole_number_names(source: str) -> set[str]:
     """Names to which a module assigns whole numbers when it is loaded: one, several, or a ``range``."""
     found = set()
     for node in _at_load(ast.parse(source).body):
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        targets = (
+            node.targets
+            if isinstance(node, ast.Assign)
+            else [node.target]
+            if isinstance(node, ast.AnnAssign)
+            else []
+        )
         if targets and node.value is not None and _is_whole(node.value):
-            found |= {name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)}
+            found |= {
+                name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)
+            }
     return found
 
 
@@ -187,13 +241,16 @@ def _is_whole(value: ast.expr) -> bool:
 
 
 def lists_of(source: str, names: tuple[str, ...]) -> list[int]:
-    """Lines on which exactly these names are written out, in whatever order, as a tuple, list, set or ``Literal``."""
+    """Lines on which exactly these names are written out, in whatever order, as a tuple, list, set or
+    ``Literal``.
+    """
     return [
         node.lineno
         for node in ast.walk(ast.parse(source))
         if isinstance(node, ast.Tuple | ast.List | ast.Set)
         and len(node.elts) == len(names)
-        and {getattr(item, "value", None) for item in node.elts if isinstance(item, ast.Constant)} == set(names)
+        and {getattr(item, "value", None) for item in node.elts if isinstance(item, ast.Constant)}
+        == set(names)
     ]
 
 
@@ -203,7 +260,14 @@ def fields_without_meaning(source: str) -> list[str]:
     fields = [
         item
         for node in ast.walk(ast.parse(source))
-        if isinstance(node, ast.Call) and _called(node) == "dtype" and node.args and isinstance(node.args[0], ast.List)
+        if isinstance(node, ast.Call)
+        and _called(node) == "dtype"
+        and node.args
+        and isinstance(node.args[0], ast.List)
         for item in node.args[0].elts
     ]
-    return [ast.literal_eval(field.elts[0]) for field in fields if "#" not in lines[field.lineno - 1][field.end_col_offset :]]
+    return [
+        ast.literal_eval(field.elts[0])
+        for field in fields
+        if "#" not in lines[field.lineno - 1][field.end_col_offset :]
+    ]

@@ -1,4 +1,6 @@
-"""Every number with a unit has bounds on both sides, and they hold: a leg of 10 km or a mass of a planet is a mistake, not a vehicle."""
+"""Every number with a unit has bounds on both sides, and they hold: a leg of 10 km or a mass of a planet is a
+mistake, not a vehicle.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,13 @@ def filled(annotation: Any, number: float) -> Any:
 def test_the_walk_finds_numbers_in_lists_of_lists():
     found = {case.id for case in PLACES}
     assert len(found) > 250
-    assert {"LandingGearParams.footpads_m", "MassParams.entry_kg", "Thruster.position_m", "Part.inertia_kg_m2", "Scenario.seed"} <= found
+    assert {
+        "LandingGearParams.footpads_m",
+        "MassParams.entry_kg",
+        "Thruster.position_m",
+        "Part.inertia_kg_m2",
+        "Scenario.seed",
+    } <= found
 
 
 @pytest.mark.parametrize("model, name, place", PLACES)
@@ -95,7 +103,9 @@ def test_number_with_a_unit_and_whole_number_are_bounded(model, name, place):
             check.validate_python(filled(info.annotation, number))
 
 
-@pytest.mark.parametrize("model", list(dict.fromkeys(models(VehicleParams))), ids=lambda model: model.__name__)
+@pytest.mark.parametrize(
+    "model", list(dict.fromkeys(models(VehicleParams))), ids=lambda model: model.__name__
+)
 def test_nothing_of_a_vehicle_is_larger_than_a_ship(model):
     for name, info in model.model_fields.items():
         for place in numbers(field_slot(name, info)):
@@ -107,7 +117,10 @@ def test_nothing_of_a_vehicle_is_larger_than_a_ship(model):
     ("override", "allowed"),
     [
         ("vehicle.landing_gear.footpads_m.0.0=10000", ">= -200 and <= 200 m"),
-        ("vehicle.landing_gear.footpads_m=[[0, 1e4, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]]", ">= -200 and <= 200 m"),
+        (
+            "vehicle.landing_gear.footpads_m=[[0, 1e4, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]]",
+            ">= -200 and <= 200 m",
+        ),
         ("vehicle.mass.entry_inertia_kg_m2.1=1e300", ">= -1e+10 and <= 1e+10 kg m2"),
         ("vehicle.mass.entry_kg=1e300", "> 0 and <= 1e+09 kg"),
         ("vehicle.aero.capsule.diameter_m=1e4", "> 0 and <= 200 m"),

@@ -15,5 +15,7 @@ DOCUMENTS = ("README.md", "CONTRIBUTING.md", "docs/robustness.md", "tools/README
 def test_files_that_a_document_names_exist(name):
     text = (ROOT / name).read_text(encoding="utf-8")
     named = set(re.findall(r"\b(?:tests|tools|docs|scenarios|edl6dof)/[\w./-]*\w", text))
-    missing = [path for path in sorted(named) if not (ROOT / path).exists() and not (ROOT / f"{path}.yaml").exists()]
+    missing = [
+        path for path in sorted(named) if not (ROOT / path).exists() and not (ROOT / f"{path}.yaml").exists()
+    ]
     assert named and not missing

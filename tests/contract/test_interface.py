@@ -24,7 +24,9 @@ def test_there_is_something_to_check():
 @pytest.mark.parametrize("folder", ["vehicle", "fsw"])
 def test_both_sides_read_it(folder):
     read = {target for name, source in modules(folder) for _, target in imports(source, name)}
-    assert {f"edl6dof.interface.{name}" for name in ("capacities", "engine", "events", "parts", "thrusters")} <= read
+    assert {
+        f"edl6dof.interface.{name}" for name in ("capacities", "engine", "events", "parts", "thrusters")
+    } <= read
 
 
 @pytest.mark.parametrize("name, source", INTERFACE, ids=[name for name, _ in INTERFACE])
@@ -40,7 +42,9 @@ def test_nothing_of_it_is_written_twice(name, source):
 
 
 def test_every_capacity_has_one_place():
-    placed = [name for _, source in modules() for name in whole_number_names(source) if name.startswith("MAX_")]
+    placed = [
+        name for _, source in modules() for name in whole_number_names(source) if name.startswith("MAX_")
+    ]
     assert len(placed) > 5
     assert sorted(placed) == sorted(set(placed))
 

@@ -25,12 +25,16 @@ def test_planted_upward_imports_are_found():
 
 
 def test_no_modules_import_each_other_in_a_ring_when_loaded():
-    """A ring would make the order of imports matter; imports inside functions or for type checking alone do not count."""
+    """A ring would make the order of imports matter; imports inside functions or for type checking alone do
+    not count.
+    """
     known = {name.removesuffix(".__init__") for name, _ in EVERYTHING}
     graph = {}
     for name, source in EVERYTHING:
         mine = name.removesuffix(".__init__")
-        graph[mine] = {target for _, target in imports_at_load(source, name) if target in known and target != mine}
+        graph[mine] = {
+            target for _, target in imports_at_load(source, name) if target in known and target != mine
+        }
     state = {}
 
     def visit(node, path):

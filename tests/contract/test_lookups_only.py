@@ -3,7 +3,18 @@
 import pytest
 from source_rules import modules, whole_numbers_in_kernels
 
-FLYING = modules("environment", "fsw", "interface", "metrics", "scenario", "sensors", "sim", "spatial", "telemetry", "vehicle")
+FLYING = modules(
+    "environment",
+    "fsw",
+    "interface",
+    "metrics",
+    "scenario",
+    "sensors",
+    "sim",
+    "spatial",
+    "telemetry",
+    "vehicle",
+)
 LOOKUPS = "edl6dof.spatial.lookups"
 
 
@@ -14,7 +25,16 @@ def test_no_kernel_makes_an_index_of_a_float_itself(name, source):
 
 
 def test_planted_conversions_are_found():
-    for planted in ("i = int(x)", "i = table.searchsorted(x)", "i = np.int64(x) + 1", "i = math.floor(x)", "i = x.astype(int)[0]"):
-        assert whole_numbers_in_kernels(f"@kernel\ndef look(table, x):\n    {planted}\n    return table[i]") != []
+    for planted in (
+        "i = int(x)",
+        "i = table.searchsorted(x)",
+        "i = np.int64(x) + 1",
+        "i = math.floor(x)",
+        "i = x.astype(int)[0]",
+    ):
+        assert (
+            whole_numbers_in_kernels(f"@kernel\ndef look(table, x):\n    {planted}\n    return table[i]")
+            != []
+        )
     assert whole_numbers_in_kernels("def plan(x):\n    return int(x)") == []
     assert whole_numbers_in_kernels(dict(FLYING)[LOOKUPS]) != []

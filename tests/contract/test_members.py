@@ -24,7 +24,9 @@ LAWS = [(family, member) for family, member in MEMBERS if family is not FAULT_KI
 
 
 def each(pairs):
-    return pytest.mark.parametrize("family, member", pairs, ids=[f"{family.title}: {member.name}" for family, member in pairs])
+    return pytest.mark.parametrize(
+        "family, member", pairs, ids=[f"{family.title}: {member.name}" for family, member in pairs]
+    )
 
 
 def module_of(member):
@@ -78,8 +80,17 @@ def test_source_is_cited_by_the_law_s_file(family, member):
     if member.name == "off":
         return
     author = member.source.replace(",", " ").split()
-    year = next((word.strip("().;") for word in author if word.strip("().;").isdigit() and len(word.strip("().;")) == 4), None)
-    assert "ource" in text or "eq" in text or (year and year in text), "the module's docstring mentions no source"
+    year = next(
+        (
+            word.strip("().;")
+            for word in author
+            if word.strip("().;").isdigit() and len(word.strip("().;")) == 4
+        ),
+        None,
+    )
+    assert "ource" in text or "eq" in text or (year and year in text), (
+        "the module's docstring mentions no source"
+    )
     if year:
         whole = inspect.getsource(module_of(member))
         assert whole.count(year) >= 2 or author[0] in text

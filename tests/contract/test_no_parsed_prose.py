@@ -1,4 +1,6 @@
-"""What an event or an outcome says in words is for people: what a program needs of it is a datum of its own."""
+"""What an event or an outcome says in words is for people: what a program needs of it is a datum of its
+own.
+"""
 
 import pytest
 from source_rules import modules, parsed_prose
@@ -26,6 +28,8 @@ def test_planted_parsing_is_found(planted):
     assert parsed_prose(planted)
 
 
-@pytest.mark.parametrize("fine", ["event['key'] == 'fault'", "event['key'] in ('fault', 'diagnosis')", "print(flight.outcome)"])
+@pytest.mark.parametrize(
+    "fine", ["event['key'] == 'fault'", "event['key'] in ('fault', 'diagnosis')", "print(flight.outcome)"]
+)
 def test_comparing_whole_keys_and_showing_words_is_fine(fine):
     assert not parsed_prose(fine)

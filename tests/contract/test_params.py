@@ -34,8 +34,14 @@ def test_every_parameter_has_a_known_status():
 
 
 def test_published_default_names_its_source():
-    """A number that claims to be printed somewhere says where; required values carry their source in the YAML."""
-    unsourced = [r.path for r in ROWS if r.status == "published" and not r.source and r.default not in ("required", "null", "{}")]
+    """A number that claims to be printed somewhere says where; required values carry their source in the
+    YAML.
+    """
+    unsourced = [
+        r.path
+        for r in ROWS
+        if r.status == "published" and not r.source and r.default not in ("required", "null", "{}")
+    ]
     assert unsourced == []
 
 
@@ -52,7 +58,9 @@ def test_name_with_a_unit_suffix_shows_that_unit():
 
 
 def test_numbers_whose_meaning_speaks_of_a_unit_carry_it_in_the_name():
-    """A meaning that ends in a unit belongs to a name without suffix only when the table of suffixes lacks that unit."""
+    """A meaning that ends in a unit belongs to a name without suffix only when the table of suffixes lacks
+    that unit.
+    """
     labels = {unit.label for unit in UNITS.values() if unit.label}
     wrong = []
     for row in ROWS:
@@ -82,6 +90,8 @@ def test_bounds_of_each_number_are_met_by_its_default():
     build(Scenario)
 
 
-@pytest.mark.parametrize("name, label", [("rate_deg_s", "deg/s"), ("mass_kg", "kg"), ("gain", ""), ("stiffness_n_m", "N/m")])
+@pytest.mark.parametrize(
+    "name, label", [("rate_deg_s", "deg/s"), ("mass_kg", "kg"), ("gain", ""), ("stiffness_n_m", "N/m")]
+)
 def test_longest_suffix_decides_the_unit(name, label):
     assert split_unit(name)[1].label == label

@@ -1,4 +1,6 @@
-"""The package asks for the role of a phase, never for its name: no module holds the name of a phase of a shipped scenario."""
+"""The package asks for the role of a phase, never for its name: no module holds the name of a phase of a
+shipped scenario.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from edl6dof.config.document.locate import shipped_names
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
     "edl6dof.app.faults": {"landed"},  # heading of a count
-    "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},  # field of a record: a force, as in the next ones
+    # field of a record: a force, as in the next ones
+    "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
     "edl6dof.interface.parts": {"parachute"},  # what is jettisoned
@@ -39,7 +42,10 @@ ROLES = "edl6dof.fsw.mission.roles"
 @pytest.fixture(scope="module")
 def names():
     found = {
-        name for scenario in shipped_names("scenarios") if "plugin" not in scenario for name in edl6dof.load(scenario).scenario.phase_names
+        name
+        for scenario in shipped_names("scenarios")
+        if "plugin" not in scenario
+        for name in edl6dof.load(scenario).scenario.phase_names
     }
     assert len(found) > 5
     return found
@@ -48,8 +54,14 @@ def names():
 def phase_names_in(source, names):
     """Strings of a source that are the name of a phase, or its event or its trigger."""
     named = re.compile(rf"\bphase[.:] ?({'|'.join(map(re.escape, names))})\b")
-    texts = [node.value for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
-    return {text for text in texts if text in names} | {match[1] for text in texts for match in named.finditer(text)}
+    texts = [
+        node.value
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    ]
+    return {text for text in texts if text in names} | {
+        match[1] for text in texts for match in named.finditer(text)
+    }
 
 
 def test_no_module_holds_the_name_of_a_phase(names):

@@ -1,6 +1,7 @@
 """The planet is data: no code holds the numbers of Mars or of its gas.
 
-The check cases in ``edl6dof/verify`` bring scenes of their own, some with a planet like Mars: they are no part of a flight.
+The check cases in ``edl6dof/verify`` bring scenes of their own, some with a planet like Mars: they are no
+part of a flight.
 """
 
 from __future__ import annotations
@@ -18,7 +19,22 @@ CODE = Path(edl6dof.__file__).parent
 MARS = CODE / "data" / "planets" / "mars.yaml"
 MAP = CODE / "data" / "topography" / "mola_1deg_colat_lon.yaml"
 #: Numbers of Mars and of carbon dioxide that other sources print, and that code once held.
-PRINTED = (188.92, 191.8, 1.2857, 3396190.0, 3376200.0, 3389500.0, 3397200.0, 169.89, 1.9027e-4, 44.01, 3.86e-10, 9354.0, 0.0158, -4099.4)
+PRINTED = (
+    188.92,
+    191.8,
+    1.2857,
+    3396190.0,
+    3376200.0,
+    3389500.0,
+    3397200.0,
+    169.89,
+    1.9027e-4,
+    44.01,
+    3.86e-10,
+    9354.0,
+    0.0158,
+    -4099.4,
+)
 
 
 def numbers(tree: object) -> Iterator[float]:
@@ -36,7 +52,9 @@ def literals(source: str) -> set[float]:
     return {float(value) for value in constants if type(value) in (int, float)}
 
 
-FORBIDDEN = {abs(value) for file in (MARS, MAP) for value in numbers(yaml.safe_load(file.read_text()))} | {abs(v) for v in PRINTED}
+FORBIDDEN = {abs(value) for file in (MARS, MAP) for value in numbers(yaml.safe_load(file.read_text()))} | {
+    abs(v) for v in PRINTED
+}
 
 
 FLYING = sorted(file for file in CODE.rglob("*.py") if "verify" not in file.parts)

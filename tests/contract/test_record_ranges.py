@@ -1,4 +1,6 @@
-"""Every whole number that a saved state brings back has a declared range, and what need not be finite is declared too."""
+"""Every whole number that a saved state brings back has a declared range, and what need not be finite is
+declared too.
+"""
 
 import numpy as np
 import pytest
@@ -15,7 +17,11 @@ from edl6dof.sim import checkpoint as state
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.plant import PLANT
 
-FIELDS = [(name, field) for name, dtype in (("plant", PLANT), ("sensors", SENSORS), ("fsw", FSW)) for field in numbers(np.zeros(1, dtype))]
+FIELDS = [
+    (name, field)
+    for name, dtype in (("plant", PLANT), ("sensors", SENSORS), ("fsw", FSW))
+    for field in numbers(np.zeros(1, dtype))
+]
 
 
 @pytest.mark.parametrize("name, field", FIELDS, ids=[f"{name}.{field.path}" for name, field in FIELDS])
@@ -32,7 +38,11 @@ def test_undeclared_whole_number_would_be_found():
 def test_new_records_keep_what_is_declared():
     loaded = edl6dof.load("tianwen1")
     built = records.build_records(loaded)
-    for record in (records.initial_plant(loaded.truth, built.case), records.initial_sensors(), records.initial_fsw(built.onboard)):
+    for record in (
+        records.initial_plant(loaded.truth, built.case),
+        records.initial_sensors(),
+        records.initial_fsw(built.onboard),
+    ):
         assert list(out_of_range(record, {"phases": 1, "thrusters": 1})) == []
         assert first_not_finite(record) is None
 
@@ -45,7 +55,9 @@ def test_every_moment_of_a_flight_keeps_the_ranges(nominal, t):
 
 
 def test_ranges_are_read_wherever_a_field_stands():
-    inner = np.dtype([("kind", whole(-1, 3)), ("flags", FLAG, (2,)), ("when", TIME_IF_EVER), ("share", "f8")], align=True)
+    inner = np.dtype(
+        [("kind", whole(-1, 3)), ("flags", FLAG, (2,)), ("when", TIME_IF_EVER), ("share", "f8")], align=True
+    )
     record = np.zeros(1, [("slots", inner, (2,)), ("phase", whole(0, 9, of="phases"))])
     assert list(out_of_range(record, {})) == []
     record["slots"]["when"] = np.nan

@@ -1,4 +1,6 @@
-"""One contract for what every controller, guidance law and allocator does: finite, bounded and repeatable on a grid of states."""
+"""One contract for what every controller, guidance law and allocator does: finite, bounded and repeatable on
+a grid of states.
+"""
 
 from itertools import product
 from math import cos, pi, radians, sin
@@ -24,7 +26,18 @@ from edl6dof.interface.sensed import SENSED
 X, Y, Z = np.eye(3)
 
 
-def nav_state(onboard, lat, lon, altitude, velocity_N, attitude, rate=(0.0, 0.0, 0.0), force=(0.0, 0.0, 0.0), t=50.0, height=None):
+def nav_state(
+    onboard,
+    lat,
+    lon,
+    altitude,
+    velocity_N,
+    attitude,
+    rate=(0.0, 0.0, 0.0),
+    force=(0.0, 0.0, 0.0),
+    t=50.0,
+    height=None,
+):
     """Navigation of a state given by north-east-down velocity and an attitude relative to that triad."""
     planet = onboard[0]["planet"]
     spin = Quaternion(axis=Z, radians=planet["rotation_rate"] * t)
@@ -113,7 +126,8 @@ def demand_of(index, onboard, nav, guide, configuration, cycles=3):
 def test_controller_demands_are_finite_bounded_and_repeatable_on_the_whole_grid(shared_onboard, grid, index):
     """Bound: 20 rad/s2 on the believed inertia, far above what any thruster set can do, far below nonsense.
 
-    Below 50 m/s a large force turns the path itself at tens of rad/s, and the laws that follow the path ask for five times that.
+    Below 50 m/s a large force turns the path itself at tens of rad/s, and the laws that follow the path ask
+    for five times that.
     """
     for nav, configuration in product(grid, (ENTRY, LANDER)):
         for guide in (guided(), guided(-2.5, (0.3, -0.2, -0.93), 1)):
@@ -132,7 +146,9 @@ def test_controller_on_its_goal_and_at_rest_demands_next_to_nothing(shared_onboa
     """Entry members at the commanded attitude turning with the path; lander members upright with y south."""
     site = shared_onboard[0]["site"]
     guide = guided(bank=0.6)
-    path = Quaternion(axis=Z, radians=3.0) * Quaternion(axis=Y, radians=-0.2) * Quaternion(axis=X, radians=0.6)
+    path = (
+        Quaternion(axis=Z, radians=3.0) * Quaternion(axis=Y, radians=-0.2) * Quaternion(axis=X, radians=0.6)
+    )
     velocity = 3000.0 * (Quaternion(axis=Z, radians=3.0) * Quaternion(axis=Y, radians=-0.2)).rotate(X)
     body = path * Quaternion(axis=Y, radians=radians(-10.0))
     name = CONTROLLERS.names[index]
@@ -145,7 +161,9 @@ def test_controller_on_its_goal_and_at_rest_demands_next_to_nothing(shared_onboa
         demand, error = demand_of(index, shared_onboard, nav, guide, ENTRY)
     else:
         upright = Quaternion(matrix=np.column_stack([Z, -X, np.cross(Z, -X)]))
-        nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -4000.0, (0.0, 0.0, 1.0), upright)
+        nav = nav_state(
+            shared_onboard, site["latitude"], site["longitude"], -4000.0, (0.0, 0.0, 1.0), upright
+        )
         demand, error = demand_of(index, shared_onboard, nav, guide, LANDER)
     assert np.abs(demand) == pytest.approx(np.zeros(6), abs=0.5)
     assert np.abs(error) == pytest.approx(np.zeros(3), abs=1e-6)
@@ -160,12 +178,18 @@ def test_controller_pushes_towards_its_goal_on_each_axis(shared_onboard, name):
         off = Quaternion(axis=np.eye(3)[axis], degrees=sign * 8.0)
         if name == "phase_plane":
             velocity = 4000.0 * Quaternion(axis=Y, radians=-0.2).rotate(X)
-            goal = Quaternion(axis=Y, radians=-0.2) * Quaternion(axis=X, radians=0.6) * Quaternion(axis=Y, radians=radians(-10.0))
+            goal = (
+                Quaternion(axis=Y, radians=-0.2)
+                * Quaternion(axis=X, radians=0.6)
+                * Quaternion(axis=Y, radians=radians(-10.0))
+            )
             nav = nav_state(shared_onboard, site["latitude"], site["longitude"], 110e3, velocity, goal * off)
             demand, error = demand_of(index, shared_onboard, nav, guided(0.6), ENTRY, 1)
         else:
             goal = Quaternion(matrix=np.column_stack([Z, -X, np.cross(Z, -X)]))
-            nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -3000.0, (0.0, 0.0, 20.0), goal * off)
+            nav = nav_state(
+                shared_onboard, site["latitude"], site["longitude"], -3000.0, (0.0, 0.0, 20.0), goal * off
+            )
             demand, error = demand_of(index, shared_onboard, nav, guided(), LANDER, 1)
         assert sign * demand[3 + axis] < -10.0
         assert error[axis] == pytest.approx(-sign * radians(8.0), abs=1e-3)
@@ -174,7 +198,9 @@ def test_controller_pushes_towards_its_goal_on_each_axis(shared_onboard, name):
 
 
 @pytest.mark.parametrize("index", range(len(ENTRY_LAWS.members)), ids=ENTRY_LAWS.names)
-def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole_grid(shared_onboard, whole_grid, index):
+def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole_grid(
+    shared_onboard, whole_grid, index
+):
     for nav in whole_grid:
         answers = []
         for _ in range(2):
@@ -193,27 +219,41 @@ def test_entry_law_bank_is_finite_within_half_a_turn_and_repeatable_on_the_whole
 def test_entry_law_levels_the_wings_below_the_alignment_speed(shared_onboard, index):
     site = shared_onboard[0]["site"]
     speed = 0.9 * shared_onboard[0]["guidance"]["entry"]["align_speed"]
-    nav = nav_state(shared_onboard, site["latitude"] + 0.01, site["longitude"], 12e3, (-speed, 0.0, 0.0), Quaternion(), force=(-9.0, 0, 0))
+    nav = nav_state(
+        shared_onboard,
+        site["latitude"] + 0.01,
+        site["longitude"],
+        12e3,
+        (-speed, 0.0, 0.0),
+        Quaternion(),
+        force=(-9.0, 0, 0),
+    )
     guide = guided()
     entry_guidance(index, shared_onboard[0], nav, np.zeros(1, ENTRY_MEMORY)[0], guide)
     assert guide["bank"] == 0.0
 
 
 @pytest.mark.parametrize("index", range(len(REVERSALS.members)), ids=REVERSALS.names)
-def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(shared_onboard, whole_grid, index):
+def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(
+    shared_onboard, whole_grid, index
+):
     for nav, sign, wanted in product(whole_grid[::3], (1.0, -1.0), (0.9, -0.4)):
         answers = []
         for _ in range(2):
             memory, out = np.zeros(1, REVERSALS.memory)[0], np.zeros(1, GUIDE)[0]
             out["drag_ratio"], out["lift_ratio"] = 1.0, 1.0
             out["range_to_go"], out["crossrange"] = to_target(shared_onboard[0], nav)
-            answers.append([bank_side(index, shared_onboard[0], nav, memory, out, wanted, sign) for _ in range(3)])
+            answers.append(
+                [bank_side(index, shared_onboard[0], nav, memory, out, wanted, sign) for _ in range(3)]
+            )
         assert set(answers[0]) <= {1.0, -1.0}
         assert answers[0] == answers[1]
 
 
 @pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
-def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_the_tilt_limit(shared_onboard, whole_grid, index):
+def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_the_tilt_limit(
+    shared_onboard, whole_grid, index
+):
     for nav in whole_grid:
         if nav["speed"] > 200.0:
             continue
@@ -223,7 +263,9 @@ def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_th
             for _ in range(3):
                 *acceleration, limit = powered_guidance(index, shared_onboard[0], nav, memory, guide)
             command_thrust(shared_onboard[0], 900.0, tuple(acceleration), limit, guide)
-            answers.append((*acceleration, limit, *map(float, guide["thrust_direction_N"]), float(guide["thrust"])))
+            answers.append(
+                (*acceleration, limit, *map(float, guide["thrust_direction_N"]), float(guide["thrust"]))
+            )
         assert np.all(np.isfinite(answers[0]))
         assert 0.0 < limit <= radians(60.0)
         assert answers[0][2] > 0.0  # never asks for a push downwards
@@ -236,7 +278,15 @@ def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_wei
     site = shared_onboard[0]["site"]
     member = POWERED_LAWS.members[index]
     height = float(shared_onboard[0]["guidance"]["powered"][member.name]["final_height"])
-    nav = nav_state(shared_onboard, site["latitude"], site["longitude"], -4000.0, (0.0, 0.0, 0.0), Quaternion(), height=height)
+    nav = nav_state(
+        shared_onboard,
+        site["latitude"],
+        site["longitude"],
+        -4000.0,
+        (0.0, 0.0, 0.0),
+        Quaternion(),
+        height=height,
+    )
     memory = np.zeros(1, POWERED_LAWS.memory)[0]
     if member.name == "polynomial":  # target reached: over the target at the end of its time
         memory["polynomial"]["started"], memory["polynomial"]["end"] = 1, nav["t"]
@@ -257,21 +307,45 @@ def test_controller_of_a_vehicle_exactly_at_rest_is_finite(shared_onboard, whole
 @pytest.mark.parametrize("index", range(len(ALLOCATORS.members)), ids=ALLOCATORS.names)
 @pytest.mark.parametrize("sound", [0, 1], ids=["all dead", "all sound"])
 def test_duties_are_bounded_and_repeatable_whatever_is_demanded(shared_onboard, index, sound):
-    """From nothing to a million newton, along every axis and between them, with all thrusters and with none."""
+    """From nothing to a million newton, along every axis and between them, with all thrusters and with
+    none.
+    """
     vehicle, params = shared_onboard[0]["vehicle"], shared_onboard[0]["allocation"]
     count, healthy = int(vehicle["n_thrusters"]), np.full(32, sound, "i8")
     rng = np.random.default_rng(5)
-    demands = [size * direction for size in (0.0, 1e-9, 1.0, 300.0, 1e6) for direction in (*np.eye(6), *-np.eye(6), rng.normal(size=6))]
+    demands = [
+        size * direction
+        for size in (0.0, 1e-9, 1.0, 300.0, 1e6)
+        for direction in (*np.eye(6), *-np.eye(6), rng.normal(size=6))
+    ]
     for demand, configuration, translating in product(demands, (ENTRY, LANDER), (False, True)):
         answers = []
         for _ in range(2):
             memory = np.zeros(1, ALLOCATOR)[0]
-            effects(vehicle["thrusters"], count, tuple(vehicle["configuration"][configuration]["centre"]), memory["effect"])
-            allocate(index, params, vehicle["thrusters"], count, healthy, 0b1111, translating, False, demand, memory)
+            effects(
+                vehicle["thrusters"],
+                count,
+                tuple(vehicle["configuration"][configuration]["centre"]),
+                memory["effect"],
+            )
+            allocate(
+                index,
+                params,
+                vehicle["thrusters"],
+                count,
+                healthy,
+                0b1111,
+                translating,
+                False,
+                demand,
+                memory,
+            )
             answers.append(memory)
         duty = memory["duty"][:count]
         assert np.all((duty >= 0.0) & (duty <= sound))
-        assert memory["undelivered"] == pytest.approx(demand - duty @ memory["effect"][:count], rel=1e-9, abs=1e-8)
+        assert memory["undelivered"] == pytest.approx(
+            demand - duty @ memory["effect"][:count], rel=1e-9, abs=1e-8
+        )
         assert answers[0].tobytes() == answers[1].tobytes()
 
 

@@ -1,4 +1,6 @@
-"""Truth and belief never mix: what the flight software may import and be given, and which code knows no physics or no files."""
+"""Truth and belief never mix: what the flight software may import and be given, and which code knows no
+physics or no files.
+"""
 
 import pytest
 from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
@@ -9,14 +11,18 @@ ONBOARD = modules("fsw")
 SENSORS = modules("sensors")
 EVERYTHING = modules()
 KERNELS = [(name, source) for name, source in EVERYTHING if has_kernels(source)]
-#: What kernels must not see: files, the viewer, and everything of the configuration that reads or validates YAML.
+#: What kernels must not see: files, the viewer, and everything of the configuration that reads or validates
+#: YAML.
 READERS = (
     "yaml",
     "rerun",
     "pyarrow",
     "typer",
     "rich",
-    *(f"edl6dof.config.{name}" for name in ("source", "validate", "yamltree", "overrides", "locate", "errors", "dump", "schema")),
+    *(
+        f"edl6dof.config.{name}"
+        for name in ("source", "validate", "yamltree", "overrides", "locate", "errors", "dump", "schema")
+    ),
 )
 
 
@@ -46,7 +52,9 @@ def test_sensors_see_the_plant_but_not_the_flight_software(name, source):
     assert forbidden_parameters(source, ("fsw", "onboard", "nav", "memory_fsw")) == []
 
 
-@pytest.mark.parametrize("name, source", modules("vehicle", "environment"), ids=names(modules("vehicle", "environment")))
+@pytest.mark.parametrize(
+    "name, source", modules("vehicle", "environment"), ids=names(modules("vehicle", "environment"))
+)
 def test_plant_knows_neither_flight_software_nor_belief(name, source):
     """The way back goes through the command record of the actuators alone."""
     assert forbidden_imports(source, ("edl6dof.fsw", "edl6dof.sensors"), name) == []

@@ -1,4 +1,5 @@
-"""Flies saved states with seeded corruptions, many in one process; a process of its own, as a state that is trusted can end it.
+"""Flies saved states with seeded corruptions, many in one process; a process of its own, as a state that is
+trusted can end it.
 
 Each corruption gives a line of JSON: its number, what it was, ``refused`` or ``flown``, and in which words.
 """
@@ -92,7 +93,16 @@ def change_scenario(rng, state, path):
     return "scenario"
 
 
-KINDS = (change_values, change_values, change_values, change_cycle, change_record_bytes, change_file_bytes, change_members, change_scenario)
+KINDS = (
+    change_values,
+    change_values,
+    change_values,
+    change_cycle,
+    change_record_bytes,
+    change_file_bytes,
+    change_members,
+    change_scenario,
+)
 
 
 def main(states, first, last):
@@ -101,7 +111,13 @@ def main(states, first, last):
     for number in range(first, last):
         rng = np.random.default_rng((2026, number))
         whole = sound[rng.integers(0, len(sound))]
-        state = State(whole.cycle, duplicate(whole.plant), duplicate(whole.sensors), duplicate(whole.fsw), whole.scenario_text)
+        state = State(
+            whole.cycle,
+            duplicate(whole.plant),
+            duplicate(whole.sensors),
+            duplicate(whole.fsw),
+            whole.scenario_text,
+        )
         what = KINDS[number % len(KINDS)](rng, state, path)
         print(json.dumps([number, what, "begun", ""]), flush=True)
         try:

@@ -8,7 +8,10 @@ from edl6dof.fsw.allocation.registry import ALLOCATORS
 
 @pytest.fixture(scope="module")
 def flights():
-    return {name: edl6dof.fly("tianwen1", [f"flight_software.allocation.method={name}"]) for name in ALLOCATORS.names}
+    return {
+        name: edl6dof.fly("tianwen1", [f"flight_software.allocation.method={name}"])
+        for name in ALLOCATORS.names
+    }
 
 
 @pytest.mark.parametrize("name", ALLOCATORS.names)

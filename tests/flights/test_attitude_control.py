@@ -17,7 +17,9 @@ HELD_BANK = ["mission.phases.1.guidance=hold_bank", "flight_software.guidance.en
 
 @pytest.fixture(scope="module")
 def reversal():
-    """A bank held at 60 deg whose command changes sign 3 s before peak dynamic pressure: (time, bank error, flight)."""
+    """A bank held at 60 deg whose command changes sign 3 s before peak dynamic pressure: (time, bank error,
+    flight).
+    """
     scouted = edl6dof.fly("tianwen1", [*HELD_BANK, "simulation.time_limit_s=180"]).telemetry
     peak = scouted["t_s"][np.argmax(scouted["truth.dynamic_pressure_pa"])]
     saved = edl6dof.fly("tianwen1", HELD_BANK, save_at_s=peak - 3.0).saved
@@ -37,7 +39,9 @@ def test_bank_reversal_of_120_degrees_at_peak_dynamic_pressure_settles_within_ni
 
 
 def test_reversal_takes_the_time_of_its_rate_limit(reversal):
-    """120 deg at 20 deg/s with the spin-up lag 1/k of the rate loop and the parabola down to the PID zone; see test_zones."""
+    """120 deg at 20 deg/s with the spin-up lag 1/k of the rate loop and the parabola down to the PID zone;
+    see test_zones.
+    """
     t, error, flight = reversal
     bank = flight.scenario.flight_software.control.bank_to_steer.bank
     inner = bank.proportional / bank.derivative * bank.near_deg
@@ -65,7 +69,9 @@ def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(see
 
 
 def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle(nominal):
-    """What the loop is for: with thrusters that do nothing about it, the total angle of attack stays near the trim angle."""
+    """What the loop is for: with thrusters that do nothing about it, the total angle of attack stays near the
+    trim angle.
+    """
     fault = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
     deaf = "flight_software.control.bank_to_steer.wing_patience_s=1000"
     flight = edl6dof.fly("tianwen1", [fault, deaf])
@@ -97,10 +103,14 @@ def test_thrusters_rest_for_thirteen_seconds_under_the_parachute_then_roll_at_th
 
 
 def test_free_swing_of_the_angle_of_attack_dies_out_faster_with_the_larger_gain_after_the_trim_wing():
-    """S1 section 4.2: the channel is weakly damped then; the derivative gain is there to suppress its vibration."""
+    """S1 section 4.2: the channel is weakly damped then; the derivative gain is there to suppress its
+    vibration.
+    """
     peak = {}
     for gain in (0.0, 2.0):
-        table = edl6dof.fly("tianwen1", [f"flight_software.control.bank_to_steer.damping_after_wing={gain}"]).telemetry
+        table = edl6dof.fly(
+            "tianwen1", [f"flight_software.control.bank_to_steer.damping_after_wing={gain}"]
+        ).telemetry
         wing = table["t_s"][np.argmax(table["truth.trim_wing"] > 0.0)]
         late = (table["t_s"] > wing + 6.0) & (table["t_s"] < wing + 15.0)
         peak[gain] = np.max(np.abs(table["truth.rate_q_deg_s"][late]))

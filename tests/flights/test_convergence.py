@@ -1,7 +1,9 @@
-"""Verifies: order of the integrator, and that the default step is fine enough, on flights without flight-software quantisation.
+"""Verifies: order of the integrator, and that the default step is fine enough, on flights without
+flight-software quantisation.
 
-gravity GMM-3 degree 4 | atmosphere exponential (smooth) or table | winds none or table | vehicle tianwen1 | source: Hairer, Norsett and
-Wanner, Solving Ordinary Differential Equations I, section II.4 (order from step halving).
+gravity GMM-3 degree 4 | atmosphere exponential (smooth) or table | winds none or table | vehicle tianwen1 |
+source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4 (order from step
+halving).
 Planted error: the weights 1, 2, 2, 1 changed to 1, 1, 3, 1 drop the measured order to two.
 """
 
@@ -24,9 +26,13 @@ def test_halving_the_step_moves_the_impact_by_less_than_a_metre():
     assert np.linalg.norm(_impact(0.01) - _impact(0.005)) < 1.0
 
 
-@pytest.mark.parametrize(("quantity", "part"), [("position", slice(0, 3)), ("velocity", slice(3, 6)), ("attitude", slice(6, 10))])
+@pytest.mark.parametrize(
+    ("quantity", "part"), [("position", slice(0, 3)), ("velocity", slice(3, 6)), ("attitude", slice(6, 10))]
+)
 def test_runge_kutta_is_of_fourth_order(quantity, part):
-    """Spinning body with constant drag coefficient and rate damping in an exponential atmosphere: every force is smooth."""
+    """Spinning body with constant drag coefficient and rate damping in an exponential atmosphere: every force
+    is smooth.
+    """
     smooth = [
         "mission.phases=[]",
         "flight_software.rates.base_hz=5",

@@ -24,7 +24,9 @@ def test_shallow_entry_skips_out():
 
 
 def test_a_flight_that_need_not_land_may_climb():
-    flight = edl6dof.fly("tianwen1", ["initial.flight_path_angle_deg=5", "mission={goal: time}", "simulation.time_limit_s=200"])
+    flight = edl6dof.fly(
+        "tianwen1", ["initial.flight_path_angle_deg=5", "mission={goal: time}", "simulation.time_limit_s=200"]
+    )
     assert flight.outcome == "flown to the time limit"
     assert flight.log["truth"]["altitude"][-1] > flight.scenario.initial.altitude_m + 10e3
 

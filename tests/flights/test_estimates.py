@@ -18,7 +18,9 @@ def columns(nominal, *names):
 
 @pytest.mark.parametrize("names", [("trim_aoa",), POWERED])
 def test_torque_estimate_is_the_true_disturbance(nominal, names):
-    """5 N m of 20 N m: what is left is the believed inertia, that of the full tanks, times the thrusters' own torque."""
+    """5 N m of 20 N m: what is left is the believed inertia, that of the full tanks, times the thrusters' own
+    torque.
+    """
     there = during(nominal, *names)
     found = columns(nominal, *(f"estimate.torque_{axis}_nm" for axis in "xyz"))[:, there]
     truth = columns(nominal, *(f"truth.disturbance_{axis}_nm" for axis in "xyz"))[:, there]
@@ -32,7 +34,9 @@ def test_lateral_force_estimate_is_within_the_forty_newtons_of_the_real_flight(n
 
 
 def test_velocity_gain_is_the_integral_of_the_measured_acceleration(nominal):
-    """Lift phase, 20 deg/s banking under 6 g: the counted axial gain against the trapezoidal integral of the specific force."""
+    """Lift phase, 20 deg/s banking under 6 g: the counted axial gain against the trapezoidal integral of the
+    specific force.
+    """
     table = nominal.telemetry
     axial, t = -table["estimate.force_x_n"], table["t_s"]
     lift = (t > 100.0) & (t < 230.0)

@@ -1,4 +1,6 @@
-"""The figures of ``tools/fault_figures.py`` on a handful of dispersed flights; the tool flies 400 and more."""
+"""The figures of ``tools/fault_figures.py`` on a handful of dispersed flights; the tool flies 400 and
+more.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Faults in the nominal flight: same bits before, the right consequence after, and in the timeline and the telemetry."""
+"""Faults in the nominal flight: same bits before, the right consequence after, and in the timeline and the
+telemetry.
+"""
 
 import numpy as np
 import pytest
@@ -31,8 +33,12 @@ def test_fault_is_in_the_timeline_and_the_telemetry(dead_d7):
     start = next(event for event in dead_d7.events if event.get("role") == "hazard_avoidance")
     assert event["name"] == "fault: D7 stuck off" and event["t_s"] == pytest.approx(start["t_s"] + 2.0)
     after = dead_d7.telemetry["t_s"] > event["t_s"] + 0.03
-    assert np.all(dead_d7.telemetry["fault.D7"][after] == 1) and np.all(dead_d7.telemetry["rcs.D7"][after] == 0.0)
-    assert not np.any(dead_d7.telemetry["fault.D7"][~after][:-2]) and not np.any(dead_d7.telemetry["fault.D8"])
+    assert np.all(dead_d7.telemetry["fault.D7"][after] == 1) and np.all(
+        dead_d7.telemetry["rcs.D7"][after] == 0.0
+    )
+    assert not np.any(dead_d7.telemetry["fault.D7"][~after][:-2]) and not np.any(
+        dead_d7.telemetry["fault.D8"]
+    )
 
 
 def test_lost_wing_leaves_the_moment_of_the_offset_centre_of_mass_to_the_thrusters(nominal):
@@ -49,7 +55,9 @@ def test_lost_wing_leaves_the_moment_of_the_offset_centre_of_mass_to_the_thruste
 
 
 def test_wing_that_fails_after_it_opened_was_open(nominal):
-    """The command and the end of the way are two events; the second is when the telemetry first shows the wing open."""
+    """The command and the end of the way are two events; the second is when the telemetry first shows the
+    wing open.
+    """
     table, opened = nominal.telemetry, keys(nominal)["trim_wing_open"]
     first = np.argmax(table["truth.trim_wing"] == 1.0)
     assert table["t_s"][first - 1] < opened <= table["t_s"][first]
@@ -67,7 +75,9 @@ def test_late_parachute_opens_lower_and_slower(nominal):
 
 
 def test_engine_shortfall_takes_away_its_share_of_thrust():
-    flight = flown("{kind: engine_shortfall, engine_shortfall: {thrust_factor: 0.9}, at: {phase: powered_deceleration}}")
+    flight = flown(
+        "{kind: engine_shortfall, engine_shortfall: {thrust_factor: 0.9}, at: {phase: powered_deceleration}}"
+    )
     assert flight.telemetry["truth.engine_thrust_n"].max() == pytest.approx(0.9 * 7500.0, rel=1e-3)
 
 
@@ -87,7 +97,9 @@ def test_faulty_thruster_is_named_and_the_vehicle_lands(thruster, kind, phase):
     assert flight.outcome == "landed within limits"
     assert [finding.thruster for finding in flight.findings] == [thruster]
     assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] > 0.0
-    assert [event["finding"] for event in flight.events if event["key"] == "diagnosis"] == [flight.findings[0].label]
+    assert [event["finding"] for event in flight.events if event["key"] == "diagnosis"] == [
+        flight.findings[0].label
+    ]
 
 
 def test_nobody_is_accused_in_the_nominal_flight(nominal):
@@ -96,7 +108,9 @@ def test_nobody_is_accused_in_the_nominal_flight(nominal):
 
 
 def test_stuck_thruster_loses_the_attitude_when_nobody_diagnoses_it():
-    """What the diagnosis is worth: 265 N m about the roll axis in free fall, against 16 thrusters that do not know why."""
+    """What the diagnosis is worth: 265 N m about the roll axis in free fall, against 16 thrusters that do not
+    know why.
+    """
     fault = "faults=[{thruster: D1, kind: stuck_on, at: {phase: hazard_avoidance, plus_s: 1}}]"
     assert edl6dof.fly("tianwen1", [fault]).outcome == "landed within limits"
     assert not edl6dof.fly("tianwen1", [fault, "flight_software.diagnosis.enabled=false"]).success

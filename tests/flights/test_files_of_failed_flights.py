@@ -1,4 +1,6 @@
-"""A flight that fails leaves whole files, whatever reads them afterwards says something, and its case flies again to the same row."""
+"""A flight that fails leaves whole files, whatever reads them afterwards says something, and its case flies
+again to the same row.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,9 @@ FAILURES = {
 
 def program(folder, *words):
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error::RuntimeWarning"}
-    return subprocess.run([*PROGRAM, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=200)
+    return subprocess.run(
+        [*PROGRAM, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=200
+    )
 
 
 def not_json(word):
@@ -38,14 +42,22 @@ def flown(request, tmp_path_factory):
     sets = [word for change in FAILURES[request.param] for word in ("--set", change)]
     done = program(folder, "fly", "tianwen1", "--out", "failed", *sets)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr[-2000:]
-    assert program(folder, "fly", "tianwen1", "--out", "sound", "--no-replay", "--set", "simulation.time_limit_s=50").returncode == 1
+    assert (
+        program(
+            folder, "fly", "tianwen1", "--out", "sound", "--no-replay", "--set", "simulation.time_limit_s=50"
+        ).returncode
+        == 1
+    )
     return folder
 
 
 def test_all_files_are_there_and_whole(flown):
     run = flown / "failed"
     assert {path.name for path in run.iterdir()} == FILES
-    summary, events = (json.loads((run / name).read_text(), parse_constant=not_json) for name in ("summary.json", "events.json"))
+    summary, events = (
+        json.loads((run / name).read_text(), parse_constant=not_json)
+        for name in ("summary.json", "events.json")
+    )
     assert not summary["success"] and " in phase " in summary["outcome"]
     assert events[-1]["name"] == summary["outcome"]
     assert pq.read_table(run / "telemetry.parquet").num_rows >= 1
@@ -73,7 +85,9 @@ def test_what_reads_them_does_so_or_says_why_not(flown, words):
 
 def test_drawings_of_the_page_are_strict_json(flown):
     assert program(flown, "report", "failed", "--out", "page.html", "--force").returncode == 0
-    _, _, rest = (flown / "page.html").read_text().partition("<script type='application/json' id='figure-data'>")
+    _, _, rest = (
+        (flown / "page.html").read_text().partition("<script type='application/json' id='figure-data'>")
+    )
     assert json.loads(rest.partition("</script>")[0], parse_constant=not_json)
 
 
@@ -83,7 +97,10 @@ def test_case_that_diverges_flies_again_to_the_same_row(tmp_path):
         "campaign: {cases: 2, truth: {atmosphere.density_factor: {kind: uniform, half_width: 0.02}}}\n"
     )
     first = program(tmp_path, "campaign", "stiff.yaml", "--out", "dispersed")
-    assert "Traceback" not in first.stderr and "not finite: " in (tmp_path / "dispersed/summary.json").read_text(), first.stderr[-2000:]
+    assert (
+        "Traceback" not in first.stderr
+        and "not finite: " in (tmp_path / "dispersed/summary.json").read_text()
+    ), first.stderr[-2000:]
     again = program(tmp_path, "refly", "dispersed", "1")
     assert "Traceback" not in again.stderr, again.stderr[-2000:]
     assert "identical" in again.stdout + again.stderr

@@ -22,7 +22,8 @@ def test_believed_airframe_has_the_published_ballistic_coefficient_and_lift_to_d
 def test_entry_ends_at_the_parachute_within_limits_near_the_aim_point(flight):
     assert flight.outcome == "deployed within limits"
     assert flight.success
-    assert flight.metrics["parachute_mach"] == pytest.approx(1.7, abs=0.12)  # by planet-relative speed: the wind is not known on board
+    # by planet-relative speed: the wind is not known on board
+    assert flight.metrics["parachute_mach"] == pytest.approx(1.7, abs=0.12)
     assert flight.metrics["parachute_miss_m"] < 3000.0
 
 
@@ -31,7 +32,8 @@ def test_vehicle_trims_as_planned_and_is_straightened_before_the_parachute(fligh
     dense = (t["truth.dynamic_pressure_pa"] > 1000.0) & (t["truth.mach"] > 4.0)
     ratio = np.hypot(t["truth.aero_force_y_n"], t["truth.aero_force_z_n"])
     assert np.mean(t["truth.alpha_deg"][dense]) == pytest.approx(-16.5, abs=2.0)
-    assert np.all(ratio[dense] < 0.1 * -t["truth.aero_force_x_n"][dense])  # lift comes from the axial force, not from CN
+    # lift comes from the axial force, not from CN
+    assert np.all(ratio[dense] < 0.1 * -t["truth.aero_force_x_n"][dense])
     assert flight.metrics["parachute_total_alpha_deg"] < 5.0
 
 

@@ -1,7 +1,8 @@
-"""Verifies: the nominal flight against the published flight of Tianwen-1 (Hu et al. 2022, S1) and its own limits.
+"""Verifies: the nominal flight against the published flight of Tianwen-1 (Hu et al. 2022, S1) and its own
+limits.
 
-gravity GMM-3 degree 4 | atmosphere Mars-GRAM 2010 table | winds Mars-GRAM mean | vehicle tianwen1 | source S1 section 7.
-The windows are those the product promises; they are not fitted to the present result.
+gravity GMM-3 degree 4 | atmosphere Mars-GRAM 2010 table | winds Mars-GRAM mean | vehicle tianwen1 | source S1
+section 7. The windows are those the product promises; they are not fitted to the present result.
 """
 
 from __future__ import annotations
@@ -67,7 +68,9 @@ def test_trim_at_minus_ten_degrees_comes_from_the_centre_of_mass_offset(nominal)
     table = nominal.telemetry
     flying = (table["t_s"] > 100.0) & (table["t_s"] < 235.0)
     assert np.abs(np.mean(table["truth.alpha_deg"][flying]) + 10.0) < 1.0
-    wing_open = (table["t_s"] > nominal.metrics["trim_wing_s"] + 15.0) & (table["t_s"] < nominal.metrics["parachute_s"])
+    wing_open = (table["t_s"] > nominal.metrics["trim_wing_s"] + 15.0) & (
+        table["t_s"] < nominal.metrics["parachute_s"]
+    )
     assert np.abs(np.mean(table["truth.alpha_deg"][wing_open])) < 1.5
 
 
@@ -82,7 +85,9 @@ def test_landed_vehicle_rests_on_four_footpads(nominal):
 
 
 def test_energy_is_lost_to_drag_as_work_of_the_aerodynamic_force(nominal):
-    """Between 100 s and 240 s the loss of specific energy equals the integral of the measured drag times speed (no thrust to speak of)."""
+    """Between 100 s and 240 s the loss of specific energy equals the integral of the measured drag times
+    speed (no thrust to speak of).
+    """
     table = nominal.telemetry
     t = table["t_s"]
     window = (t >= 100.0) & (t <= 240.0)
@@ -92,7 +97,8 @@ def test_energy_is_lost_to_drag_as_work_of_the_aerodynamic_force(nominal):
     mu = nominal.scenario.planet.gravity.mu_m3_s2
     radius = np.linalg.norm(r, axis=0)
     relative = v - spin * np.stack([-r[1], r[0], np.zeros_like(r[0])])
-    # energy in the rotating frame: centrifugal potential included; J2 is 0.2 % of the change of potential over 30 km
+    # energy in the rotating frame: centrifugal potential included; J2 is 0.2 % of the change of potential
+    # over 30 km
     energy = 0.5 * np.sum(relative**2, axis=0) - mu / radius - 0.5 * spin**2 * (r[0] ** 2 + r[1] ** 2)
     power = table["nav.drag_m_s2"][window] * np.linalg.norm(relative, axis=0)
     work = np.trapezoid(power, t[window])

@@ -1,4 +1,5 @@
-"""What is not finite ends a flight at once, named by the quantity in which it began, and never becomes an index.
+"""What is not finite ends a flight at once, named by the quantity in which it began, and never becomes an
+index.
 
 With bounds checked in all compiled code (some minutes, most of them compiling):
 
@@ -25,7 +26,12 @@ from edl6dof.sim.finiteness import first_cause, works_with_finite
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.plant import STATE_NAMES, STATES_VEHICLE
 
-DISPERSED = ["seed=7", "atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "truth={atmosphere.density_factor: 0.95}"]
+DISPERSED = [
+    "seed=7",
+    "atmosphere.perturbation.enabled=true",
+    "wind.gust.enabled=true",
+    "truth={atmosphere.density_factor: 0.95}",
+]
 #: In vacuum, in lift, while the parachute inflates, below it, under power, and while avoiding hazards.
 MOMENTS = (20.0, 150.0, 278.5, 300.0, 440.0, 500.0)
 WRONG = (np.nan, np.inf, -np.inf)
@@ -53,7 +59,9 @@ def planted(state, record, path, index, value):
 @pytest.mark.parametrize("index", range(STATES_VEHICLE))
 def test_state_is_named(loaded, state, index, value):
     flight = fly(loaded, start=planted(state, "plant", "y", index, value))
-    assert flight.outcome.startswith(f"not finite: {STATE_NAMES[index]} at t = {state.plant['t'][0]:.2f} s in phase ")
+    assert flight.outcome.startswith(
+        f"not finite: {STATE_NAMES[index]} at t = {state.plant['t'][0]:.2f} s in phase "
+    )
     assert flight.cause == f"not finite: {STATE_NAMES[index]} in phase {flight.phase}"
     assert len(flight.log) == 1
     assert flight.events[-1]["name"] == flight.outcome and flight.metrics
@@ -155,5 +163,7 @@ print("kept within bounds")
 @pytest.mark.parametrize("law", ["etpc", "adaptive_hinf"])
 def test_no_table_is_read_out_of_bounds(law, tmp_path):
     checked = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", TABLES, law], env=checked, capture_output=True, text=True, timeout=240)
+    done = subprocess.run(
+        [sys.executable, "-c", TABLES, law], env=checked, capture_output=True, text=True, timeout=240
+    )
     assert done.stdout.strip() == "kept within bounds", done.stderr[-3000:]

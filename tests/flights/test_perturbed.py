@@ -1,4 +1,6 @@
-"""Verifies: fifty flights with seeded density perturbations and gusts all end in a named outcome, at least 45 within limits."""
+"""Verifies: fifty flights with seeded density perturbations and gusts all end in a named outcome, at least 45
+within limits.
+"""
 
 from __future__ import annotations
 

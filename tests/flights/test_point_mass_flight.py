@@ -24,7 +24,9 @@ def test_point_mass_and_rigid_body_deploy_at_nearly_the_same_place_and_time(both
         assert flight.success and not flight.landed
     assert point.metrics["parachute_s"] == pytest.approx(rigid.metrics["parachute_s"], abs=2.5)
     assert point.metrics["parachute_mach"] == pytest.approx(rigid.metrics["parachute_mach"], abs=0.02)
-    assert point.metrics["parachute_altitude_m"] == pytest.approx(rigid.metrics["parachute_altitude_m"], abs=400.0)
+    assert point.metrics["parachute_altitude_m"] == pytest.approx(
+        rigid.metrics["parachute_altitude_m"], abs=400.0
+    )
     assert point.metrics["parachute_miss_m"] == pytest.approx(rigid.metrics["parachute_miss_m"], abs=1500.0)
 
 
@@ -38,7 +40,10 @@ def test_both_feel_the_same_entry(both):
 def test_telemetry_has_the_same_columns(both):
     point, rigid = both
     assert set(point.telemetry) == set(rigid.telemetry)
-    assert all(np.isfinite(point.telemetry[name]).all() for name in ("truth.altitude_m", "nav.drag_m_s2", "truth.bank_deg"))
+    assert all(
+        np.isfinite(point.telemetry[name]).all()
+        for name in ("truth.altitude_m", "nav.drag_m_s2", "truth.bank_deg")
+    )
 
 
 def test_miss_is_made_of_downrange_and_crossrange(both):
@@ -50,7 +55,9 @@ def test_miss_is_made_of_downrange_and_crossrange(both):
 
 
 def test_downrange_grows_with_the_aim_point_drawn_nearer():
-    """Lift-up flight, the same whatever the aim point, which is moved 3 km back along the track: so much more of an overshoot."""
+    """Lift-up flight, the same whatever the aim point, which is moved 3 km back along the track: so much more
+    of an overshoot.
+    """
     entry = "flight_software.guidance.entry"
     lift_up = ("law=constant_bank", "constant_bank.bank_deg=0", "bank_min_deg=0", "heading.speed_m_s=0")
     straight = [f"{entry}.{change}" for change in lift_up]

@@ -1,4 +1,6 @@
-"""Verifies: same scenario, same bits - again, from the resolved scenario, after a break, and with finer telemetry."""
+"""Verifies: same scenario, same bits - again, from the resolved scenario, after a break, and with finer
+telemetry.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ def test_resolved_scenario_repeats_the_flight(perturbed):
 
 @pytest.mark.parametrize("t", [33.34, 200.0, 281.9, 300.0, 450.0, 512.02])
 def test_continued_flight_has_the_same_bits(perturbed, tmp_path, t):
-    """Broken off in vacuum, in lift, while the parachute inflates, under it, under power and just before touchdown."""
+    """Broken off in vacuum, in lift, while the parachute inflates, under it, under power and just before
+    touchdown.
+    """
     first = fly(perturbed.loaded, save_at_s=t)
     first.saved.save(tmp_path / "state.npz")
     state = State.load(tmp_path / "state.npz")

@@ -32,7 +32,9 @@ def saved(nominal):
 def state(saved):
     """A state that may be spoilt."""
     one = saved[300.0]
-    return State(one.cycle, duplicate(one.plant), duplicate(one.sensors), duplicate(one.fsw), one.scenario_text)
+    return State(
+        one.cycle, duplicate(one.plant), duplicate(one.sensors), duplicate(one.fsw), one.scenario_text
+    )
 
 
 @pytest.fixture
@@ -115,7 +117,9 @@ def test_every_float_that_is_not_finite_is_named(state, path, record):
 
 @pytest.mark.parametrize("cycle", [-1, 10**9])
 def test_cycle_out_of_range_is_named(state, path, cycle):
-    assert "cycle: must be 0 .. " in complaint(State(cycle, state.plant, state.sensors, state.fsw, state.scenario_text), path)
+    assert "cycle: must be 0 .. " in complaint(
+        State(cycle, state.plant, state.sensors, state.fsw, state.scenario_text), path
+    )
 
 
 def test_finding_of_no_kind_is_named(state, path):
@@ -144,7 +148,9 @@ def test_missing_member_is_refused(state, path, name):
     assert "is not a state saved by" in refused(path)
 
 
-@pytest.mark.parametrize("array", [np.zeros(PLANT.itemsize // 8), np.zeros(PLANT.itemsize - 1, np.uint8), np.zeros((2, 3))])
+@pytest.mark.parametrize(
+    "array", [np.zeros(PLANT.itemsize // 8), np.zeros(PLANT.itemsize - 1, np.uint8), np.zeros((2, 3))]
+)
 def test_record_of_another_form_is_refused(state, path, array):
     state.save(path)
     repacked(path, plant=npy(array))
@@ -166,7 +172,9 @@ def test_enormous_file_is_not_read(path):
 def test_state_never_loads_code(state, path, tmp_path):
     code = tmp_path / "evil.py"
     code.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
-    State(state.cycle, state.plant, state.sensors, state.fsw, f"plugins: [{code}]\n{state.scenario_text}").save(path)
+    State(
+        state.cycle, state.plant, state.sensors, state.fsw, f"plugins: [{code}]\n{state.scenario_text}"
+    ).save(path)
     loaded = State.load(path)
     with pytest.raises(ConfigError):
         continue_from(loaded)
@@ -199,7 +207,9 @@ def test_another_base_rate_is_refused(saved):
 
 
 def test_other_thrusters_act_from_where_they_now_are(saved):
-    """What was worked out from the old places is forgotten: the flight is that of a state which never knew them."""
+    """What was worked out from the old places is forgotten: the flight is that of a state which never knew
+    them.
+    """
     state = saved[500.0]
     moved = continue_from(state, ("vehicle.rcs.thrusters.0.position_m=[-1.3, 1.0, 0.4]",))
     first = fly(moved, start=state)

@@ -1,11 +1,12 @@
-"""Fly a small campaign in child processes, each of which dies, or meets an error, at one of its durable operations.
+"""Fly a small campaign in child processes, each of which dies, or meets an error, at one of its durable
+operations.
 
     python campaign_faults.py FOLDER STORY FAULT
 
-STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete there) or
-``force_unfinished``.  FAULT is ``before`` or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every
-operation is tried once; for each, a line of JSON tells how the program ended, what readers then say, and which table the next attempt
-gives.
+STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete
+there) or ``force_unfinished``.  FAULT is ``before`` or ``after`` (the process ends there at once) or the name
+of an error, such as ENOSPC.  Every operation is tried once; for each, a line of JSON tells how the program
+ended, what readers then say, and which table the next attempt gives.
 """
 
 from __future__ import annotations
@@ -76,7 +77,9 @@ class Faults:
         def watched(target: Any, *more: Any, **named: Any) -> Any:
             if name == "open" and not set("wax+") & set(more[0] if more else named.get("mode", "r")):
                 return operation(target, *more, **named)
-            self.seen.append(f"{name} {os.readlink(f'/proc/self/fd/{target}') if isinstance(target, int) else target}")
+            self.seen.append(
+                f"{name} {os.readlink(f'/proc/self/fd/{target}') if isinstance(target, int) else target}"
+            )
             here = len(self.seen) == self.number
             if here and self.fault == "before":
                 os._exit(DEAD)
@@ -110,7 +113,15 @@ def in_child(work: Callable[[], Any]) -> tuple[int, Any]:
 
 def command(file: str, **chosen: Any) -> dict[str, Any]:
     """Status and standard error of ``edl6dof campaign``, as the command line has them."""
-    given = {"scenario": file, "sets": (), "cases": CASES, "seed": None, "engine": "threads", "cluster": None, "workers": None}
+    given = {
+        "scenario": file,
+        "sets": (),
+        "cases": CASES,
+        "seed": None,
+        "engine": "threads",
+        "cluster": None,
+        "workers": None,
+    }
     given |= {"out": None, "force": False, "resume": False, "until": None, "quiet": True, "as_json": False}
     options = CampaignOptions(**{**given, **chosen})
     with contextlib.redirect_stderr(io.StringIO()) as err, contextlib.redirect_stdout(io.StringIO()):
@@ -130,7 +141,10 @@ def resumed() -> dict[str, Any]:
 def read() -> dict[str, str]:
     """What the readers of a campaign say: the rows that they find are counted, or their message is given."""
     said = {}
-    for name, reader in (("table", lambda: Store(RUN).table().num_rows), ("report", lambda: report_of(RUN).verdict)):
+    for name, reader in (
+        ("table", lambda: Store(RUN).table().num_rows),
+        ("report", lambda: report_of(RUN).verdict),
+    ):
         try:
             said[name] = str(reader())
         except ConfigError as error:
@@ -139,7 +153,9 @@ def read() -> dict[str, str]:
 
 
 class Harness:
-    """Everything that the children share: plans, flown rows, the folders that stories begin with, the tables they should end with."""
+    """Everything that the children share: plans, flown rows, the folders that stories begin with, the tables
+    they should end with.
+    """
 
     def __init__(self, folder: Path):
         os.chdir(folder)
@@ -150,7 +166,10 @@ class Harness:
         campaign_flight.load_plan = lambda file, sets, cases, seed: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))
         for seed in SEEDS:
-            assert in_child(lambda seed=seed: command(self.file, seed=seed, force=True))[1]["status"] == INTERRUPTED
+            assert (
+                in_child(lambda seed=seed: command(self.file, seed=seed, force=True))[1]["status"]
+                == INTERRUPTED
+            )
             shutil.copytree("runs", f"unfinished-{seed}")
         self._use(Recorded(flown))
         self.tables = {}
@@ -192,7 +211,14 @@ class Harness:
         again = in_child(resumed)[1]
         if again.get("status") == 2:
             again = {"resume": again["err"], **in_child(lambda: command(self.file, force=RUN.exists()))[1]}
-        return {"exit": status, "ended": ended, "readers": said, "again": again, "table": self.table(), "left": sorted(os.listdir(RUN))}
+        return {
+            "exit": status,
+            "ended": ended,
+            "readers": said,
+            "again": again,
+            "table": self.table(),
+            "left": sorted(os.listdir(RUN)),
+        }
 
     def _lay_out(self, before: str | None) -> None:
         shutil.rmtree("runs", ignore_errors=True)

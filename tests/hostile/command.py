@@ -1,4 +1,6 @@
-"""The program in a process of its own, as a user starts it, and a small run folder that every viewer can show."""
+"""The program in a process of its own, as a user starts it, and a small run folder that every viewer can
+show.
+"""
 
 from __future__ import annotations
 
@@ -33,13 +35,19 @@ VIEWERS = {
 
 def finished(*words: object, cwd: Path, **more: str) -> subprocess.CompletedProcess[str]:
     """Run the program to its end in a process of its own."""
-    environment = {key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "TERM")}
+    environment = {
+        key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "TERM")
+    }
     environment.update(PYTHONPATH=str(ROOT), **more)
-    return subprocess.run([*PROGRAM, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [*PROGRAM, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True, timeout=300
+    )
 
 
 def called(*words: object) -> subprocess.CompletedProcess[str]:
-    """Run the program in this process, which is much quicker; a traceback that it would print is printed here too."""
+    """Run the program in this process, which is much quicker; a traceback that it would print is printed here
+    too.
+    """
     out, err, argv = io.StringIO(), io.StringIO(), sys.argv
     sys.argv = ["edl6dof", *map(str, words)]
     try:

@@ -1,9 +1,11 @@
-"""Give the program thousands of mutated inputs; every one must end with a status of its own and a message, never with a traceback.
+"""Give the program thousands of mutated inputs; every one must end with a status of its own and a message,
+never with a traceback.
 
     python tests/hostile/fuzz.py --mutations 2000 --seed 1 --jobs 2
 
-Each worker is a process that takes many mutations, so that even a crash of compiled code or a hang is found and named.  What the check
-lets pass is flown for two seconds.  Any finding can be had again by its seed and number: ``--only 137``.
+Each worker is a process that takes many mutations, so that even a crash of compiled code or a hang is found
+and named.  What the check lets pass is flown for two seconds.  Any finding can be had again by its seed and
+number: ``--only 137``.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ ALLOWED = (0, 1, 2)
 
 
 def tried(number: int, seed: int, paths: list[str]) -> Iterator[tuple[list[str], int, str]]:
-    """The commands of one mutation with exit status, and what is wrong with how they ended (empty when nothing is)."""
+    """The commands of one mutation with exit status, and what is wrong with how they ended (empty when
+    nothing is).
+    """
     with tempfile.TemporaryDirectory(prefix="fuzz-") as home:
         folder = Path(home) / "input"
         folder.mkdir()
@@ -45,7 +49,14 @@ def tried(number: int, seed: int, paths: list[str]) -> Iterator[tuple[list[str],
             words = ["fly", *words[1:], *SHORT, "--no-replay", "-q", "--out", str(Path(home) / "run")]
             status, wrong = _ended(words, folder)
             kept = (Path(home) / "run" / "telemetry.parquet").is_file()
-            yield words, status, wrong or ("" if kept == (status != 2) else "telemetry is lost, or a refused flight left something")
+            yield (
+                words,
+                status,
+                wrong
+                or (
+                    "" if kept == (status != 2) else ("telemetry is lost, or a refused flight left something")
+                ),
+            )
         os.chdir(ROOT)
 
 
@@ -64,33 +75,48 @@ def _ended(words: list[str], folder: Path) -> tuple[int, str]:
         return 2, f"left behind: {set(folder.iterdir()) - before}"
     if any(not (ch.isprintable() or ch == "\n") for ch in done.stderr):
         return done.returncode, f"control characters: {done.stderr[:200]!r}"
-    return done.returncode, f"took {time.monotonic() - began:.0f} s" if time.monotonic() - began > SECONDS else ""
+    return (
+        done.returncode,
+        f"took {time.monotonic() - began:.0f} s" if time.monotonic() - began > SECONDS else "",
+    )
 
 
 def worker(seed: int, numbers: list[int]) -> None:
-    """Try mutations in this process; a line of JSON before each (it may be the last) and after each command."""
+    """Try mutations in this process; a line of JSON before each (it may be the last) and after each
+    command.
+    """
     paths = [row["path"] for row in json.loads(called("params", "--json").stdout)]
     for number in numbers:
         print(json.dumps({"begin": number}), flush=True)
         for words, status, wrong in tried(number, seed, paths):
-            print(json.dumps({"number": number, "words": words, "status": status, "wrong": wrong}), flush=True)
+            print(
+                json.dumps({"number": number, "words": words, "status": status, "wrong": wrong}), flush=True
+            )
 
 
 def batch(seed: int, numbers: list[int]) -> list[dict]:
-    """Results of some mutations, tried in a process of their own; one that kills the process is named, the others go on."""
+    """Results of some mutations, tried in a process of their own; one that kills the process is named, the
+    others go on.
+    """
     results: list[dict] = []
     while numbers:
         words = [sys.executable, __file__, "--seed", str(seed), "--worker", ",".join(map(str, numbers))]
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80"}
         try:
-            done = subprocess.run(words, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=SECONDS * 10)
+            done = subprocess.run(
+                words, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=SECONDS * 10
+            )
             output, how = done.stdout, f"the process died with {done.returncode}: {done.stderr[-500:]}"
         except subprocess.TimeoutExpired as error:
             output, how = (error.stdout or b"").decode(), "no end in sight"
         lines = [json.loads(line) for line in output.splitlines() if line.startswith("{")]
         results += [line for line in lines if "status" in line]
         begun = [line["begin"] for line in lines if "begin" in line]
-        if len(begun) == len(numbers) and not how.startswith("the process died with -") and "no end" not in how:
+        if (
+            len(begun) == len(numbers)
+            and not how.startswith("the process died with -")
+            and "no end" not in how
+        ):
             break
         last = begun[-1] if begun else numbers[0]
         results.append({"number": last, "words": [], "status": -1, "wrong": how})
@@ -103,7 +129,11 @@ def run(mutations: int, seed: int, jobs: int, first: int = 0) -> list[dict]:
     numbers = list(range(first, first + mutations))
     portions = [numbers[k : k + BATCH] for k in range(0, len(numbers), BATCH)]
     with ThreadPoolExecutor(jobs) as pool:
-        return [result for results in pool.map(lambda portion: batch(seed, portion), portions) for result in results]
+        return [
+            result
+            for results in pool.map(lambda portion: batch(seed, portion), portions)
+            for result in results
+        ]
 
 
 def main() -> int:
@@ -128,7 +158,10 @@ def main() -> int:
     for result in wrong:
         print(f"--- mutation {result['number']}: {' '.join(result['words'])[:300]}\n{result['wrong']}")
     ends = Counter((result["words"] or ["?"])[0] + f" {result['status']}" for result in results)
-    print(f"{options.mutations} mutations (seed {options.seed}), {len(results)} commands: {len(wrong)} wrong; {dict(sorted(ends.items()))}")
+    print(
+        f"{options.mutations} mutations (seed {options.seed}), {len(results)} commands: {len(wrong)} wrong; "
+        f"{dict(sorted(ends.items()))}"
+    )
     return 1 if wrong else 0
 
 

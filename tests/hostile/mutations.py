@@ -1,4 +1,6 @@
-"""Seeded mutations of what a user gives: YAML files, overrides, data tables, DAVE-ML, words of the command line."""
+"""Seeded mutations of what a user gives: YAML files, overrides, data tables, DAVE-ML, words of the command
+line.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +14,77 @@ ROOT = Path(__file__).resolve().parents[2]
 
 #: Values that tend to go wrong where a number, a name or a list is expected.
 NASTY = (
-    *("nan", ".nan", ".inf", "-.inf", "0", "-0.0", "-1", "1e308", "-1e308", "1e-320", "1e999", "9" * 30, "-" + "9" * 30, "0x10", "010"),
-    *("", "null", "~", "true", "yes", "[]", "{}", "[[]]", "[1, 2]", "[nan, 1, 2]", "{a: 1}", '"text"', "'1.0'", "2021-05-14", "1_000"),
-    *("*anchor", "&a [*a]", "!!python/object/apply:os.getcwd []", "!!binary AAAA", "? x", "- y", "|", ">", "%", "@", "`", "\t1", "\x07"),
-    *("a" * 5000, "../../etc/passwd", "/dev/zero", "/dev/null", "CON", "naïve", "\u202e", "\U0001f680", "${HOME}", "name: {name}"),
+    *(
+        "nan",
+        ".nan",
+        ".inf",
+        "-.inf",
+        "0",
+        "-0.0",
+        "-1",
+        "1e308",
+        "-1e308",
+        "1e-320",
+        "1e999",
+        "9" * 30,
+        "-" + "9" * 30,
+        "0x10",
+        "010",
+    ),
+    *(
+        "",
+        "null",
+        "~",
+        "true",
+        "yes",
+        "[]",
+        "{}",
+        "[[]]",
+        "[1, 2]",
+        "[nan, 1, 2]",
+        "{a: 1}",
+        '"text"',
+        "'1.0'",
+        "2021-05-14",
+        "1_000",
+    ),
+    *(
+        "*anchor",
+        "&a [*a]",
+        "!!python/object/apply:os.getcwd []",
+        "!!binary AAAA",
+        "? x",
+        "- y",
+        "|",
+        ">",
+        "%",
+        "@",
+        "`",
+        "\t1",
+        "\x07",
+    ),
+    *(
+        "a" * 5000,
+        "../../etc/passwd",
+        "/dev/zero",
+        "/dev/null",
+        "CON",
+        "naïve",
+        "\u202e",
+        "\U0001f680",
+        "${HOME}",
+        "name: {name}",
+    ),
 )
 
 #: Files that a mutation starts from.
 SCENARIOS = (
-    *("scenarios/tianwen1.yaml", "scenarios/msl.yaml", "scenarios/tianwen1_mc.yaml", "scenarios/zheng2015.yaml"),
+    *(
+        "scenarios/tianwen1.yaml",
+        "scenarios/msl.yaml",
+        "scenarios/tianwen1_mc.yaml",
+        "scenarios/zheng2015.yaml",
+    ),
     *("scenarios/nesc/case06.yaml", "scenarios/wu2013.yaml"),
 )
 VEHICLES = ("vehicles/tianwen1.yaml", "vehicles/msl.yaml")
@@ -36,12 +100,14 @@ DAVEML = (
     "vehicles/nesc/cannonball_inertia.dml",
 )
 
-#: Nothing that a mutation leaves whole flies longer than this: what is looked for is how a flight begins and ends.
+#: Nothing that a mutation leaves whole flies longer than this: what is looked for is how a flight begins and
+#: ends.
 SHORT = ("--set", "simulation.time_limit_s=2")
 
 
 def mutant(number: int, seed: int, folder: Path, paths: list[str]) -> list[str]:
-    """Write the files of one mutation into ``folder``, and return the words that give it to the program (``check`` or another command).
+    """Write the files of one mutation into ``folder``, and return the words that give it to the program
+    (``check`` or another command).
 
     Args:
         number: of the mutation; each has its own random numbers.
@@ -71,7 +137,10 @@ def _yaml(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
 def _vehicle(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
     _write(folder / "craft.yaml", _mutated(draw, (ROOT / draw.choice(VEHICLES)).read_text(encoding="utf-8")))
     text = re.sub(
-        r"^vehicle: .*$", "vehicle: craft.yaml", (ROOT / "scenarios/tianwen1.yaml").read_text(encoding="utf-8"), flags=re.MULTILINE
+        r"^vehicle: .*$",
+        "vehicle: craft.yaml",
+        (ROOT / "scenarios/tianwen1.yaml").read_text(encoding="utf-8"),
+        flags=re.MULTILINE,
     )
     return ["check", str(_write(folder / "mutant.yaml", text.encode()))]
 
@@ -81,7 +150,11 @@ def _override(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
     for _ in range(draw.choice((1, 1, 2, 5))):
         path = draw.choice(paths).replace("[]", f".{draw.choice(('0', '3', '99', '-1', '*'))}")
         where = draw.choice(("", "", "truth."))
-        value = draw.choice(NASTY) if draw.random() < 0.6 else repr(draw.choice((-1, 1)) * 10 ** draw.uniform(-12, 12))
+        value = (
+            draw.choice(NASTY)
+            if draw.random() < 0.6
+            else repr(draw.choice((-1, 1)) * 10 ** draw.uniform(-12, 12))
+        )
         words += ["--set", f"{where}{path}={value}" if not where else f"truth={json.dumps({path: value})}"]
     return [word.replace("\0", "") for word in words]
 
@@ -102,17 +175,45 @@ def _dave(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
 
 
 #: Words of a command line at the wrong place.
-_ODD = ("tianwen1", "mutant.yaml", ".", "--force", "--out", "-n", "--set", "seed=3", "--at", "--from", "-1", "--json")
+_ODD = (
+    "tianwen1",
+    "mutant.yaml",
+    ".",
+    "--force",
+    "--out",
+    "-n",
+    "--set",
+    "seed=3",
+    "--at",
+    "--from",
+    "-1",
+    "--json",
+)
 
 
 def _words(draw: random.Random, folder: Path, paths: list[str]) -> list[str]:
     """A command with arguments that are none; ``fly`` ends soon."""
     odd = [*NASTY[:25], *_ODD, str(folder)]
-    command = draw.choice(("fly", "check", "params", "report", "plot", "compare", "export", "refly", "campaign", "faults", "study"))
+    command = draw.choice(
+        (
+            "fly",
+            "check",
+            "params",
+            "report",
+            "plot",
+            "compare",
+            "export",
+            "refly",
+            "campaign",
+            "faults",
+            "study",
+        )
+    )
     words = [command, *(draw.choice(odd) for _ in range(draw.randint(1, 4)))]
     words = [word for word in words if word and "\0" not in word]
     if command in ("fly", "campaign", "faults"):
-        return [*words, *SHORT, "--set", "no.such.parameter=1"]  # always one mistake, or nothing would end soon
+        # always one mistake, or nothing would end soon
+        return [*words, *SHORT, "--set", "no.such.parameter=1"]
     return [*words, "--no-such-option"] if command == "study" else words
 
 
@@ -170,7 +271,9 @@ def _moved(draw: random.Random, lines: list[str]) -> None:
 
 def _indented(draw: random.Random, lines: list[str]) -> None:
     k = draw.randrange(len(lines))
-    lines[k] = draw.choice((" ", "  ", "\t", "- ", "# ")) + lines[k] if draw.random() < 0.7 else lines[k].lstrip()
+    lines[k] = (
+        draw.choice((" ", "  ", "\t", "- ", "# ")) + lines[k] if draw.random() < 0.7 else lines[k].lstrip()
+    )
 
 
 def _spelled(draw: random.Random, lines: list[str]) -> None:
@@ -178,14 +281,20 @@ def _spelled(draw: random.Random, lines: list[str]) -> None:
     k = draw.randrange(len(lines))
     if lines[k]:
         i = draw.randrange(len(lines[k]))
-        lines[k] = lines[k][:i] + draw.choice(("", "x", lines[k][i] * 2, ":", "\u00e9", "\ud800")) + lines[k][i + 1 :]
+        lines[k] = (
+            lines[k][:i]
+            + draw.choice(("", "x", lines[k][i] * 2, ":", "\u00e9", "\ud800"))
+            + lines[k][i + 1 :]
+        )
 
 
 def _long(draw: random.Random, lines: list[str]) -> None:
     """A line as deep or as long as nobody writes it."""
     lines.insert(
         draw.randrange(len(lines)),
-        draw.choice(("x: " + "[" * 500 + "]" * 500, "y: " + "{a: " * 300 + "1" + "}" * 300, "z: " + "ab " * 20000)),
+        draw.choice(
+            ("x: " + "[" * 500 + "]" * 500, "y: " + "{a: " * 300 + "1" + "}" * 300, "z: " + "ab " * 20000)
+        ),
     )
 
 

@@ -1,4 +1,6 @@
-"""Whatever happens to a file of a campaign's folder: a message that names it, or the part is flown again; never another number."""
+"""Whatever happens to a file of a campaign's folder: a message that names it, or the part is flown again;
+never another number.
+"""
 
 from __future__ import annotations
 
@@ -99,7 +101,9 @@ def test_every_flipped_bit_of_a_complete_campaign_is_told(lay_out):
     random, readers = Random(1), ("resume", "compare", "refly")
     for number in range(60):
         folder = lay_out("complete")
-        name = ("cases.parquet", "cases.parquet", "summary.json", "campaign.json", "campaign.yaml")[number % 5]
+        name = ("cases.parquet", "cases.parquet", "summary.json", "campaign.json", "campaign.yaml")[
+            number % 5
+        ]
         what = flip(folder / name, random)
         status, out, err = edl6dof(*READERS[readers[number // 5 % 3]])
         assert (status, out) == (2, "") and name in err and "is damaged" in err, what
@@ -110,7 +114,13 @@ def test_every_flipped_bit_of_an_unfinished_campaign_is_flown_again_or_told(lay_
     random, undisturbed = Random(2), (flown / "complete/drops/cases.parquet").read_bytes()
     for number in range(60):
         folder = lay_out("unfinished")
-        name = ("parts/000000.parquet", "parts/000001.parquet", "parts/000001.sha256", "campaign.json", "campaign.yaml")[number % 5]
+        name = (
+            "parts/000000.parquet",
+            "parts/000001.parquet",
+            "parts/000001.sha256",
+            "campaign.json",
+            "campaign.yaml",
+        )[number % 5]
         what = flip(folder / name, random)
         status, _, err = edl6dof(*READERS["report" if number % 4 else "compare"])
         assert status == 2 and "is damaged" in err, what
@@ -144,7 +154,19 @@ def damaged(path: Path, how: str) -> None:
         )
 
 
-KINDS = ("gone", "folder", "link to nothing", "empty", "truncated", "longer", "random", "list", "nothing in it", "number", "deep")
+KINDS = (
+    "gone",
+    "folder",
+    "link to nothing",
+    "empty",
+    "truncated",
+    "longer",
+    "random",
+    "list",
+    "nothing in it",
+    "number",
+    "deep",
+)
 
 
 @pytest.mark.parametrize("name", ["campaign.json", "campaign.yaml", "summary.json", "cases.parquet"])
@@ -157,7 +179,13 @@ def test_file_of_a_complete_campaign_that_is_not_what_it_was(lay_out, name):
                 continue  # it is unfinished then, and flies anew
             damaged(lay_out("complete") / name, how)
             status, out, err = edl6dof(*READERS[reader])
-            assert (status, out) == (2, "") and RUN in err and len(err.splitlines()) == 1, (how, reader, status, out, err)
+            assert (status, out) == (2, "") and RUN in err and len(err.splitlines()) == 1, (
+                how,
+                reader,
+                status,
+                out,
+                err,
+            )
 
 
 @pytest.mark.parametrize("name", ["parts/000000.parquet", "parts/000001.sha256"])
@@ -170,7 +198,9 @@ def test_part_that_is_not_what_it_was_is_flown_again(lay_out, flown, name, how):
     if how == "folder":
         assert status == 2 and f"{name}: Is a directory" in err
     else:
-        assert (Path(RUN) / "cases.parquet").read_bytes() == (flown / "complete/drops/cases.parquet").read_bytes()
+        assert (Path(RUN) / "cases.parquet").read_bytes() == (
+            flown / "complete/drops/cases.parquet"
+        ).read_bytes()
 
 
 def test_part_of_another_plan_never_counts(lay_out, flown):
@@ -200,7 +230,9 @@ def test_summary_and_table_of_another_campaign_are_told(lay_out):
         assert status == 2 and f"{RUN}/summary.json: belongs to another campaign" in err
 
 
-@pytest.mark.parametrize("stranger", ["thesis.txt", "parts/mine.parquet", "report/notes.md", ".thesis.swp", "runs"])
+@pytest.mark.parametrize(
+    "stranger", ["thesis.txt", "parts/mine.parquet", "report/notes.md", ".thesis.swp", "runs"]
+)
 def test_force_names_what_it_does_not_know_and_removes_nothing(lay_out, stranger):
     """A folder counts as unknown too, as does what looks like a file half written by somebody else."""
     for kind in ("complete", "unfinished"):

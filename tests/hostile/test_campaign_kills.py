@@ -1,4 +1,6 @@
-"""A campaign that dies, or meets a full or broken disk, at any of its durable operations: the next attempt gives the same table."""
+"""A campaign that dies, or meets a full or broken disk, at any of its durable operations: the next attempt
+gives the same table.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,13 @@ COMPLETE = ["campaign.json", "campaign.yaml", "cases.parquet", "summary.json"]
 
 @pytest.mark.parametrize(
     "story, fault",
-    [("new", "before"), ("new", "ENOSPC"), ("resume", "EIO"), ("force", "before"), ("force_unfinished", "after")],
+    [
+        ("new", "before"),
+        ("new", "ENOSPC"),
+        ("resume", "EIO"),
+        ("force", "before"),
+        ("force_unfinished", "after"),
+    ],
 )
 def test_fault_at_every_durable_operation(tmp_path, story, fault):
     """Status, words, readers, and the table of the next attempt, byte for byte."""
@@ -43,7 +51,11 @@ def check_ending(ended: dict, where: str) -> None:
     assert ended["status"] == 2 or (ended["status"], where.partition(" ")[0]) == (0, "rmdir"), (where, ended)
     if ended["status"] == 2:
         said = ended["err"]
-        ways = ("nothing was written", "go on with: edl6dof campaign runs/drops --resume", "begin it anew with --force")
+        ways = (
+            "nothing was written",
+            "go on with: edl6dof campaign runs/drops --resume",
+            "begin it anew with --force",
+        )
         assert len(said.splitlines()) == 1 and any(way in said for way in ways), (where, said)
 
 
@@ -55,8 +67,13 @@ def check_readers(readers: dict[str, str], where: str) -> None:
 
 
 def check_next(one: dict, story: str, where: str) -> None:
-    """``--resume`` completes what was begun; where nothing was, it says so and a new campaign gives the table."""
+    """``--resume`` completes what was begun; where nothing was, it says so and a new campaign gives the
+    table.
+    """
     again = one["again"]
     assert again.get("status") == 0 and one["left"] == COMPLETE, (where, again, one["left"])
     untouched = story.startswith("force") and "resume" not in again and one["table"] == "seed 9"
-    assert untouched and one["readers"]["table"] in ("70", "50") or one["table"] == "seed 3", (where, one["table"])
+    assert untouched and one["readers"]["table"] in ("70", "50") or one["table"] == "seed 3", (
+        where,
+        one["table"],
+    )

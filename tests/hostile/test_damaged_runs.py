@@ -1,4 +1,6 @@
-"""Damaged and made-up run folders: every viewer says what is wrong in one line, or shows exactly what was written."""
+"""Damaged and made-up run folders: every viewer says what is wrong in one line, or shows exactly what was
+written.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,9 @@ def outcome(viewer: str, run: Path, out: Path):
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_flipped_bit_anywhere_is_noticed_or_changes_nothing(name, run, flown):
-    """Twelve places in each file, seeded; the telemetry is compared value by value where it is still shown."""
+    """Twelve places in each file, seeded; the telemetry is compared value by value where it is still
+    shown.
+    """
     draw = random.Random(name)
     original = (run / name).read_bytes()
     true = called("export", flown, "-", "--format", "csv").stdout
@@ -81,7 +85,11 @@ def test_wrecked_file_is_refused_in_one_line(viewer, wreck, flown, tmp_path):
         done = outcome(viewer, run, tmp_path / f"out-{name}")
         # a list of the channels, and tables of telemetry alone, do not ask for the timeline or the summary
         if done.returncode == 0:
-            assert name in ("summary.json", "events.json", "scenario.yaml") and wreck not in ("gone", "folder", "loop")
+            assert name in ("summary.json", "events.json", "scenario.yaml") and wreck not in (
+                "gone",
+                "folder",
+                "loop",
+            )
         else:
             assert str(run) in done.stderr
 

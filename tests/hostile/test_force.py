@@ -32,11 +32,22 @@ def everything(folder: Path) -> dict[str, bytes]:
 
 
 def test_run_and_what_the_program_wrote_into_it_later_is_replaced(run):
-    for words in (("report", run), ("plot", run, "truth.mach"), ("export", run, "--format", "csv"), ("compare", run, run)):
+    for words in (
+        ("report", run),
+        ("plot", run, "truth.mach"),
+        ("export", run, "--format", "csv"),
+        ("compare", run, run),
+    ):
         assert called(*words).returncode == 0
     assert len(everything(run)) == 9
     assert force(run).returncode == 1
-    assert sorted(everything(run)) == ["events.json", MANIFEST, "scenario.yaml", "summary.json", "telemetry.parquet"]
+    assert sorted(everything(run)) == [
+        "events.json",
+        MANIFEST,
+        "scenario.yaml",
+        "summary.json",
+        "telemetry.parquet",
+    ]
 
 
 def add(run: Path, name: str) -> None:
@@ -44,7 +55,14 @@ def add(run: Path, name: str) -> None:
     (run / name).write_text("years of work")
 
 
-STRANGERS = ["thesis.tex", "plots/thesis.tex", "plots/deep/a.png", "report/notes.txt", ".hidden", "runs/x/summary.json"]
+STRANGERS = [
+    "thesis.tex",
+    "plots/thesis.tex",
+    "plots/deep/a.png",
+    "report/notes.txt",
+    ".hidden",
+    "runs/x/summary.json",
+]
 
 
 @pytest.mark.parametrize("name", STRANGERS)

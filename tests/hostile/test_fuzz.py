@@ -54,4 +54,9 @@ def test_fuzzer_names_a_mutation_that_kills_the_process_and_goes_on(monkeypatch,
     )
     monkeypatch.setattr(fuzz, "__file__", str(deadly))
     results = fuzz.batch(1, [0, 1, 2, 3])
-    assert [(result["number"], bool(result["wrong"])) for result in results] == [(0, False), (1, False), (2, True), (3, False)]
+    assert [(result["number"], bool(result["wrong"])) for result in results] == [
+        (0, False),
+        (1, False),
+        (2, True),
+        (3, False),
+    ]

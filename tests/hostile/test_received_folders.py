@@ -47,7 +47,10 @@ def sent(tmp_path_factory) -> Path:
     (home / "law.py").write_text(LAW)
     assert called("fly", *SHORT, "--out", home / "sent", "-q").returncode == 1  # cut short: not landed
     text = (home / "sent" / "scenario.yaml").read_text()
-    for old, new in ((r"^plugins: .*$", f"plugins: [{home / 'law.py'}]"), (r"law: drag_tracking", "law: mine")):
+    for old, new in (
+        (r"^plugins: .*$", f"plugins: [{home / 'law.py'}]"),
+        (r"law: drag_tracking", "law: mine"),
+    ):
         text, count = re.subn(old, new, text, flags=re.MULTILINE)
         assert count == 1
     (home / "sent" / "scenario.yaml").write_text(text)
@@ -102,7 +105,9 @@ def test_ones_own_scenario_is_flown_without_asking_and_so_is_its_run(sent, tmp_p
     assert finished("check", sent / "sent" / "scenario.yaml", cwd=tmp_path).returncode == 0
 
 
-@pytest.mark.parametrize("command", ["report", "plot", "export", "compare", "replay", "verify", "version", "params"])
+@pytest.mark.parametrize(
+    "command", ["report", "plot", "export", "compare", "replay", "verify", "version", "params"]
+)
 def test_folder_or_file_named_like_a_command_is_no_scenario(command, sent, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (sent / "RAN").unlink(missing_ok=True)
@@ -115,7 +120,10 @@ def test_folder_or_file_named_like_a_command_is_no_scenario(command, sent, tmp_p
     assert not ran(sent)
 
 
-@pytest.mark.parametrize("words", [("refly", "evil", "0"), ("campaign", "evil", "--resume"), ("campaign", "evil"), ("replay", "evil")])
+@pytest.mark.parametrize(
+    "words",
+    [("refly", "evil", "0"), ("campaign", "evil", "--resume"), ("campaign", "evil"), ("replay", "evil")],
+)
 @pytest.mark.parametrize("mark", ["campaign.json", None])
 def test_campaign_folder_asks_before_it_flies(words, mark, sent, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -1,8 +1,9 @@
 """NASA NESC check cases 1 to 10 against simulation 04.
 
-Verifies: equations of motion, quaternion, rotating ellipsoid, J2 and central gravity, US76, drag, rate damping, winds, initial state.
-Source and tolerances: see ``edl6dof/verify/nesc_cases.py``.  Planted errors: rotation rate, J2, inertia, drag, attitude, radius,
-wind, damping.
+Verifies: equations of motion, quaternion, rotating ellipsoid, J2 and central gravity, US76, drag, rate
+damping, winds, initial state.
+Source and tolerances: see ``edl6dof/verify/nesc_cases.py``.  Planted errors: rotation rate, J2, inertia,
+drag, attitude, radius, wind, damping.
 """
 
 import csv
@@ -18,7 +19,9 @@ from edl6dof.verify.nesc_cases import CASES, DATA, TOLERANCES, WHOLE, difference
 def require(number, found):
     for _, quantity, limit, unit in TOLERANCES:
         print(f"case {number:2d}  {quantity:<10} {found[quantity]:9.2e} {unit:<5} (allowed {limit:g})")
-    assert {quantity: found[quantity] for _, quantity, limit, _ in TOLERANCES if not found[quantity] <= limit} == {}
+    assert {
+        quantity: found[quantity] for _, quantity, limit, _ in TOLERANCES if not found[quantity] <= limit
+    } == {}
 
 
 @pytest.mark.parametrize("number", CASES)

@@ -1,4 +1,6 @@
-"""DAVE-ML import: the NESC brick and cannonball, gridded tables, and files that are refused with file and line."""
+"""DAVE-ML import: the NESC brick and cannonball, gridded tables, and files that are refused with file and
+line.
+"""
 
 import time
 from pathlib import Path
@@ -29,7 +31,11 @@ def variable(name, value=None, inner="", identifier=None, units="nd"):
 
 
 def calculated(name, math, **more):
-    return variable(name, inner=f'<calculation><math xmlns="http://www.w3.org/1998/Math/MathML">{math}</math></calculation>', **more)
+    return variable(
+        name,
+        inner=f'<calculation><math xmlns="http://www.w3.org/1998/Math/MathML">{math}</math></calculation>',
+        **more,
+    )
 
 
 def refusal(path, action=read_daveml):
@@ -73,12 +79,21 @@ def test_vehicle_file_takes_them_and_its_own_values_go_first():
     assert constant.yaw_damping == -2.0
     assert constant.roll_damping == pytest.approx(-1.0)
     assert {path.name for path in loaded.document.files} >= {"brick_inertia.dml", "brick_aero.dml"}
-    assert edl6dof.load("nesc/case03", ["vehicle=nesc_sphere"]).scenario.vehicle.aero.constant.drag_coefficient == 0.1
+    assert (
+        edl6dof.load("nesc/case03", ["vehicle=nesc_sphere"]).scenario.vehicle.aero.constant.drag_coefficient
+        == 0.1
+    )
 
 
 def test_missing_file_is_named_at_its_line(tmp_path):
     (tmp_path / "v.yaml").write_text("name: v\ndaveml: [nothing.dml]\n", encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"v\.yaml:2:\d+: vehicle\.daveml\.0: no such file \(got 'nothing\.dml'"):
+    with pytest.raises(
+        ConfigError,
+        match=(
+            r"v\.yaml:2:\d+: vehicle\.daveml\.0: no such "
+            r"file \(got 'nothing\.dml'"
+        ),
+    ):
         edl6dof.load("nesc/case06", [f"vehicle={tmp_path / 'v.yaml'}"])
 
 
@@ -88,7 +103,10 @@ GRID = (
     + variable("referenceWingArea", 10.0, units="m2")
     + variable("totalCoefficientOfDrag")
     + variable("totalCoefficientOfLift")
-    + calculated("aeroBodyMomentCoefficient_Pitch", "<apply><times/><cn>-0.1</cn><ci>totalCoefficientOfLift</ci></apply>")
+    + calculated(
+        "aeroBodyMomentCoefficient_Pitch",
+        "<apply><times/><cn>-0.1</cn><ci>totalCoefficientOfLift</ci></apply>",
+    )
     + """<breakpointDef bpID="M"><bpVals>0.5, 2, 10</bpVals></breakpointDef>
 <breakpointDef bpID="A"><bpVals>0 4 8</bpVals></breakpointDef>
 <griddedTableDef gtID="CD_T"><breakpointRefs><bpRef bpID="M"/><bpRef bpID="A"/></breakpointRefs>
@@ -114,7 +132,9 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
     assert mach.tolist() == [0.5, 2.0, 10.0] and alpha.tolist() == [0.0, 4.0, 8.0]
     assert table[1, 2] == pytest.approx([1.3, -0.4, 0.04])
     data = vehicle_part([path]).data
-    assert data["aero"]["model"] == "capsule" and data["aero"]["capsule"]["diameter_m"] == pytest.approx((40.0 / np.pi) ** 0.5)
+    assert data["aero"]["model"] == "capsule" and data["aero"]["capsule"]["diameter_m"] == pytest.approx(
+        (40.0 / np.pi) ** 0.5
+    )
     flown = edl6dof.load("tianwen1", [f"vehicle.aero.capsule.static_table={path}"])
     assert flown.scenario.vehicle.aero.capsule.static_table == str(path)
 
@@ -133,7 +153,11 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
         (variable("a", 1.0) * 2, 4, "defined twice"),
         (GRID.replace("0.5, 2, 10", "0.5, 2, 1"), 9, "ascending"),
         (GRID.replace("1.6 1.5<", "1.6<"), 12, "holds 8 numbers, its breakpoints ask for 9"),
-        (GRID.replace('Ref varID="mach"', 'Ref varID="mach" interpolate="cubicSpline"'), 13, "interpolate='cubicSpline'"),
+        (
+            GRID.replace('Ref varID="mach"', 'Ref varID="mach" interpolate="cubicSpline"'),
+            13,
+            "interpolate='cubicSpline'",
+        ),
         (GRID.replace('gtID="CD_T"/>', 'gtID="CX"/>'), 14, "unknown table 'CX'"),
     ],
 )
@@ -148,8 +172,16 @@ def test_what_is_not_supported_is_named_with_file_and_line(tmp_path, body, line,
     "old, new, words",
     [
         ('"Cl" units="nd">', '"Cl" units="ft">', "unit 'ft' is not one of number"),
-        ('"CLR_DAMPING" units="_rad" initialValue="0.0"', '"CLR_DAMPING" units="_rad" initialValue="0.2"', "not of a supported form"),
-        ('varID="CL" units="nd" initialValue="0.0"', 'varID="CL" units="nd" initialValue="0.1"', "not of a supported form"),
+        (
+            '"CLR_DAMPING" units="_rad" initialValue="0.0"',
+            '"CLR_DAMPING" units="_rad" initialValue="0.2"',
+            "not of a supported form",
+        ),
+        (
+            'varID="CL" units="nd" initialValue="0.0"',
+            'varID="CL" units="nd" initialValue="0.1"',
+            "not of a supported form",
+        ),
         ('name="trueAirspeed"', 'name="dynamicPressure"', "depend on dynamicPressure are not supported"),
     ],
 )
@@ -165,7 +197,12 @@ def test_aerodynamics_that_a_vehicle_cannot_carry_are_refused(tmp_path, old, new
 def test_products_of_inertia_are_refused(tmp_path):
     text = (FILES / "brick_inertia.dml").read_text(encoding="utf-8")
     path = tmp_path / "brick.dml"
-    path.write_text(text.replace('varID="XIZX" units="slugft2" initialValue="0.0"', 'varID="XIZX" units="slugft2" initialValue="1e-4"'))
+    path.write_text(
+        text.replace(
+            'varID="XIZX" units="slugft2" initialValue="0.0"',
+            'varID="XIZX" units="slugft2" initialValue="1e-4"',
+        )
+    )
     assert "principal axes" in refusal(path, lambda file: vehicle_part([file])).message
 
 
@@ -183,7 +220,11 @@ ENTITIES = {
 @pytest.mark.parametrize("place", ["text", "attribute"])
 def test_entities_are_refused_at_once(tmp_path, kind, place):
     reference = {"parameter entity": "", "billion laughs": "&a11;"}.get(kind, "&x;")
-    body = variable(reference if place == "attribute" else "a", 1.0, f"<description>{reference}</description>" if place == "text" else "")
+    body = variable(
+        reference if place == "attribute" else "a",
+        1.0,
+        f"<description>{reference}</description>" if place == "text" else "",
+    )
     head = HEAD.replace("\n<DAVE", f"\n{ENTITIES[kind]}\n<DAVE")
     start = time.perf_counter()
     problem = refusal(write(tmp_path, body, head=head))

@@ -1,4 +1,6 @@
-"""``edl6dof fly nesc/case06`` ends with status 0, and ``edl6dof export RUN --nesc`` writes the check cases' own table."""
+"""``edl6dof fly nesc/case06`` ends with status 0, and ``edl6dof export RUN --nesc`` writes the check cases'
+own table.
+"""
 
 import csv
 import sys
@@ -39,7 +41,12 @@ def test_table_of_a_run(folder, capsys, monkeypatch):
 
 
 def test_same_bits_from_the_resolved_scenario(folder, capsys, monkeypatch):
-    assert run(capsys, monkeypatch, "fly", str(folder / "scenario.yaml"), "--no-replay", "-q", "--out", "again")[0] == 0
+    assert (
+        run(capsys, monkeypatch, "fly", str(folder / "scenario.yaml"), "--no-replay", "-q", "--out", "again")[
+            0
+        ]
+        == 0
+    )
     for place in (str(folder), "again"):
         assert run(capsys, monkeypatch, "export", place, "--nesc")[0] == 0
     assert (folder / "nesc.csv").read_bytes() == Path("again/nesc.csv").read_bytes()

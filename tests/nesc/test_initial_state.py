@@ -1,4 +1,6 @@
-"""The two ways of giving velocity and attitude at t = 0 agree, and contradictions are refused at their keys."""
+"""The two ways of giving velocity and attitude at t = 0 agree, and contradictions are refused at their
+keys.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from edl6dof.scenario.records import build_case, build_tables, initial_plant
 
 
 def start(*overrides):
-    scenario = edl6dof.load("nesc/case06", ["initial={altitude_m: 1000, latitude_deg: 35, longitude_deg: 20}", *overrides]).scenario
+    scenario = edl6dof.load(
+        "nesc/case06", ["initial={altitude_m: 1000, latitude_deg: 35, longitude_deg: 20}", *overrides]
+    ).scenario
     return initial_plant(scenario, build_case(scenario, build_tables(scenario)))["y"][0]
 
 
@@ -31,14 +35,20 @@ def test_euler_angles_are_from_geodetic_north_east_down():
     east = np.array([-np.sin(lon), np.cos(lon), 0.0])
     down = np.cross(north, east)
     yaw, pitch, roll = np.radians([30.0, -20.0, 10.0])
-    turned = Quaternion(axis=[0, 0, 1], angle=yaw) * Quaternion(axis=[0, 1, 0], angle=pitch) * Quaternion(axis=[1, 0, 0], angle=roll)
+    turned = (
+        Quaternion(axis=[0, 0, 1], angle=yaw)
+        * Quaternion(axis=[0, 1, 0], angle=pitch)
+        * Quaternion(axis=[1, 0, 0], angle=roll)
+    )
     for axis in np.eye(3):
         expected = np.array([north, east, down]).T @ turned.rotate(axis)
         assert np.allclose(q.rotate(axis), expected, atol=1e-12)
 
 
 def test_wind_angles_of_zero_equal_euler_angles_along_the_path():
-    first, second = (start(*words)[6:10] for words in (PATH, (NED, "initial.yaw_pitch_roll_deg=[120, -30, 0]")))
+    first, second = (
+        start(*words)[6:10] for words in (PATH, (NED, "initial.yaw_pitch_roll_deg=[120, -30, 0]"))
+    )
     assert abs(first @ second) == pytest.approx(1.0, abs=1e-14)
 
 
@@ -52,13 +62,29 @@ def test_at_rest():
 @pytest.mark.parametrize(
     "overrides, key, words",
     [
-        ((), "initial.speed_m_s", "required key is missing: speed relative to the rotating planet, in m/s (or give"),
+        (
+            (),
+            "initial.speed_m_s",
+            ("required key is missing: speed relative to the rotating planet, in m/s (or give"),
+        ),
         (PATH[:2], "initial.azimuth_deg", "required key is missing"),
         ((NED, PATH[0]), "initial.speed_m_s", "must not stand beside velocity_ned_m_s"),
         ((NED, PATH[2]), "initial.azimuth_deg", "must not stand beside velocity_ned_m_s"),
-        (("initial.velocity_ned_m_s=[20000, 20000, 0]",), "initial.velocity_ned_m_s", "must have a length of at most 20000"),
-        ((NED, "initial.yaw_pitch_roll_deg=[0, 0, 0]", "initial.alpha_deg=0"), "initial.alpha_deg", "must not stand beside yaw_pitch_roll"),
-        ((NED, "initial.yaw_pitch_roll_deg=[0, 91, 0]"), "initial.yaw_pitch_roll_deg", "pitch within -90 and 90"),
+        (
+            ("initial.velocity_ned_m_s=[20000, 20000, 0]",),
+            "initial.velocity_ned_m_s",
+            "must have a length of at most 20000",
+        ),
+        (
+            (NED, "initial.yaw_pitch_roll_deg=[0, 0, 0]", "initial.alpha_deg=0"),
+            "initial.alpha_deg",
+            "must not stand beside yaw_pitch_roll",
+        ),
+        (
+            (NED, "initial.yaw_pitch_roll_deg=[0, 91, 0]"),
+            "initial.yaw_pitch_roll_deg",
+            "pitch within -90 and 90",
+        ),
         ((NED, "initial.yaw_pitch_roll_deg=[0, 0]"), "initial.yaw_pitch_roll_deg", "must be"),
     ],
 )

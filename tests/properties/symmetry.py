@@ -1,4 +1,6 @@
-"""The flight that the symmetry properties turn and mirror: capsule entry or deployments in dense air, flight software off."""
+"""The flight that the symmetry properties turn and mirror: capsule entry or deployments in dense air, flight
+software off.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +12,39 @@ from edl6dof.sim.flight import fly
 from edl6dof.verify.scene import state_of
 
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.
-SCENE = ("mission.phases=[]", "planet.gravity.model=j2", "terrain.model=none", "wind.model=constant", "simulation.time_limit_s=12")
+SCENE = (
+    "mission.phases=[]",
+    "planet.gravity.model=j2",
+    "terrain.model=none",
+    "wind.model=constant",
+    "simulation.time_limit_s=12",
+)
 
 
 def end_state(overrides, parachute=True):
-    """State after 12 s, with the trim wing at 1 s, the mortar at 2 s (if ``parachute``) and the heat shield off at 9 s."""
+    """State after 12 s, with the trim wing at 1 s, the mortar at 2 s (if ``parachute``) and the heat shield
+    off at 9 s.
+    """
     loaded = load_scenario("tianwen1", [*SCENE, *overrides])
     start = state_of(loaded)
     for event, t in ((TRIM_WING, 1.0), (MORTAR, 2.003 if parachute else 1e99), (HEAT_SHIELD_OFF, 9.0)):
         start.plant["due"][0, event] = t
     flight = fly(loaded, start=start)
-    assert flight.outcome == "time limit" and flight.plant["canopy"][0] == (2 if parachute else 0), flight.outcome
+    assert flight.outcome == "time limit" and flight.plant["canopy"][0] == (2 if parachute else 0), (
+        flight.outcome
+    )
     return flight.plant["y"][0].copy()
 
 
 def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7.088218066304e-05):
-    """Overrides; ``side`` -1 is the mirror image in the plane of the pole and longitude 0: east and west, left and right."""
-    parts = {"heat_shield": (-0.30, 0.01, -0.035), "backshell": (-1.70, -0.0687, -0.284), "propellant": (-0.80, 0.047, 0.0)}
+    """Overrides; ``side`` -1 is the mirror image in the plane of the pole and longitude 0: east and west,
+    left and right.
+    """
+    parts = {
+        "heat_shield": (-0.30, 0.01, -0.035),
+        "backshell": (-1.70, -0.0687, -0.284),
+        "propellant": (-0.80, 0.047, 0.0),
+    }
     return [
         f"initial.latitude_deg={latitude}",
         f"initial.longitude_deg={side * longitude}",
@@ -48,7 +66,9 @@ def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7
 
 
 def apart(a, b):
-    """Largest relative difference of two states; positions count by the difference over a metre, the quaternion with either sign."""
+    """Largest relative difference of two states; positions count by the difference over a metre, the
+    quaternion with either sign.
+    """
     q = min(np.abs(a[6:10] - b[6:10]).max(), np.abs(a[6:10] + b[6:10]).max())
     others = np.abs(np.delete(a - b, [6, 7, 8, 9, 15])).max()
     return max(float(q), float(others))

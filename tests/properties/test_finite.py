@@ -1,7 +1,8 @@
 """Whatever valid vehicle in whatever state: the derivatives are finite numbers.
 
-Vehicles are drawn inside the bounds of the scenario file (those the file refuses are not counted), states far beyond what a flight meets:
-from below the ground to orbit, from rest to 20 km/s, any attitude, 20 rad/s, with the canopy packed, in tow, open or gone.
+Vehicles are drawn inside the bounds of the scenario file (those the file refuses are not counted), states far
+beyond what a flight meets: from below the ground to orbit, from rest to 20 km/s, any attitude, 20 rad/s, with
+the canopy packed, in tow, open or gone.
 """
 
 from __future__ import annotations
@@ -59,8 +60,14 @@ def disturb(plant, rng):
     y[16:19] = y[0:3] + rng.normal(size=3) * rng.choice([0.0, 1.0, 30.0, 1e4])
     y[19:22] = y[3:6] + rng.normal(size=3) * rng.choice([0.0, 30.0])
     plant["attached"][0] = rng.integers(0, 2, 3)
-    plant["canopy"], plant["running"], plant["legs"], plant["touched"] = rng.integers(0, 4), *rng.integers(0, 2, 3)
-    plant["line_stretch_time"], plant["wing_start"] = rng.choice([-100.0, -0.1, 0.0, 1e99]), rng.choice([-5.0, -0.3, 1e99])
+    plant["canopy"], plant["running"], plant["legs"], plant["touched"] = (
+        rng.integers(0, 4),
+        *rng.integers(0, 2, 3),
+    )
+    plant["line_stretch_time"], plant["wing_start"] = (
+        rng.choice([-100.0, -0.1, 0.0, 1e99]),
+        rng.choice([-5.0, -0.3, 1e99]),
+    )
 
 
 @LIMITS

@@ -1,11 +1,15 @@
-"""Symmetries of the physics: the planet turned about its axis turns the answer, and a mirror mirrors the flight.
+"""Symmetries of the physics: the planet turned about its axis turns the answer, and a mirror mirrors the
+flight.
 
-Turning: gravity J2, winds and air depend on latitude and height only, so a start at another longitude flies the same flight there.  The
-parachute stays packed: its snatch magnifies rounding (1e-9 m) up to a metre in a wild deployment, too much for a tolerance of 1e-6 m.
-Mirroring in the plane of the pole and longitude 0: a mirror image of a planet turns the other way, so the rotation rate changes sign with
-longitude, azimuth, bank, sideslip, roll and yaw rate, wind towards east, and every lateral offset of masses and bridle.  Every
-operation has its mirror image, so even the roundings agree and the answer is exact, parachute and all.  The thrusters stay shut; their
-layout is mirrored by pairs and not exactly (F1 to F4).
+Turning: gravity J2, winds and air depend on latitude and height only, so a start at another longitude flies
+the same flight there.  The
+parachute stays packed: its snatch magnifies rounding (1e-9 m) up to a metre in a wild deployment, too much
+for a tolerance of 1e-6 m.
+Mirroring in the plane of the pole and longitude 0: a mirror image of a planet turns the other way, so the
+rotation rate changes sign with longitude, azimuth, bank, sideslip, roll and yaw rate, wind towards east, and
+every lateral offset of masses and bridle.  Every operation has its mirror image, so even the roundings agree
+and the answer is exact, parachute and all.  The thrusters stay shut; their layout is mirrored by pairs and
+not exactly (F1 to F4).
 Planted error: in the mirror the rotation of the planet is left as it was; in the turn the wind changes.
 """
 
@@ -45,7 +49,9 @@ def mirrored(y):
 def test_turning_the_planet_turns_the_flight(latitude, longitude, azimuth, bank, beta, p, r, east, angle):
     given_scene = (azimuth, bank, beta, p, r, east)
     there = np.remainder(longitude + angle + 180.0, 360.0) - 180.0
-    first, second = (end_state(scene(latitude, x, *given_scene), parachute=False) for x in (longitude, float(there)))
+    first, second = (
+        end_state(scene(latitude, x, *given_scene), parachute=False) for x in (longitude, float(there))
+    )
     assert apart(turned(first, there - longitude), second) < 1e-6
 
 
@@ -60,7 +66,9 @@ def test_planted_errors_are_caught():
     first = end_state(scene(*ONE))
     wrong_spin = end_state(scene(*ONE, side=-1.0, spin=-7.088218066304e-05))
     assert apart(mirrored(first), wrong_spin) > 1.0
-    calm, other_wind = (end_state(s, parachute=False) for s in (scene(*ONE), scene(25.0, 50.0, *ONE[2:7], 10.001)))
+    calm, other_wind = (
+        end_state(s, parachute=False) for s in (scene(*ONE), scene(25.0, 50.0, *ONE[2:7], 10.001))
+    )
     assert apart(turned(calm, 10.0), other_wind) > 1e-4
 
 

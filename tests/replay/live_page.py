@@ -1,6 +1,8 @@
-"""A page that draws itself for as long as it is looked at: Chromium without a window, steered by its debugging protocol.
+"""A page that draws itself for as long as it is looked at: Chromium without a window, steered by its
+debugging protocol.
 
-The picture that ``--screenshot`` takes comes before the viewer has unpacked itself; this waits until it has drawn what is asked for.
+The picture that ``--screenshot`` takes comes before the viewer has unpacked itself; this waits until it has
+drawn what is asked for.
 """
 
 from __future__ import annotations
@@ -25,7 +27,13 @@ import pytest
 from PIL import Image
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-OPTIONS = ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+OPTIONS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
 
 
 class Page:
@@ -37,7 +45,9 @@ class Page:
         self._socket = socket.create_connection((name, int(port)), timeout=60.0)
         key = base64.b64encode(os.urandom(16)).decode()
         wanted = f"GET /{path} HTTP/1.1\r\nHost: {host}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-        self._socket.sendall(f"{wanted}Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+        self._socket.sendall(
+            f"{wanted}Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n".encode()
+        )
         self._stream = self._socket.makefile("rb")
         while self._stream.readline().strip():
             pass
@@ -72,14 +82,20 @@ class Page:
         if method == "Runtime.exceptionThrown":
             self.problems.append(str(what["exceptionDetails"].get("text")))
         if method == "Runtime.consoleAPICalled" and what["type"] in ("error", "assert"):
-            self.problems.append(" ".join(str(part.get("value", part.get("description"))) for part in what["args"]))
+            self.problems.append(
+                " ".join(str(part.get("value", part.get("description"))) for part in what["args"])
+            )
         if method == "Log.entryAdded" and what["entry"]["level"] == "error":
             self.problems.append(what["entry"]["text"])
 
     def _send(self, content: bytes) -> None:
         mask = os.urandom(4)
         size = len(content)
-        head = struct.pack("!BB", 0x81, 0x80 | size) if size < 126 else struct.pack("!BBH", 0x81, 0x80 | 126, size)
+        head = (
+            struct.pack("!BB", 0x81, 0x80 | size)
+            if size < 126
+            else struct.pack("!BBH", 0x81, 0x80 | 126, size)
+        )
         self._socket.sendall(head + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(content)))
 
     def _receive(self) -> bytes:
@@ -88,7 +104,9 @@ class Page:
             first, size = self._stream.read(2)
             last = bool(first & 0x80)
             if size > 125:
-                (size,) = struct.unpack("!H" if size == 126 else "!Q", self._stream.read(2 if size == 126 else 8))
+                (size,) = struct.unpack(
+                    "!H" if size == 126 else "!Q", self._stream.read(2 if size == 126 else 8)
+                )
             content += self._stream.read(size)
         return content
 
@@ -98,7 +116,9 @@ def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> 
     """The page at an address in a browser; skips the test where there is none."""
     program = next(filter(None, map(shutil.which, NAMES)), None)
     if program is None:
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium): the page is not rendered")
+        pytest.skip(
+            "no Chromium on this machine (Debian: apt-get install chromium): the page is not rendered"
+        )
     words = [
         program,
         *OPTIONS,
@@ -107,7 +127,9 @@ def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> 
         "--remote-debugging-port=0",
         "about:blank",
     ]
-    running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    running = subprocess.Popen(
+        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     try:
         line = next(line for line in running.stderr if "DevTools listening on" in line)
         port = line.split("ws://")[1].split("/")[0]
@@ -120,11 +142,18 @@ def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> 
 
 
 def settled(page: Page, drawn: Callable[[np.ndarray], bool], most_s: float = 150.0) -> np.ndarray:
-    """The picture once the replay plays and what is waited for is drawn; the last picture when it never is."""
+    """The picture once the replay plays and what is waited for is drawn; the last picture when it never
+    is.
+    """
     end = time.monotonic() + most_s
-    while time.monotonic() < end and page.value("document.documentElement.dataset.state") not in ("playing", "failed"):
+    while time.monotonic() < end and page.value("document.documentElement.dataset.state") not in (
+        "playing",
+        "failed",
+    ):
         time.sleep(0.5)
-    assert page.value("document.documentElement.dataset.state") == "playing", page.value("document.body.innerText")
+    assert page.value("document.documentElement.dataset.state") == "playing", page.value(
+        "document.body.innerText"
+    )
     shown = page.picture()
     while time.monotonic() < end and not drawn(shown):
         time.sleep(1.0)
@@ -137,4 +166,6 @@ def _page_of(port: str) -> str:
 
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     with opener.open(f"http://{port}/json/list", timeout=20.0) as answer:
-        return next(target["webSocketDebuggerUrl"] for target in json.load(answer) if target["type"] == "page")
+        return next(
+            target["webSocketDebuggerUrl"] for target in json.load(answer) if target["type"] == "page"
+        )

@@ -25,7 +25,11 @@ def synthetic_flight() -> SimpleNamespace:
         tm[channel.name] = np.sin(0.1 * (k + 1) * t) + 0.01 * k
     tm["truth.height_m"] = np.maximum(900.0 - 45.0 * t, 0.7)
     tm["truth.altitude_m"] = tm["truth.height_m"] - 4099.4
-    tm["truth.site_east_m"], tm["truth.site_north_m"], tm["truth.site_up_m"] = 3.0 * t, 200.0 - 10.0 * t, tm["truth.height_m"]
+    tm["truth.site_east_m"], tm["truth.site_north_m"], tm["truth.site_up_m"] = (
+        3.0 * t,
+        200.0 - 10.0 * t,
+        tm["truth.height_m"],
+    )
     q = rng.normal(size=4) + 0.1 * np.outer(np.sin(t), rng.normal(size=4))
     for axis, column in zip("wxyz", (q / np.linalg.norm(q, axis=1, keepdims=True)).T, strict=True):
         tm[f"truth.q_I2B_{axis}"] = column
@@ -41,12 +45,27 @@ def synthetic_flight() -> SimpleNamespace:
     for k, jet in enumerate(scenario.vehicle.rcs.thrusters):
         tm[f"rcs.{jet.name}"] = np.clip(np.sin(t + k), 0.0, 1.0)
         tm[f"fault.{jet.name}"] = np.where((jet.name == "D7") & (t >= FAILURE), 1, 0)
-    keys = {"mortar": MORTAR, "heat_shield": SHIELD, "landing_legs": 12.0, "backshell": SHELL, "trim_wing": 4.0, "end": END}
+    keys = {
+        "mortar": MORTAR,
+        "heat_shield": SHIELD,
+        "landing_legs": 12.0,
+        "backshell": SHELL,
+        "trim_wing": 4.0,
+        "end": END,
+    }
     order = sorted(keys.items(), key=lambda item: item[1])
     events = [{"t_s": when, "key": key, "name": key, "detail": "detail"} for key, when in order]
-    events.insert(2, {"t_s": DIAGNOSIS, "key": "diagnosis", "name": "diagnosed: D7 stuck off", "detail": "", **FOUND})
+    events.insert(
+        2, {"t_s": DIAGNOSIS, "key": "diagnosis", "name": "diagnosed: D7 stuck off", "detail": "", **FOUND}
+    )
     return SimpleNamespace(
-        telemetry=tm, events=events, phase_names=names, scenario=scenario, outcome="landed within limits", success=True, name="synthetic"
+        telemetry=tm,
+        events=events,
+        phase_names=names,
+        scenario=scenario,
+        outcome="landed within limits",
+        success=True,
+        name="synthetic",
     )
 
 
@@ -57,7 +76,10 @@ def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
     rows: list[tuple[float, dict]] = []
     for chunk in RrdReader(path).stream().filter(content=[entity], is_static=False).to_chunks():
         batch = chunk.to_record_batch()
-        times = batch.column("sim_time").to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64) / 1e9
+        times = (
+            batch.column("sim_time").to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64)
+            / 1e9
+        )
         columns = {n: batch.column(n).to_pylist() for n in batch.schema.names if ":" in n}
         rows += [(t, {n: values[i] for n, values in columns.items()}) for i, t in enumerate(times)]
     rows.sort(key=lambda row: row[0])

@@ -33,7 +33,11 @@ def test_servers_listen_on_this_machine_only():
         started.wait_for(port)
         with open("/proc/net/tcp", encoding="ascii") as table:
             rows = [line.split() for line in table.readlines()[1:]]
-        listening = {row[1].split(":")[0] for row in rows if row[3] == "0A" and int(row[1].split(":")[1], 16) in (port, data)}
+        listening = {
+            row[1].split(":")[0]
+            for row in rows
+            if row[3] == "0A" and int(row[1].split(":")[1], 16) in (port, data)
+        }
         assert listening == {"0100007F"}
     assert not listens(port), "and it is gone afterwards"
 
@@ -48,7 +52,13 @@ def test_the_program_ends_with_its_parent(number):
         f"    started.wait_for({port})\n    print('ready', flush=True)\n    input()\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    parent = subprocess.Popen([sys.executable, "-c", text], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
+    parent = subprocess.Popen(
+        [sys.executable, "-c", text],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
     with parent:
         assert parent.stdout.readline() == "ready\n"
         assert listens(port)
@@ -76,14 +86,20 @@ def pretended(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("said", "words"),
     [
-        ("INFO fine\nthread 'main' panicked at 'Failed to get render context'\nstack backtrace:", "mesa-vulkan-drivers"),
+        (
+            "INFO fine\nthread 'main' panicked at 'Failed to get render context'\nstack backtrace:",
+            "mesa-vulkan-drivers",
+        ),
         ("Error: winit EventLoopError: neither WAYLAND_DISPLAY nor DISPLAY is set.", "no display"),
         ("rerun: error while loading shared libraries: libfoo.so.1: cannot open", "libfoo.so.1"),
     ],
 )
 def test_what_the_machine_lacks_is_said(said, words, pretended, tmp_path):
     pretended(said)
-    for action in (lambda: viewer.show(tmp_path), lambda: viewer.screenshot(tmp_path, tmp_path / "x.png", 1.0)):
+    for action in (
+        lambda: viewer.show(tmp_path),
+        lambda: viewer.screenshot(tmp_path, tmp_path / "x.png", 1.0),
+    ):
         with pytest.raises(NoViewer, match=words):
             action()
 

@@ -45,7 +45,14 @@ def share(pixels: np.ndarray, low: tuple[int, int, int], high: tuple[int, int, i
 def ground_is_drawn(pixels: np.ndarray) -> bool:
     """Whether the lower half of the chase view is rust-coloured."""
     height, width, _ = pixels.shape
-    return share(pixels[int(0.48 * height) : int(0.75 * height), : int(0.44 * width)], (90, 40, 20), (235, 175, 130)) > 0.3
+    return (
+        share(
+            pixels[int(0.48 * height) : int(0.75 * height), : int(0.44 * width)],
+            (90, 40, 20),
+            (235, 175, 130),
+        )
+        > 0.3
+    )
 
 
 def curves_are_drawn(pixels: np.ndarray) -> bool:
@@ -78,7 +85,9 @@ def test_html_file_plays_from_disk_without_network_or_error(recording, tmp_path)
     page.write_bytes(html.page(recording, "made up & <tested>"))
     assert "https://" not in page.read_text(encoding="utf-8").split("<script>")[0]
     with opened(page.resolve().as_uri(), tmp_path / "profile", SIZE) as browser:
-        shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(int)
+        shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(
+            int
+        )
         assert browser.problems == []
         assert browser.value("document.title") == "made up & <tested>"
     assert ground_is_drawn(shown)

@@ -43,7 +43,10 @@ def test_file_is_sound_and_small(replay):
 def test_entities_and_components(replay):
     from rerun.chunk import RrdReader
 
-    held = {(c.entity_path, c.component) for c in RrdReader(replay).stream().collect().schema().component_columns()}
+    held = {
+        (c.entity_path, c.component)
+        for c in RrdReader(replay).stream().collect().schema().component_columns()
+    }
     expected = {
         "/site/ground": "Mesh3D:vertex_positions",
         "/site/path": "LineStrips3D:strips",
@@ -105,8 +108,24 @@ def test_blueprint_travels_with_the_file(replay):
         for name in cell or []
     }
     assert {
-        *("Chase", "Descent", "Whole flight", "Landing", "Site", "Globe", "Body, frames, forces", "Readout", "Phases", "Events"),
-        *("Mach number (1)", "Roll: error (deg), rate (deg/s)", "Disturbance torque x (N m)", "Thrusters A1 to D7"),
+        *(
+            "Chase",
+            "Descent",
+            "Whole flight",
+            "Landing",
+            "Site",
+            "Globe",
+            "Body, frames, forces",
+            "Readout",
+            "Phases",
+            "Events",
+        ),
+        *(
+            "Mach number (1)",
+            "Roll: error (deg), rate (deg/s)",
+            "Disturbance torque x (N m)",
+            "Thrusters A1 to D7",
+        ),
     } <= names
 
 
@@ -197,16 +216,25 @@ def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(rep
 
 def test_trim_wing_swings_out_to_the_vehicle_files_place_and_square_to_the_axis(flight, replay):
     times, columns = read(replay, "/site/vehicle/trim_wing")
-    wing, rows = flight.scenario.vehicle.trim_wing, [i for i, q in enumerate(columns["Transform3D:quaternion"]) if q]
+    wing, rows = (
+        flight.scenario.vehicle.trim_wing,
+        [i for i, q in enumerate(columns["Transform3D:quaternion"]) if q],
+    )
     poses = [Quaternion(*np.roll(columns["Transform3D:quaternion"][i][0], 1)) for i in rows]
     hinge = np.array(columns["Transform3D:translation"][rows[0]][0])
     angles = [np.degrees((pose.inverse * poses[-1]).angle) for pose in poses]
-    assert angles[0] == pytest.approx(90.0 + flight.scenario.vehicle.aero.capsule.backshell_cone_angle_deg, abs=0.01)
+    assert angles[0] == pytest.approx(
+        90.0 + flight.scenario.vehicle.aero.capsule.backshell_cone_angle_deg, abs=0.01
+    )
     assert np.all(np.diff(angles) < 0.0)
     assert times[rows[1]] > 4.0 and times[rows[-1]] == pytest.approx(4.7, abs=0.05)
-    assert np.allclose(poses[-1].rotate([0.0, 0.0, 1.0]), [1.0, 0.0, 0.0], atol=1e-6), "the open plate faces the flow"
+    assert np.allclose(poses[-1].rotate([0.0, 0.0, 1.0]), [1.0, 0.0, 0.0], atol=1e-6), (
+        "the open plate faces the flow"
+    )
     span = abs(wing.position_z_m) - abs(hinge[2])
-    assert np.allclose(hinge + poses[-1].rotate([span, 0.0, 0.0]), [wing.position_x_m, 0.0, wing.position_z_m], atol=1e-6)
+    assert np.allclose(
+        hinge + poses[-1].rotate([span, 0.0, 0.0]), [wing.position_x_m, 0.0, wing.position_z_m], atol=1e-6
+    )
 
 
 def test_arrows_end_when_their_force_does(flight, replay):
@@ -224,12 +252,17 @@ def test_several_flights_share_one_scene(flight, tmp_path):
     from rerun.chunk import RrdReader
 
     write_replay([history(flight), history(flight)], tmp_path / "two.rrd", ["one", "two"])
-    held = {c.entity_path for c in RrdReader(tmp_path / "two.rrd").stream().collect().schema().component_columns()}
+    held = {
+        c.entity_path for c in RrdReader(tmp_path / "two.rrd").stream().collect().schema().component_columns()
+    }
     own = {"vehicle", "path", "trail", "parachute", "markers/vehicle", "vehicle/lander", "vehicle/failed/D7"}
     assert {f"/site/flight_1/{name}" for name in own} <= held
     assert {"/site/ground", "/plots/mach/flight_1", "/globe/flight_1/track"} <= held
     assert "/site/flight_1/ground" not in held and "/site/flight_1/camera" not in held
-    one, two = (read(tmp_path / "two.rrd", entity)[1]["Transform3D:translation"] for entity in ("/site/vehicle", "/site/flight_1/vehicle"))
+    one, two = (
+        read(tmp_path / "two.rrd", entity)[1]["Transform3D:translation"]
+        for entity in ("/site/vehicle", "/site/flight_1/vehicle")
+    )
     assert one == two
 
 
@@ -278,19 +311,34 @@ def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path)
     from edl6dof.replay.scene.ensemble import CAUSES, SUCCESS, Trajectory
 
     line = np.outer(np.arange(5.0), [100.0, 0.0, -50.0])
-    cases = [Trajectory(line, ""), Trajectory(line + 1.0, ""), Trajectory(line, "crashed"), Trajectory(np.full((3, 3), np.nan), "lost")]
+    cases = [
+        Trajectory(line, ""),
+        Trajectory(line + 1.0, ""),
+        Trajectory(line, "crashed"),
+        Trajectory(np.full((3, 3), np.nan), "lost"),
+    ]
     write_replay([history(flight)], tmp_path / "swarm.rrd", swarm=cases)
     stored = {}
-    for chunk in RrdReader(tmp_path / "swarm.rrd").stream().filter(content=["/site/campaign/**", "/campaign"]).to_chunks():
+    for chunk in (
+        RrdReader(tmp_path / "swarm.rrd")
+        .stream()
+        .filter(content=["/site/campaign/**", "/campaign"])
+        .to_chunks()
+    ):
         batch = chunk.to_record_batch()
-        stored[chunk.entity_path] = {name: batch.column(name).to_pylist()[0] for name in batch.schema.names if ":" in name}
+        stored[chunk.entity_path] = {
+            name: batch.column(name).to_pylist()[0] for name in batch.schema.names if ":" in name
+        }
     good, worse = stored["/site/campaign/success"], stored["/site/campaign/failure_1"]
     assert np.allclose(good["LineStrips3D:strips"], [line, line + 1.0])
     rgb = [
-        [(colour >> shift) & 255 for shift in (24, 16, 8)] for colour in (good["LineStrips3D:colors"][0], worse["LineStrips3D:colors"][0])
+        [(colour >> shift) & 255 for shift in (24, 16, 8)]
+        for colour in (good["LineStrips3D:colors"][0], worse["LineStrips3D:colors"][0])
     ]
     assert rgb == [list(SUCCESS), list(CAUSES[0])]
-    assert stored["/site/campaign/failure_2"]["LineStrips3D:strips"] == [[]], "a case that was never anywhere is counted, not drawn"
+    assert stored["/site/campaign/failure_2"]["LineStrips3D:strips"] == [[]], (
+        "a case that was never anywhere is counted, not drawn"
+    )
     assert "2 of 4 succeed" in stored["/campaign"]["TextDocument:text"][0]
 
 

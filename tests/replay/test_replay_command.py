@@ -28,14 +28,19 @@ def run(tmp_path_factory) -> Path:
 
 
 def options(*runs: Path, **more: object) -> command.ReplayOptions:
-    return command.ReplayOptions(runs, **{"web": False, "html": None, "screenshot": None, "at_s": None, "page": "", "force": False} | more)
+    return command.ReplayOptions(
+        runs,
+        **{"web": False, "html": None, "screenshot": None, "at_s": None, "page": "", "force": False} | more,
+    )
 
 
 @pytest.fixture
 def shown(monkeypatch) -> list[tuple[Path, bytes]]:
     """What would have been opened on the desktop: path and beginning of the file."""
     seen: list[tuple[Path, bytes]] = []
-    monkeypatch.setattr(viewer, "show", lambda recording: seen.append((recording, recording.read_bytes()[:4])))
+    monkeypatch.setattr(
+        viewer, "show", lambda recording: seen.append((recording, recording.read_bytes()[:4]))
+    )
     return seen
 
 
@@ -54,7 +59,16 @@ def test_what_is_drawn_from_the_folder_is_what_was_drawn_from_the_flight(run, tm
     flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=20"])
     write_replay([history(flight)], tmp_path / "a.rrd")
     write_replay([history(command.FlownRun(run))], tmp_path / "b.rrd")
-    words = [sys.executable, "-m", "rerun", "rrd", "compare", "--unordered", str(tmp_path / "a.rrd"), str(tmp_path / "b.rrd")]
+    words = [
+        sys.executable,
+        "-m",
+        "rerun",
+        "rrd",
+        "compare",
+        "--unordered",
+        str(tmp_path / "a.rrd"),
+        str(tmp_path / "b.rrd"),
+    ]
     done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -1,4 +1,6 @@
-"""Ground, shapes and phase planes of the replay against the vehicle file, the true terrain and the control laws."""
+"""Ground, shapes and phase planes of the replay against the vehicle file, the true terrain and the control
+laws.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +39,16 @@ def test_ground_is_that_of_the_simulation(scenario, site):
     fill_terrain_grid(grid[0])
     fill_terrain(terrain[0], scenario.terrain, grid[0], scenario.planet.mean_radius_m)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
-        lat, lon = radians(scenario.terrain.site_latitude_deg + dlat), radians(scenario.terrain.site_longitude_deg + dlon)
+        lat, lon = (
+            radians(scenario.terrain.site_latitude_deg + dlat),
+            radians(scenario.terrain.site_longitude_deg + dlon),
+        )
         height = true_ground(terrain[0], grid[0], lat, lon)[0]
         e2 = site.flattening * (2.0 - site.flattening)
         prime = site.radius / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
-        place = np.array([(prime + height) * np.cos(lat) * np.cos(lon), (prime + height) * np.cos(lat) * np.sin(lon), 0.0])
+        place = np.array(
+            [(prime + height) * np.cos(lat) * np.cos(lon), (prime + height) * np.cos(lat) * np.sin(lon), 0.0]
+        )
         place[2] = (prime * (1.0 - e2) + height) * np.sin(lat)
         east, north, up = site.axes @ (place - site.origin)
         elevation, drawn = site.ground(east, north)
@@ -51,7 +58,9 @@ def test_ground_is_that_of_the_simulation(scenario, site):
 
 def test_planned_ellipse_is_56_by_22_km_along_the_flight(scenario):
     site = scenario.terrain
-    east, north = planned_ellipse(site.ellipse_length_m, site.ellipse_width_m, radians(site.ellipse_azimuth_deg))
+    east, north = planned_ellipse(
+        site.ellipse_length_m, site.ellipse_width_m, radians(site.ellipse_azimuth_deg)
+    )
     far = np.hypot(east, north)
     assert (2.0 * far.max(), 2.0 * far.min()) == pytest.approx((56e3, 22e3))
     flight = np.radians(scenario.initial.azimuth_deg)
@@ -72,7 +81,9 @@ def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
     distance = np.hypot(rocks.places[:, 0] - 200.0, rocks.places[:, 1] + 50.0)
     assert distance.min() > 2.5, "none under the lander"
     assert np.all(np.abs(rocks.places[:, 2] - landscape.height(*rocks.places[:, :2].T)) < 1.0)
-    assert np.sum(rocks.sizes[:, 0] > 0.5) < np.sum(rocks.sizes[:, 0] < 0.5), "more small ones than large ones"
+    assert np.sum(rocks.sizes[:, 0] > 0.5) < np.sum(rocks.sizes[:, 0] < 0.5), (
+        "more small ones than large ones"
+    )
 
 
 def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
@@ -81,11 +92,17 @@ def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     radius = np.hypot(shield.positions[:, 1], shield.positions[:, 2])
     assert 2.0 * radius.max() == pytest.approx(vehicle.aero.capsule.diameter_m, rel=1e-9)
     assert shield.positions[:, 0].max() == pytest.approx(0.0, abs=1e-9), "the nose is the origin"
-    flank = shield.positions[(radius > 0.55) & (radius < 1.5) & (np.linalg.norm(shield.normals, axis=1) > 0.5)]
+    flank = shield.positions[
+        (radius > 0.55) & (radius < 1.5) & (np.linalg.norm(shield.normals, axis=1) > 0.5)
+    ]
     outer = flank[flank[:, 0] > -0.5 * (np.hypot(flank[:, 1], flank[:, 2]))]
     slope = np.polyfit(np.hypot(outer[:, 1], outer[:, 2]), outer[:, 0], 1)[0]
-    assert np.degrees(np.arctan2(1.0, -slope)) == pytest.approx(vehicle.aero.capsule.cone_half_angle_deg, abs=6.0)
-    assert np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
+    assert np.degrees(np.arctan2(1.0, -slope)) == pytest.approx(
+        vehicle.aero.capsule.cone_half_angle_deg, abs=6.0
+    )
+    assert (
+        np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
+    )
     lander = craft.lander(vehicle).positions
     for jet in vehicle.rcs.thrusters:
         assert np.min(np.linalg.norm(lander - jet.position_m, axis=1)) < 0.12, jet.name
@@ -119,12 +136,18 @@ def test_deadband_lines_are_where_the_switching_law_begins_to_fire():
     fill(record[0], params)
     right = np.sinh(boundaries(params, 0)[1][0] * np.arcsinh(180.0)) * [1.0, -1.0]
     for error, rate in right[(np.abs(right[:, 1]) < 8.0) & (np.abs(right[:, 1]) > 0.2)][::3]:
-        inside, outside = (switch_axis(record[0], 0, np.radians(error + d), np.radians(rate)) for d in (-0.01, 0.01))
+        inside, outside = (
+            switch_axis(record[0], 0, np.radians(error + d), np.radians(rate)) for d in (-0.01, 0.01)
+        )
         assert (inside, outside) == (0, 1), (error, rate)
 
 
 def test_globe_shows_the_map():
-    mesh = planet(3396.19, Site(load_scenario("tianwen1").scenario).relief.map, load_scenario("tianwen1").scenario.planet.appearance.relief)
+    mesh = planet(
+        3396.19,
+        Site(load_scenario("tianwen1").scenario).relief.map,
+        load_scenario("tianwen1").scenario.planet.appearance.relief,
+    )
     assert np.allclose(np.linalg.norm(mesh.positions, axis=1), 3396.19, atol=1e-6)
     tone = mesh.colours.astype(int).sum(axis=1)
     olympus, hellas = (_nearest(mesh.positions, lat, lon) for lat, lon in ((18.65, -133.8), (-42.4, 70.5)))
@@ -139,7 +162,9 @@ def _nearest(positions: np.ndarray, lat_deg: float, lon_deg: float) -> int:
 
 
 def test_ground_and_globe_have_the_colours_of_the_planet():
-    """Titan's pictures are not those of Mars: each tone lies between the planet's own darkest and lightest ground."""
+    """Titan's pictures are not those of Mars: each tone lies between the planet's own darkest and lightest
+    ground.
+    """
     titan = Site(load_scenario("titan_probe").scenario)
     look = titan.appearance
     near = Landscape(titan, np.zeros(3), 5e3).mesh().colours[-1].astype(float)

@@ -34,7 +34,9 @@ def server() -> Iterator[PageServer]:
         running.shutdown()
 
 
-def ask(port: int, method: str = "GET", path: str = "/", hosts: list[str] | None = None) -> tuple[int, bytes, dict[str, str]]:
+def ask(
+    port: int, method: str = "GET", path: str = "/", hosts: list[str] | None = None
+) -> tuple[int, bytes, dict[str, str]]:
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10.0)
     connection.putrequest(method, path, skip_host=True)
     for host in [f"127.0.0.1:{port}"] if hosts is None else hosts:
@@ -104,9 +106,13 @@ def recording(tmp_path_factory) -> Path:
 @contextmanager
 def command(recording: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
     """``edl6dof replay --web`` without a display, and the port that it says."""
-    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    environment = {
+        name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")
+    }
     words = [sys.executable, "-c", "from edl6dof.cli import main; main()", "replay", str(recording), "--web"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env={**environment, "PYTHONPATH": str(ROOT)}) as process:
+    with subprocess.Popen(
+        words, stdout=subprocess.PIPE, text=True, env={**environment, "PYTHONPATH": str(ROOT)}
+    ) as process:
         try:
             line = process.stdout.readline()
             assert line.startswith("http://127.0.0.1:") and line.endswith("Ctrl-C ends it\n")
@@ -130,7 +136,12 @@ def test_two_at_once_serve_the_replay_and_end_when_told_to(recording):
 
 
 def test_the_served_page_plays(recording, tmp_path):
-    with command(recording) as (_, port), opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (1280, 800)) as browser:
-        shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(int)
+    with (
+        command(recording) as (_, port),
+        opened(f"http://127.0.0.1:{port}/", tmp_path / "profile", (1280, 800)) as browser,
+    ):
+        shown = settled(browser, lambda pixels: ground_is_drawn(pixels) and curves_are_drawn(pixels)).astype(
+            int
+        )
         assert browser.problems == []
     assert ground_is_drawn(shown) and curves_are_drawn(shown)

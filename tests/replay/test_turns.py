@@ -31,7 +31,16 @@ def test_products_and_turned_vectors_agree_with_pyquaternion(pair):
 
 def test_axes_come_back_from_every_attitude_half_turns_included(pair):
     root = np.sqrt(0.5)
-    half = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1], [0, root, root, 0], [0, 0, root, root], [0, root, 0, -root]])
+    half = np.array(
+        [
+            [0, 1, 0, 0],
+            [0, 0, 1, 0],
+            [0, 0, 0, 1],
+            [0, root, root, 0],
+            [0, 0, root, root],
+            [0, root, 0, -root],
+        ]
+    )
     wanted = np.concatenate([pair[0], half])
     found = turns.from_axes(Rotation.from_quat(turns.xyzw(wanted)).as_matrix())
     assert np.allclose(np.abs((found * wanted).sum(axis=-1)), 1.0, atol=1e-12)
@@ -40,10 +49,12 @@ def test_axes_come_back_from_every_attitude_half_turns_included(pair):
 def test_turn_about_z_and_towards_a_direction():
     angle = np.array([-0.3, 0.0, 2.8])
     assert np.allclose(
-        turns.rotate(turns.about_z(angle), np.array([1.0, 0.0, 0.0])), np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+        turns.rotate(turns.about_z(angle), np.array([1.0, 0.0, 0.0])),
+        np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1),
     )
     ways = np.append(RNG.normal(size=(30, 3)), [[5.0, 0.0, 0.0], [-2.0, 0.0, 0.0]], axis=0)
     got = turns.rotate(turns.from_x_to(ways), np.array([1.0, 0.0, 0.0]))
     assert np.allclose(got, ways / np.linalg.norm(ways, axis=-1, keepdims=True), atol=1e-4)
-    for q, way in zip(turns.from_x_to(ways[:30]), ways[:30], strict=True):  # no turn is shorter than the angle between the two
+    # no turn is shorter than the angle between the two
+    for q, way in zip(turns.from_x_to(ways[:30]), ways[:30], strict=True):
         assert Quaternion(q).angle == pytest.approx(np.arccos(way[0] / np.linalg.norm(way)), abs=1e-9)

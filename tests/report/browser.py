@@ -35,7 +35,9 @@ def browser() -> str:
     """The program; skips the test where there is none."""
     found = next(filter(None, map(shutil.which, NAMES)), None)
     if found is None:
-        pytest.skip("no Chromium on this machine (Debian: apt-get install chromium): the report is not rendered")
+        pytest.skip(
+            "no Chromium on this machine (Debian: apt-get install chromium): the report is not rendered"
+        )
     return found
 
 
@@ -54,7 +56,9 @@ def print_out(page: Path, place: Path) -> Path:
 
 
 def run(page: Path, place: Path, *options: str) -> list[str]:
-    """Run the browser; returns what the page wrote to its console, policy violations and network failures included."""
+    """Run the browser; returns what the page wrote to its console, policy violations and network failures
+    included.
+    """
     words = [browser(), *OPTIONS, f"--user-data-dir={place / 'profile'}", *options, page.resolve().as_uri()]
     done = subprocess.run(words, capture_output=True, text=True, timeout=180, check=False)
     assert done.returncode == 0, done.stderr[-2000:]
@@ -64,4 +68,6 @@ def run(page: Path, place: Path, *options: str) -> list[str]:
 def share(pixels: np.ndarray, colour: str, tolerance: int = 12) -> float:
     """Share of the pixels that have a colour such as ``#0072B2``."""
     wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)])
-    return float(np.mean(np.all(np.abs(pixels.astype(np.int16) - wanted.astype(np.int16)) <= tolerance, axis=-1)))
+    return float(
+        np.mean(np.all(np.abs(pixels.astype(np.int16) - wanted.astype(np.int16)) <= tolerance, axis=-1))
+    )

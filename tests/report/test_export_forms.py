@@ -84,7 +84,10 @@ def test_oem_is_read_by_two_published_parsers(run, exported, tmp_path):
     assert first.epoch.isot.startswith("2021-05-14T23:08:55.1")
     assert (last.epoch - first.epoch).sec == pytest.approx(run.t[-1], abs=1e-6)
     for state, row in ((first, 0), (last, -1)):
-        radius, speed = (np.linalg.norm([run[f"truth.{s}_I_{a}_{u}"][row] for a in "xyz"]) for s, u in (("r", "m"), ("v", "m_s")))
+        radius, speed = (
+            np.linalg.norm([run[f"truth.{s}_I_{a}_{u}"][row] for a in "xyz"])
+            for s, u in (("r", "m"), ("v", "m_s"))
+        )
         assert np.linalg.norm(state.position) * 1e3 == pytest.approx(radius, abs=1e-3)
         assert np.linalg.norm(state.velocity) * 1e3 == pytest.approx(speed, abs=1e-6)
     other = ndm.NdmIo().from_path(few).body.segment[0].data.state_vector
@@ -93,7 +96,9 @@ def test_oem_is_read_by_two_published_parsers(run, exported, tmp_path):
 
 
 def test_velocity_of_the_oem_is_the_rate_of_its_position(exported):
-    rows = [line.split() for line in (exported / "orbit.oem").read_text().splitlines() if line.startswith("2021")]
+    rows = [
+        line.split() for line in (exported / "orbit.oem").read_text().splitlines() if line.startswith("2021")
+    ]
     i = 5000
     before, here, after = (np.array(rows[k][1:], float) for k in (i - 1, i, i + 1))
     assert (after[:3] - before[:3]) / 0.04 == pytest.approx(here[3:], abs=2e-6)
@@ -123,21 +128,31 @@ def test_aem_turns_the_celestial_frame_into_the_body(run, exported, tmp_path):
 
 
 def test_sun_over_mars_stands_where_mars_time_says():
-    """Sub-solar point by this orientation, against Mars' mean solar time and equation of time (Allison & McEwen 2000)."""
-    coordinates = pytest.importorskip("astropy.coordinates", reason="pip install astropy: positions of Sun and Mars")
+    """Sub-solar point by this orientation, against Mars' mean solar time and equation of time (Allison &
+    McEwen 2000).
+    """
+    coordinates = pytest.importorskip(
+        "astropy.coordinates", reason="pip install astropy: positions of Sun and Mars"
+    )
     from astropy.time import Time
     from astropy.utils import iers
 
     iers.conf.auto_download = False
     when = datetime.fromisoformat(EPOCH + "+00:00")
     time = Time(when.replace(tzinfo=None), scale="utc")
-    sun, mars = (coordinates.get_body_barycentric(name, time, ephemeris="builtin").xyz.to_value("km") for name in ("sun", "mars"))
+    sun, mars = (
+        coordinates.get_body_barycentric(name, time, ephemeris="builtin").xyz.to_value("km")
+        for name in ("sun", "mars")
+    )
     x, y, z = icrf_to_fixed("Mars", when) @ (sun - mars)
     longitude, latitude = np.degrees(np.arctan2(y, x)), np.degrees(np.arctan2(z, np.hypot(x, y)))
 
     days = days_since_j2000(when)
     anomaly = np.radians(19.3871 + 0.52402073 * days)
-    centre = sum(a * np.sin(k * anomaly) for k, a in enumerate((10.691 + 3e-7 * days, 0.623, 0.050, 0.005, 0.0005), start=1))
+    centre = sum(
+        a * np.sin(k * anomaly)
+        for k, a in enumerate((10.691 + 3e-7 * days, 0.623, 0.050, 0.005, 0.0005), start=1)
+    )
     terms = (
         (71, 2.2353, 49.409),
         (57, 2.7543, 168.173),
@@ -156,7 +171,9 @@ def test_sun_over_mars_stands_where_mars_time_says():
 
 
 def test_earth_turns_with_sidereal_time():
-    coordinates = pytest.importorskip("astropy.coordinates", reason="pip install astropy: rotation of the Earth")
+    coordinates = pytest.importorskip(
+        "astropy.coordinates", reason="pip install astropy: rotation of the Earth"
+    )
     from astropy.time import Time
     from astropy.utils import iers
 
@@ -172,7 +189,9 @@ def test_earth_turns_with_sidereal_time():
 def test_a_scenario_without_a_date_cannot_become_a_message(run, tmp_path):
     for name in ("telemetry.parquet", "events.json", "summary.json"):
         (tmp_path / name).write_bytes((run.folder / name).read_bytes())
-    (tmp_path / "scenario.yaml").write_text(run.scenario_text.replace('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""'))
+    (tmp_path / "scenario.yaml").write_text(
+        run.scenario_text.replace('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""')
+    )
     seal(tmp_path, "flight")
     with pytest.raises(ConfigError, match="epoch_utc"):
         run_export(Run(tmp_path).folder, "oem", None, force=False)

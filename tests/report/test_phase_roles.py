@@ -1,4 +1,6 @@
-"""The name of a phase is only shown: with every phase renamed, figures, report, replay, fault cases and studies are the same."""
+"""The name of a phase is only shown: with every phase renamed, figures, report, replay, fault cases and
+studies are the same.
+"""
 
 from __future__ import annotations
 
@@ -64,7 +66,11 @@ def test_every_phase_has_another_name(nominal, other):
 
 def test_figures_and_checks_are_the_same(nominal, other):
     flight = other[0]
-    assert flight.metrics == nominal.metrics and flight.checks == nominal.checks and flight.outcome == nominal.outcome
+    assert (
+        flight.metrics == nominal.metrics
+        and flight.checks == nominal.checks
+        and flight.outcome == nominal.outcome
+    )
 
 
 def test_figures_need_the_roles(tmp_path):
@@ -90,7 +96,11 @@ def rows_of(flight, path, old):
     found = {}
     for chunk in RrdReader(path).stream().to_chunks():
         batch = chunk.to_record_batch()
-        columns = {name: batch.column(name) for name in batch.schema.names if ":" in name and name != "RecordingInfo:start_time"}
+        columns = {
+            name: batch.column(name)
+            for name in batch.schema.names
+            if ":" in name and name != "RecordingInfo:start_time"
+        }
         if "sim_time" in batch.schema.names:
             columns["sim_time"] = batch.column("sim_time").cast("int64")
         text = repr([(name, column.to_pylist()) for name, column in columns.items()])
@@ -110,12 +120,15 @@ def test_usual_faults_begin_in_the_same_phases_and_do_the_same(nominal, other, t
     fault = "faults=[{{thruster: D5, kind: stuck_off, at: {{phase: {}, plus_s: 1}}}}]"
     first = edl6dof.fly("tianwen1", [fault.format("hazard_avoidance")])
     second = edl6dof.fly(
-        renamed_file("tianwen1", tmp_path)[0], [fault.format(flight.phase_names[nominal.phase_names.index("hazard_avoidance")])]
+        renamed_file("tianwen1", tmp_path)[0],
+        [fault.format(flight.phase_names[nominal.phase_names.index("hazard_avoidance")])],
     )
     assert first.metrics == second.metrics and "time_to_detect_s" in first.metrics
 
 
-@pytest.mark.parametrize("module, study, runs", [(rigs, HU2022, 1), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)])
+@pytest.mark.parametrize(
+    "module, study, runs", [(rigs, HU2022, 1), (yan2016, yan2016.STUDY, yan2016.STUDY.runs)]
+)
 def test_study_finds_the_same(module, study, runs, tmp_path, monkeypatch):
     def found():
         return repr(study.run(runs, lambda done, total: None).findings)
@@ -129,12 +142,21 @@ def test_study_finds_the_same(module, study, runs, tmp_path, monkeypatch):
 def test_several_phases_of_a_role_count_from_the_first_to_the_last():
     roles = [TRIM, LIFT, "none", LIFT, PARACHUTE]
     assert span(roles, LIFT) == (1, 4) and span(roles, TRIM) == (0, 1) and span(roles, "landed") == (0, 0)
-    assert during(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), roles, LIFT).tolist() == [False, True, True, True, False]
+    assert during(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), roles, LIFT).tolist() == [
+        False,
+        True,
+        True,
+        True,
+        False,
+    ]
     assert not during(np.array([0.0, 1.0]), roles, "landed").any()
 
 
 def test_a_role_begins_with_its_first_phase(nominal):
-    events = [{"key": f"phase.{number}", "t_s": 2.0 * number, "role": role} for number, role in enumerate((TRIM, LIFT, LIFT, "none"))]
+    events = [
+        {"key": f"phase.{number}", "t_s": 2.0 * number, "role": role}
+        for number, role in enumerate((TRIM, LIFT, LIFT, "none"))
+    ]
     when = first_times(events)
     assert when[begun(LIFT)] == 2.0 and when["phase.2"] == 4.0 and begun("none") not in when
     assert first_times(nominal.events)[begun(LIFT)] == nominal.metrics["lift_start_s"]

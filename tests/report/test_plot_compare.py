@@ -45,7 +45,9 @@ def other(run, tmp_path_factory):
     summary = json.loads((run.folder / "summary.json").read_text())
     summary["figures"]["propellant_used_kg"] += 3.0
     (folder / "summary.json").write_text(json.dumps(summary))
-    (folder / "scenario.yaml").write_text(re.sub(r"^seed: 1\b", "seed: 8", run.scenario_text, flags=re.MULTILINE))
+    (folder / "scenario.yaml").write_text(
+        re.sub(r"^seed: 1\b", "seed: 8", run.scenario_text, flags=re.MULTILINE)
+    )
     seal(folder, "flight")
     return Run(folder)
 
@@ -77,7 +79,9 @@ def test_pdf_holds_tables_and_figures(run, tmp_path):
     write_pdf(part, tmp_path / "r.pdf")
     content = (tmp_path / "r.pdf").read_bytes()
     assert content.startswith(b"%PDF")
-    assert len(re.findall(rb"/Type /Page\b", content)) == 2 + len(list(part.figures())), "two pages of tables, one for each figure"
+    assert len(re.findall(rb"/Type /Page\b", content)) == 2 + len(list(part.figures())), (
+        "two pages of tables, one for each figure"
+    )
 
 
 @pytest.mark.parametrize("place, words", [("nowhere", "no such folder"), (".", "no telemetry.parquet")])
@@ -120,9 +124,27 @@ def test_plot_names_what_was_meant(run):
 
 
 def test_plot_writes_what_the_ending_says(run, tmp_path, capsys, monkeypatch):
-    for ending, start in ((".html", b"<!DOCTYPE"), (".png", b"\x89PNG"), (".pdf", b"%PDF"), (".svg", b"<?xml")):
+    for ending, start in (
+        (".html", b"<!DOCTYPE"),
+        (".png", b"\x89PNG"),
+        (".pdf", b"%PDF"),
+        (".svg", b"<?xml"),
+    ):
         out = tmp_path / f"p{ending}"
-        assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--against", "truth.altitude_m", "--out", out)[0] == 0
+        assert (
+            command(
+                capsys,
+                monkeypatch,
+                "plot",
+                run.folder,
+                "truth.mach",
+                "--against",
+                "truth.altitude_m",
+                "--out",
+                out,
+            )[0]
+            == 0
+        )
         assert out.read_bytes().startswith(start)
     assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--out", tmp_path / "p.doc")[0] == 2
     assert command(capsys, monkeypatch, "plot", run.folder, "truth.mach", "--from", "9000")[0] == 2
@@ -147,7 +169,9 @@ def test_overlay_holds_the_curves_of_both(run, other):
 
 
 def test_compare_writes_a_page_and_says_so(run, other, tmp_path, capsys, monkeypatch):
-    code, out, _ = command(capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html")
+    code, out, _ = command(
+        capsys, monkeypatch, "compare", run.folder, other.folder, "--out", tmp_path / "c.html"
+    )
     assert code == 0 and "\n  seed: 1 | 8\n" in out and out.endswith("c.html\n")
     assert Path(tmp_path / "c.html").stat().st_size < 7_000_000
 
@@ -161,7 +185,9 @@ def test_terminal_shows_the_first_of_many_differences(run, other, tmp_path, caps
     folder = tmp_path / "far"
     shutil.copytree(other.folder, folder)
     text = (folder / "scenario.yaml").read_text()
-    (folder / "scenario.yaml").write_text(re.sub(r"^( *\w+): \d+\.\d+\b", r"\1: 77.5", text, flags=re.MULTILINE))
+    (folder / "scenario.yaml").write_text(
+        re.sub(r"^( *\w+): \d+\.\d+\b", r"\1: 77.5", text, flags=re.MULTILINE)
+    )
     seal(folder, "flight")
     code, out, _ = command(capsys, monkeypatch, "compare", run.folder, folder, "--out", tmp_path / "c.html")
     shown = [line for line in out.splitlines() if line.endswith(" | 77.5")]

@@ -83,15 +83,24 @@ def test_thinning_keeps_a_lone_peak_and_the_gaps():
     assert np.nanmax(few.y) == 7.5 and t[31_234] in few.x
     assert not np.any((few.x > t[10_000]) & (few.x < t[19_999]) & np.isfinite(few.y))
     rest = few.x[np.isfinite(few.y)]
-    assert np.max(np.abs(np.interp(t[20_000:], rest, few.y[np.isfinite(few.y)]) - y[20_000:])[: 31_000 - 20_000]) < 0.05
+    assert (
+        np.max(np.abs(np.interp(t[20_000:], rest, few.y[np.isfinite(few.y)]) - y[20_000:])[: 31_000 - 20_000])
+        < 0.05
+    )
 
 
 def test_words_cannot_break_out_of_the_page():
     nasty = "</script><script>alert(1)</script>"
     panel = Panel(
-        Axis(nasty), Axis("y"), [Trace(np.arange(3.0), np.arange(3.0), nasty)], [Band("#fff", label=nasty)], [Mark("x", 1.0, nasty)]
+        Axis(nasty),
+        Axis("y"),
+        [Trace(np.arange(3.0), np.arange(3.0), nasty)],
+        [Band("#fff", label=nasty)],
+        [Mark("x", 1.0, nasty)],
     )
-    sections = [Section("a", nasty, [Text(nasty), Table([nasty], [[nasty]]), Figure("f", nasty, [panel], nasty)])]
+    sections = [
+        Section("a", nasty, [Text(nasty), Table([nasty], [[nasty]]), Figure("f", nasty, [panel], nasty)])
+    ]
     text = page(Report(nasty, nasty, "bad", nasty, sections=sections))
     assert "<script>alert" not in text
     assert text.count("</script>") == 3

@@ -58,8 +58,12 @@ def test_a_curve_stands_where_its_numbers_say(tmp_path):
     """A straight line from corner to corner must run through the middle of its panel."""
     browser()
     line = Trace(np.linspace(0.0, 1.0, 50), np.linspace(0.0, 1.0, 50), colour=BLUE, width=4.0)
-    figure = Figure("one", "one", [Panel(Axis("x (m)", (0.0, 1.0)), Axis("y (m)", (0.0, 1.0)), [line])], height=400)
-    (tmp_path / "one.html").write_text(page(Report("one", "fine", "good", sections=[Section("s", "s", [figure])])), encoding="utf-8")
+    figure = Figure(
+        "one", "one", [Panel(Axis("x (m)", (0.0, 1.0)), Axis("y (m)", (0.0, 1.0)), [line])], height=400
+    )
+    (tmp_path / "one.html").write_text(
+        page(Report("one", "fine", "good", sections=[Section("s", "s", [figure])])), encoding="utf-8"
+    )
     pixels = show(tmp_path / "one.html", tmp_path, 1000, 900).pixels
     rows, columns = np.nonzero(np.max(np.abs(pixels.astype(int) - (0, 0x72, 0xB2)), axis=-1) < 20)
     assert len(rows) > 500
@@ -73,11 +77,17 @@ def test_a_curve_stands_where_its_numbers_say(tmp_path):
 
 def test_prints_on_a4_with_every_figure(written, run, tmp_path):
     if shutil.which("pdfinfo") is None or shutil.which("pdftotext") is None:
-        pytest.skip("no poppler-utils on this machine (Debian: apt-get install poppler-utils): the print is not read")
+        pytest.skip(
+            "no poppler-utils on this machine (Debian: apt-get install poppler-utils): the print is not read"
+        )
     pdf = print_out(written, tmp_path)
     facts = subprocess.run(["pdfinfo", pdf], capture_output=True, text=True, check=True).stdout
     assert "A4" in facts
-    text = " ".join(subprocess.run(["pdftotext", "-layout", pdf, "-"], capture_output=True, text=True, check=True).stdout.split())
+    text = " ".join(
+        subprocess.run(
+            ["pdftotext", "-layout", pdf, "-"], capture_output=True, text=True, check=True
+        ).stdout.split()
+    )
     for figure in flight_report(run).figures():
         assert figure.title in text
     assert "time since entry (s)" in text, "axis titles are drawn"

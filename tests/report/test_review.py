@@ -31,7 +31,9 @@ def radians(gains, *names):
 def test_zone_border_is_the_rate_the_controller_steers_for(run):
     gains = run.scenario["flight_software"]["control"]["thrust_vector"]["pitch_yaw"]
     plain = {name: gains[name] for name in ("proportional", "derivative")}
-    zone = SimpleNamespace(**plain, **radians(gains, "near_deg", "far_deg", "rate_deg_s", "deceleration_deg_s2"))
+    zone = SimpleNamespace(
+        **plain, **radians(gains, "near_deg", "far_deg", "rate_deg_s", "deceleration_deg_s2")
+    )
     for error in (7.0, 10.0, 20.0, 24.9, 25.1, 90.0):
         own = np.degrees(target_rate.py_func(zone, np.radians(error), 1.0))
         assert phase_planes.aimed_rate(gains, np.array([error]))[0] == pytest.approx(own, rel=1e-12)
@@ -43,7 +45,9 @@ def test_firing_border_is_where_the_law_begins_to_fire(run):
     law = SimpleNamespace(hysteresis=gains["hysteresis"], lead=gains["lead_s"], **radians(gains, *names))
     for rate in np.linspace(-4.3, 3.9, 23):
         border = float(phase_planes.firing_error(gains, np.array([rate]))[0])
-        before, after = (switch_axis.py_func(law, 0, np.radians(border + d), np.radians(rate)) for d in (-1e-6, 1e-6))
+        before, after = (
+            switch_axis.py_func(law, 0, np.radians(border + d), np.radians(rate)) for d in (-1e-6, 1e-6)
+        )
         assert (before, after) == (0, 1), rate
 
 
@@ -67,7 +71,8 @@ def test_path_rate_is_gravity_and_lift_over_speed(run):
     radius = np.linalg.norm([run[f"truth.r_I_{axis}_m"][i] for axis in "xyz"])
     g = run.scenario["planet"]["gravity"]["mu_m3_s2"] / radius**2
     expected = g * np.cos(np.radians(run["truth.flight_path_angle_deg"][i])) / run["truth.speed_m_s"][i]
-    assert rate[i] == pytest.approx(np.degrees(expected), rel=0.12)  # the rotating planet's share is left out here
+    # the rotating planet's share is left out here
+    assert rate[i] == pytest.approx(np.degrees(expected), rel=0.12)
 
 
 def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
@@ -80,7 +85,9 @@ def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     density = 2.0 * borders["heat"] / entry.drag_per_pressure / entry.speed**2
     flux = run["truth.heat_flux_w_cm2"] / np.sqrt(run["truth.density_kg_m3"]) / run["truth.airspeed_m_s"] ** 3
     i = int(np.argmax(run["truth.heat_flux_w_cm2"]))
-    assert flux[i] * np.sqrt(density) * entry.speed**3 == pytest.approx(limit["entry_heat_flux_w_cm2"], rel=1e-3)
+    assert flux[i] * np.sqrt(density) * entry.speed**3 == pytest.approx(
+        limit["entry_heat_flux_w_cm2"], rel=1e-3
+    )
     load = borders["load"] * entry.load_per_pressure / entry.drag_per_pressure / trajectory.G0
     assert load == pytest.approx(limit["entry_load_g0"])
 
@@ -101,7 +108,10 @@ def test_thruster_map_holds_the_mean_duty(run, figures):
 def test_thruster_propellant_is_what_the_tank_lost_before_the_engine(run):
     table = actuators.use(run)
     before = run.t < run.when["ignition"]
-    share = sum(float(row[-1]) * run[f"rcs.{row[0]}"][before].sum() / max(run[f"rcs.{row[0]}"].sum(), 1e-12) for row in table.rows)
+    share = sum(
+        float(row[-1]) * run[f"rcs.{row[0]}"][before].sum() / max(run[f"rcs.{row[0]}"].sum(), 1e-12)
+        for row in table.rows
+    )
     lost = run["truth.propellant_kg"][0] - run["truth.propellant_kg"][before][-1]
     assert share == pytest.approx(lost, rel=0.05)
 
@@ -110,7 +120,10 @@ def test_every_axis_is_titled_with_its_unit(figures):
     for figure in figures.values():
         for panel in figure.panels:
             for axis in (panel.x, panel.y):
-                assert axis.names or "(" in axis.title or axis.title == "Mach number", (figure.key, axis.title)
+                assert axis.names or "(" in axis.title or axis.title == "Mach number", (
+                    figure.key,
+                    axis.title,
+                )
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +167,13 @@ def test_flight_without_flight_software_has_a_report_too(tmp_path):
     write_run(flight, tmp_path)
     seal(tmp_path, "flight")
     report = flight_report(Run(tmp_path))
-    assert {section.key for section in report.sections} >= {"verdict", "events", "trajectory", "configuration", "software"}
+    assert {section.key for section in report.sections} >= {
+        "verdict",
+        "events",
+        "trajectory",
+        "configuration",
+        "software",
+    }
     for figure in report.figures():
         go.Figure(drawing(figure))
 

@@ -1,4 +1,6 @@
-"""Margins of the attitude loops: closed forms, the compiled laws in simulation, and the figures in the docstrings."""
+"""Margins of the attitude loops: closed forms, the compiled laws in simulation, and the figures in the
+docstrings.
+"""
 
 from math import degrees, pi, radians, sqrt
 
@@ -49,7 +51,9 @@ def test_phase_margin_of_a_slow_loop_is_the_closed_form_less_the_dead_time_of_ho
     own = margins(loop)
     assert own.crossover_rad_s == pytest.approx(crossover, rel=0.01)
     dead_time = loop.cycle / 2.0 + loop.valve_lag
-    assert own.phase_deg == pytest.approx(degrees(np.arctan(d * crossover / p) - crossover * dead_time), abs=0.3)
+    assert own.phase_deg == pytest.approx(
+        degrees(np.arctan(d * crossover / p) - crossover * dead_time), abs=0.3
+    )
 
 
 def test_sampled_rate_feedback_alone_is_stable_up_to_two_over_the_cycle():
@@ -63,7 +67,9 @@ def test_sampled_rate_feedback_alone_is_stable_up_to_two_over_the_cycle():
 
 
 def simulate(loop, push, cycles):
-    """Inputs of the plant under the compiled laws: ``push`` (per cycle) is added to the commanded acceleration."""
+    """Inputs of the plant under the compiled laws: ``push`` (per cycle) is added to the commanded
+    acceleration.
+    """
     zone, settings = np.zeros(1, dtype_of(ZoneParams))[0], np.zeros(1, dtype_of(DisturbanceParams))[0]
     gains = {"proportional": loop.proportional, "integral": loop.integral, "derivative": loop.derivative}
     fill(zone, ZoneParams(near_deg=179.0, far_deg=180.0, rate_deg_s=60.0, integral_limit_deg_s2=1e6, **gains))
@@ -75,7 +81,16 @@ def simulate(loop, push, cycles):
     for k in range(cycles):
         expected = INERTIA * ((delay + lag) * before + (cycle - delay - lag) * last) / cycle
         wrench = (0.0, 0.0, 0.0, expected, 0.0, 0.0)
-        estimate(settings, (INERTIA,) * 3 + (0.0,) * 3, 1.0, (rate - delay * applied, 0.0, 0.0), (0.0,) * 3, wrench, cycle, memory)
+        estimate(
+            settings,
+            (INERTIA,) * 3 + (0.0,) * 3,
+            1.0,
+            (rate - delay * applied, 0.0, 0.0),
+            (0.0,) * 3,
+            wrench,
+            cycle,
+            memory,
+        )
         found = memory["torque"][0] / INERTIA if loop.pole else 0.0
         command = follow(zone, axis, -angle, rate, cycle, False) - found
         entering = command + push[k]
@@ -88,7 +103,9 @@ def simulate(loop, push, cycles):
 
 @pytest.mark.parametrize("name", ["bank", "parachute roll", "lander pitch and yaw"])
 def test_compiled_laws_have_the_loop_gain_of_the_linear_model(loops, name):
-    """A sine of acceleration pushes the closed loop; command over input of the plant is minus the open loop."""
+    """A sine of acceleration pushes the closed loop; command over input of the plant is minus the open
+    loop.
+    """
     loop = loops[name]
     for cycles_per_turn in (20, 50, 125):
         turns = 4000 // cycles_per_turn
@@ -103,7 +120,9 @@ def test_compiled_laws_have_the_loop_gain_of_the_linear_model(loops, name):
 
 @pytest.mark.parametrize("zone", ["bank_to_steer.bank", "thrust_vector.roll"])
 def test_pid_zone_follows_a_sine_with_its_analytic_bandwidth(onboard_control, zone):
-    """Rate feedback, angle command: P / (s^2 + D s + P), 3 dB down at wn sqrt(1 - 2 z^2 + sqrt(2 - 4 z^2 + 4 z^4))."""
+    """Rate feedback, angle command: P / (s^2 + D s + P), 3 dB down at wn sqrt(1 - 2 z^2 + sqrt(2 - 4 z^2 + 4
+    z^4)).
+    """
     controller, channel = zone.split(".")
     record = onboard_control[controller][channel]
     natural = sqrt(record["proportional"])
@@ -140,13 +159,14 @@ def test_every_flown_loop_keeps_textbook_margins(loops):
 
 
 @pytest.mark.parametrize(
-    ("module", "name"), [(bank_to_steer, "bank"), (rate_damping, "parachute roll"), (thrust_vector, "lander pitch and yaw")]
+    ("module", "name"),
+    [(bank_to_steer, "bank"), (rate_damping, "parachute roll"), (thrust_vector, "lander pitch and yaw")],
 )
 def test_docstrings_give_the_margins_of_the_flown_gains(loops, module, name):
     own = margins(loops[name])
     text = " ".join(module.__doc__.split())
     down = f"{-own.gain_down_db:.0f} dB down" if own.gain_down_db > -59.0 else "any gain down"
     assert (
-        f"crossover {own.crossover_rad_s:.1f} rad/s, phase margin {own.phase_deg:.0f} deg, gain margin {own.gain_db:.0f} dB up and {down}"
-        in text
-    )
+        f"crossover {own.crossover_rad_s:.1f} rad/s, phase margin {own.phase_deg:.0f} deg, gain margin "
+        f"{own.gain_db:.0f} dB up and {down}"
+    ) in text

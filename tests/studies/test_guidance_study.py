@@ -1,4 +1,6 @@
-"""The comparison of entry laws: what is dispersed, what is measured, and that a small run of it comes out whole."""
+"""The comparison of entry laws: what is dispersed, what is measured, and that a small run of it comes out
+whole.
+"""
 
 from math import degrees
 
@@ -70,7 +72,8 @@ def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
 def test_open_loop_profile_is_the_planned_bank(nominal):
     loaded = edl6dof.load("tianwen1", guidance.overrides("bank_profile", nominal))
     points = loaded.scenario.flight_software.guidance.entry.bank_profile.points
-    planned = degrees(np.arccos(build_records(nominal).onboard[0]["reference"]["shift"]))  # a constant profile about 90 deg
+    # a constant profile about 90 deg
+    planned = degrees(np.arccos(build_records(nominal).onboard[0]["reference"]["shift"]))
     assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
 
 

@@ -32,7 +32,10 @@ def rows_of(report, experiment):
     return {row["variant"]: row for row in report.table.to_pylist() if row["experiment"] == experiment}
 
 
-@pytest.mark.parametrize("entry", [rigs.Entry(-75.0, 25.0, 40.0, (3.0, -4.0, 1.0)), rigs.Entry(120.0, 10.0, 300.0, (0.0, 0.0, 0.0))])
+@pytest.mark.parametrize(
+    "entry",
+    [rigs.Entry(-75.0, 25.0, 40.0, (3.0, -4.0, 1.0)), rigs.Entry(120.0, 10.0, 300.0, (0.0, 0.0, 0.0))],
+)
 def test_dispersed_entry_hangs_as_it_was_drawn(release, entry):
     state = rigs.hung_like(release, entry)
     nav, q = state.fsw["nav"][0], tuple(state.plant["y"][0, ATTITUDE : ATTITUDE + 4])
@@ -46,7 +49,9 @@ def test_dispersed_entry_hangs_as_it_was_drawn(release, entry):
 
 def test_thrust_error_from_the_truth_is_that_of_the_controller(nominal):
     table = nominal.telemetry
-    powered = (table["guide.phase"] >= nominal.phase_names.index("hover_imaging")) & (table["t_s"] < nominal.metrics["touchdown_s"])
+    powered = (table["guide.phase"] >= nominal.phase_names.index("hover_imaging")) & (
+        table["t_s"] < nominal.metrics["touchdown_s"]
+    )
     own = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])[powered]
     moving = np.abs(rigs.thrust_error_deg(nominal)[powered] - own)
     assert np.median(moving) < 0.02  # the controller works at half the rate of the telemetry
@@ -58,7 +63,9 @@ def test_torque_step_is_the_one_announced_and_the_integral_answers_like_its_line
     flight = flights["integral"]
     table = flight.telemetry
     t, error = table["t_s"] - table["t_s"][0], table["control.error_yaw_deg"]
-    before = nominal.telemetry["truth.disturbance_z_nm"][np.searchsorted(nominal.telemetry["t_s"], table["t_s"][0])]
+    before = nominal.telemetry["truth.disturbance_z_nm"][
+        np.searchsorted(nominal.telemetry["t_s"], table["t_s"][0])
+    ]
     assert table["truth.disturbance_z_nm"][5] - before == pytest.approx(rigs.STEP_NM, abs=3.0)
     gains = flight.scenario.flight_software.control.thrust_vector.pitch_yaw
     inertia = float(flight.plant["out"][0]["inertia"][2])
@@ -75,7 +82,9 @@ def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert found(report, "dispersed entries landed") == 100.0
     assert all(row["landed"] for row in rows_of(report, "avoidance").values())
-    assert report.table.num_rows == 2 * ENTRIES + len(rigs.AGAINST_STEP) + len(rigs.AVOIDANCE) + len(rigs.WING)
+    assert report.table.num_rows == 2 * ENTRIES + len(rigs.AGAINST_STEP) + len(rigs.AVOIDANCE) + len(
+        rigs.WING
+    )
     assert report.runs == report.table.num_rows + 1
 
 
@@ -100,4 +109,6 @@ def test_dead_d7_shows_in_roll_unless_diagnosis_or_estimator_deal_with_it(report
 
 def test_only_a_held_angle_of_attack_lets_the_parachute_open_after_a_failed_wing(report):
     rows = rows_of(report, "trim wing")
-    assert rows[rigs.HELD]["parachute_total_alpha_deg"] < 7.0 < rows["left to trim"]["parachute_total_alpha_deg"]
+    assert (
+        rows[rigs.HELD]["parachute_total_alpha_deg"] < 7.0 < rows["left to trim"]["parachute_total_alpha_deg"]
+    )

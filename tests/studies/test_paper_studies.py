@@ -1,4 +1,6 @@
-"""The studies of Zheng & Cui and of Yan, Sun & Guo on few runs: published bounds, and draws that do not depend on the number of runs."""
+"""The studies of Zheng & Cui and of Yan, Sun & Guo on few runs: published bounds, and draws that do not
+depend on the number of runs.
+"""
 
 from __future__ import annotations
 
@@ -69,8 +71,14 @@ def test_yan2016_keeps_the_published_bounds(yan):
 
 
 def test_yan2016_shows_the_gains_at_which_the_order_turns(yan):
-    """Honesty about an unprinted parameter: the comparison is repeated, and one of the repetitions goes against the paper in altitude."""
-    ratios = [found.computed for found in yan.findings if found.note.startswith("gains") and "altitude" in found.label]
+    """Honesty about an unprinted parameter: the comparison is repeated, and one of the repetitions goes
+    against the paper in altitude.
+    """
+    ratios = [
+        found.computed
+        for found in yan.findings
+        if found.note.startswith("gains") and "altitude" in found.label
+    ]
     assert len(ratios) == 3 and max(ratios) > 1.0 > min(ratios)
 
 
@@ -79,4 +87,7 @@ def test_figures_of_the_papers_are_drawn(zheng, yan):
     assert [drawing.name[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
     for drawing in (*zheng.drawings, *yan.drawings):
         for panel in drawing.panels:
-            assert all(len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all() for curve in panel.curves)
+            assert all(
+                len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
+                for curve in panel.curves
+            )

@@ -21,14 +21,23 @@ from edl6dof.studies.study import Curve, Drawing, Finding, Grid, Panel, Report, 
 
 def small(runs, progress):
     x = np.linspace(0.0, 1.0, 5)
-    panels = tuple(Panel(kind, "x", "y", (Curve(x, x, kind, kind),)) for kind in ("line", "reference", "dots", "histogram", "filled"))
+    panels = tuple(
+        Panel(kind, "x", "y", (Curve(x, x, kind, kind),))
+        for kind in ("line", "reference", "dots", "histogram", "filled")
+    )
     progress(runs, runs)
     findings = (
         Finding("kept", "m", 1.0, 2.0, "<="),
         Finding("side by side", "m", 3.0, 2.0),
         Finding("bound", "", float(runs), 5.0, ">="),
     )
-    return Report(findings, (Drawing("figure", panels),), pa.table({"truth.mass_kg": [1.0] * runs}), runs, ("A remark.",))
+    return Report(
+        findings,
+        (Drawing("figure", panels),),
+        pa.table({"truth.mass_kg": [1.0] * runs}),
+        runs,
+        ("A remark.",),
+    )
 
 
 SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
@@ -76,7 +85,12 @@ def test_a_fixed_set_of_flights_has_no_number(monkeypatch, capsys):
 def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     out = tmp_path / "deep" / "s"
     assert run_study(options("small", out=out)) == 0
-    assert sorted(path.name for path in out.iterdir()) == ["figure.png", "manifest.json", "runs.parquet", "summary.json"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "figure.png",
+        "manifest.json",
+        "runs.parquet",
+        "summary.json",
+    ]
     table = pq.read_table(out / "runs.parquet")
     assert table.num_rows == 9
     assert table.schema.field("truth.mass_kg").metadata[b"unit"] == b"kg"
@@ -128,9 +142,17 @@ def test_interrupted_study_leaves_nothing(monkeypatch, tmp_path, capsys):
 def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_path, capsys):
     """Headings stand in words below each other, a column has one number of decimals, and no number is cut."""
     heads = ("law", *(f"fig. {i} m/s2" for i in range(10)), "call us")
-    rows = (("long_name_law", *[12.345] * 10, 0.1234), ("npc", *[123.46] * 9, float("nan"), 53.4), ("other", *[9.8765] * 10, 0.2))
+    rows = (
+        ("long_name_law", *[12.345] * 10, 0.1234),
+        ("npc", *[123.46] * 9, float("nan"), 53.4),
+        ("other", *[9.8765] * 10, 0.2),
+    )
     grid = Grid("A comparison", heads, rows)
-    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", lambda runs, progress: replace(small(runs, progress), grids=(grid,))))
+    monkeypatch.setitem(
+        STUDIES,
+        "small",
+        Study("small", "t", "s", lambda runs, progress: replace(small(runs, progress), grids=(grid,))),
+    )
     monkeypatch.setenv("COLUMNS", "80")
     assert run_study(options("small", out=tmp_path / "s")) == 1
     lines = capsys.readouterr().out.splitlines()[:7]

@@ -27,7 +27,9 @@ def start(place: Path, value: str = "1.5", **environment: str) -> subprocess.Pop
     env = {key: text for key, text in os.environ.items() if not key.startswith(("NUMBA_", "XDG_"))}
     env |= {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "HOME": "/dev/null"} | environment
     words = [sys.executable, "-c", CALL, value]
-    return subprocess.Popen(words, cwd=place, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        words, cwd=place, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[str, int, list[str]]:
@@ -49,7 +51,14 @@ def test_damaged_code_is_compiled_again_and_said_in_one_line(place, harm):
     content = file.read_bytes()
     half = len(content) // 2
     flipped = content[:half] + bytes([content[half] ^ 1]) + content[half + 1 :]
-    file.write_bytes({"emptied": b"", "cut short": content[:half], "one bit": flipped, "something else": b"\x80\x05garbage."}[harm])
+    file.write_bytes(
+        {
+            "emptied": b"",
+            "cut short": content[:half],
+            "one bit": flipped,
+            "something else": b"\x80\x05garbage.",
+        }[harm]
+    )
     said, hits, lines = ended(start(place))
     assert (said, hits) == ("3.0", 0)
     (line,) = lines
@@ -77,7 +86,8 @@ def test_two_writers_who_know_nothing_of_each_other(tmp_path):
 
 def test_code_of_other_sources_is_neither_taken_nor_kept(tmp_path):
     old, new, other = (
-        CodeFiles(tmp_path, name, stamp * 64) for name, stamp in (("f-1.py311", "a"), ("f-1.py311", "b"), ("f-10.py311", "a"))
+        CodeFiles(tmp_path, name, stamp * 64)
+        for name, stamp in (("f-1.py311", "a"), ("f-1.py311", "b"), ("f-10.py311", "a"))
     )
     (tmp_path / "f-1.py311.nbi").write_bytes(b"an index of numba's own")
     other.save("int", "another function's")
@@ -101,7 +111,9 @@ def test_a_folder_that_takes_no_file_costs_a_line_and_nothing_else(tmp_path, cap
 
 @pytest.fixture
 def read_only(place) -> Path:
-    """The folder of the module keeps no code: a file stands in the place of ``__pycache__``, which stops even root."""
+    """The folder of the module keeps no code: a file stands in the place of ``__pycache__``, which stops even
+    root.
+    """
     (place / "__pycache__").write_text("")
     (place / "tmp").mkdir()
     return place
@@ -114,7 +126,9 @@ class TestNowhereToWrite:
         said, hits, lines = ended(start(read_only, **temporary))
         assert (said, hits) == ("3.0", 0)
         folder = read_only / "tmp" / f"edl6dof-{os.getuid()}"
-        assert lines == [f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)"]
+        assert lines == [
+            (f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)")
+        ]
         assert folder.stat().st_mode & 0o777 == 0o700
         assert ended(start(read_only, **temporary))[:2] == ("3.0", 1)
 
@@ -132,7 +146,9 @@ class TestNowhereToWrite:
         said, hits, lines = ended(start(read_only, TMPDIR=str(read_only / "tmp")))
         assert (said, hits) == ("3.0", 0)
         (line,) = lines
-        assert line.startswith("edl6dof: no folder for machine code can be written to: it is compiled for this process alone")
+        assert line.startswith(
+            "edl6dof: no folder for machine code can be written to: it is compiled for this process alone"
+        )
 
     def test_a_home_that_is_no_path_makes_no_folder_here(self, read_only):
         before = sorted(read_only.iterdir())

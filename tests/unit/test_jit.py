@@ -1,8 +1,9 @@
 """The compile cache: the trap that numba leaves open, sprung in fresh processes.
 
-A small package is written to disk with the real ``jit.py`` in it; subprocesses compile and run it, edit it and run it again.
-What the machine code returns, and numba's own count of cache hits, say whether the cache was used and whether it was stale.
-The reader of import statements is checked against Python's own parser (``ast``) on every file of the package.
+A small package is written to disk with the real ``jit.py`` in it; subprocesses compile and run it, edit it
+and run it again. What the machine code returns, and numba's own count of cache hits, say whether the cache
+was used and whether it was stale. The reader of import statements is checked against Python's own parser
+(``ast``) on every file of the package.
 """
 
 import ast
@@ -46,7 +47,13 @@ def write(root, name, text):
 def call(root, **environment):
     """Run the caller kernel in a fresh process: (result, cache hits, cache folder)."""
     env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")} | environment
-    run = subprocess.run([sys.executable, "-c", CALL.format(root=str(root))], capture_output=True, text=True, env=env, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", CALL.format(root=str(root))],
+        capture_output=True,
+        text=True,
+        env=env,
+        timeout=60,
+    )
     assert run.returncode == 0, run.stderr
     result, hits, folder = run.stdout.split()
     return float(result), int(hits), Path(folder)
@@ -57,7 +64,9 @@ def reached(root, monkeypatch, name):
     monkeypatch.setattr(jit, "PACKAGE", root / "probe")
     jit._read.cache_clear()
     jit._file_of.cache_clear()
-    found = {str(Path(file).relative_to(root / "probe")) for file in jit._dependencies(str(root / "probe" / name))}
+    found = {
+        str(Path(file).relative_to(root / "probe")) for file in jit._dependencies(str(root / "probe" / name))
+    }
     jit._read.cache_clear()
     jit._file_of.cache_clear()
     return found
@@ -71,9 +80,11 @@ def test_an_edited_helper_of_a_helper_recompiles_its_callers_and_nothing_else_do
     assert call(package)[:2] == (12.0, 0)
     assert call(package)[:2] == (12.0, 1)
     write(package, "stranger.py", "x = 2\n")
-    write(package, "deep/helper.py", HELPER.format("3.0"))  # touched, not changed: content counts, not the date
+    # touched, not changed: content counts, not the date
+    write(package, "deep/helper.py", HELPER.format("3.0"))
     assert call(package)[:2] == (12.0, 1)
-    write(package, "deep/helper.py", HELPER.format("5.0"))  # two imports away, same length, within the clock's resolution
+    # two imports away, same length, within the clock's resolution
+    write(package, "deep/helper.py", HELPER.format("5.0"))
     assert call(package)[:2] == (20.0, 0)
 
 
@@ -102,7 +113,14 @@ def test_every_spelling_of_an_import_is_seen(package, monkeypatch, spelling):
 
 
 def test_files_that_are_not_imported_are_not_seen(package, monkeypatch):
-    write(package, "caller.py", "import math\nfrom probed.deep import helper\n# from probe.deep import helper\nfrom .. import jit\n")
+    write(
+        package,
+        "caller.py",
+        (
+            "import math\nfrom probed.deep import helper\n# from "
+            "probe.deep import helper\nfrom .. import jit\n"
+        ),
+    )
     assert reached(package, monkeypatch, "caller.py") == {"caller.py"}
 
 
@@ -114,7 +132,11 @@ def test_an_import_cycle_ends_and_both_files_count(package, monkeypatch):
 
 
 def test_a_parenthesised_submodule_import_springs_the_trap_in_a_running_kernel(package):
-    write(package, "caller.py", CALLER.format("from probe.deep import (\n    helper as h,\n)\nfactor = h.factor", "factor"))
+    write(
+        package,
+        "caller.py",
+        CALLER.format(("from probe.deep import (\n    helper as h,\n)\nfactor = h.factor"), "factor"),
+    )
     assert call(package)[:2] == (6.0, 0)
     write(package, "deep/helper.py", HELPER.format("7.0"))
     assert call(package)[:2] == (14.0, 0)
@@ -130,8 +152,15 @@ def test_the_package_is_read_as_python_reads_it():
                 names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
             elif isinstance(node, ast.Import):
                 names |= {alias.name for alias in node.names}
-        paths = [jit.PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name.split(".")[0] == "edl6dof"]
-        want = {str(p) for path in paths for p in (path.with_name(path.name + ".py"), path / "__init__.py") if p.is_file()}
+        paths = [
+            jit.PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name.split(".")[0] == "edl6dof"
+        ]
+        want = {
+            str(p)
+            for path in paths
+            for p in (path.with_name(path.name + ".py"), path / "__init__.py")
+            if p.is_file()
+        }
         assert jit._read(str(file))[1] >= want, file
 
 

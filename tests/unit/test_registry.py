@@ -1,7 +1,8 @@
 """Dispatch among interchangeable models: the integer of a record must reach the member it names.
 
-Members return numbers that tell them apart (a square, a cube, ...), so a wrong branch shows as a wrong number.  That a kernel
-with a dispatch inside can be cached on disk is shown with a second process and numba's own count of cache hits.
+Members return numbers that tell them apart (a square, a cube, ...), so a wrong branch shows as a wrong
+number.  That a kernel with a dispatch inside can be cached on disk is shown with a second process and numba's
+own count of cache hits.
 """
 
 import os
@@ -77,8 +78,13 @@ def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
     code = "from laws import fly; print(fly(0, 7.0), fly(1, 7.0), sum(fly.stats.cache_hits.values()))"
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
     env.pop("NUMBA_CACHE_DIR", None)
-    runs = [subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=60) for _ in range(2)]
-    assert [run.stdout.split() for run in runs] == [["7.0", "14.0", "0"], ["7.0", "14.0", "1"]], runs[1].stderr
+    runs = [
+        subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, timeout=60)
+        for _ in range(2)
+    ]
+    assert [run.stdout.split() for run in runs] == [["7.0", "14.0", "0"], ["7.0", "14.0", "1"]], runs[
+        1
+    ].stderr
 
 
 class GentleParams(Params):
@@ -118,7 +124,9 @@ class TestFamily:
         fill(record, self.model.model_validate({"law": "firm", "firm": {"angle_deg": 180.0}}))
         assert record.firm.angle == pytest.approx(np.pi) and record.gentle.gain == 0.5
 
-    @pytest.mark.parametrize("section", [{"law": "harsh"}, {"gentle": {"gain": -1.0}}, {"firm": {"gain": 1.0}}])
+    @pytest.mark.parametrize(
+        "section", [{"law": "harsh"}, {"gentle": {"gain": -1.0}}, {"firm": {"gain": 1.0}}]
+    )
     def test_unknown_members_and_foreign_parameters_are_errors(self, section):
         with pytest.raises(ValidationError):
             self.model.model_validate(section)

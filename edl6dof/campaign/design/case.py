@@ -18,8 +18,10 @@ class Case:
     Attributes:
         index: number of the case; rows come in its order.
         truth: values of which the flight computer is not told.
-        belief: values that the flight computer is told; the truth follows them where ``truth`` does not say otherwise.
-        profile: which random profiles (density, gusts) of the scenario's seed it meets; the scenario's own when ``None``.
+        belief: values that the flight computer is told; the truth follows them where ``truth`` does not say
+            otherwise.
+        profile: which random profiles (density, gusts) of the scenario's seed it meets; the scenario's own
+            when ``None``.
         label: columns to put into the row as they are, such as the name of the law or the failed thruster.
     """
 

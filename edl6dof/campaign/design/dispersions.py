@@ -106,7 +106,11 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
     if not star:
         return [path]
     parent = value_at(model, before.rstrip(".")) if before else model
-    if not isinstance(parent, list | tuple) or not before.endswith(".") or (after and not after.startswith(".")):
+    if (
+        not isinstance(parent, list | tuple)
+        or not before.endswith(".")
+        or (after and not after.startswith("."))
+    ):
         raise ValueError("* must stand for the items of a list, between dots")
     keys = [getattr(item, "name", None) or str(index) for index, item in enumerate(parent)]
     return [found for key in keys for found in _expanded(model, f"{before}{key}{after}")]
@@ -129,7 +133,9 @@ def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
     ]
     for index, group in enumerate(params.correlated):
         place = ("campaign", "correlated", index)
-        found = [list(locator.targets(group.of, path, (*place, "paths", k))) for k, path in enumerate(group.paths)]
+        found = [
+            list(locator.targets(group.of, path, (*place, "paths", k))) for k, path in enumerate(group.paths)
+        ]
         if all(len(targets) == 1 for targets in found):
             draws.append(Draw(tuple(targets[0] for targets in found), group))
         elif all(found):
@@ -171,14 +177,25 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
         return True
     limits = bounds(target.slot)
     bad = ~np.isfinite(values)
-    for name, outside in (("gt", np.less_equal), ("ge", np.less), ("lt", np.greater_equal), ("le", np.greater)):
+    for name, outside in (
+        ("gt", np.less_equal),
+        ("ge", np.less),
+        ("lt", np.greater_equal),
+        ("le", np.greater),
+    ):
         if name in limits:
             bad |= outside(values, limits[name])
     if not bad.any():
         return True
     index = int(np.argmax(bad))
     worst = f"case {first + index} would get {values[index]:.6g}"
-    locator.refuse(target.place, f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a smaller width")
+    locator.refuse(
+        target.place,
+        (
+            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a smaller "
+            "width"
+        ),
+    )
     return False
 
 
@@ -194,5 +211,7 @@ def check_faults(params: CampaignParams, locator: Locator) -> None:
                 for item in error.errors(include_url=False):
                     locator.refuse((*place, *item["loc"]), item["msg"])
                 continue
-            for key, message in fault_problems([fault], scenario.thruster_names, scenario.phase_names).items():
+            for key, message in fault_problems(
+                [fault], scenario.thruster_names, scenario.phase_names
+            ).items():
                 locator.refuse((*place, *key.split(".")[2:]), message)

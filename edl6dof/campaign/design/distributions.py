@@ -1,4 +1,5 @@
-"""What a dispersed parameter may be: distributions, each turning a number in 0..1 into a value by its inverse distribution function.
+"""What a dispersed parameter may be: distributions, each turning a number in 0..1 into a value by its inverse
+distribution function.
 
 Inverse functions make every sampling plan (random, Latin hypercube, Sobol) serve every distribution.
 """
@@ -70,7 +71,10 @@ class TruncatedNormal(Spread):
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
         """Values of unit numbers."""
         mean, sigma = nominal if self.mean is None else self.mean, self.deviation(nominal)
-        first, last = (ndtr((bound - mean) / sigma) if bound is not None else end for bound, end in ((self.low, 0.0), (self.high, 1.0)))
+        first, last = (
+            ndtr((bound - mean) / sigma) if bound is not None else end
+            for bound, end in ((self.low, 0.0), (self.high, 1.0))
+        )
         if not last - first > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
         values = mean + sigma * ndtri(np.clip(first + unit * (last - first), _EDGE, 1.0 - _EDGE))
@@ -83,7 +87,9 @@ class Uniform(Params):
     kind: Literal["uniform"] = param(REQUIRED, "uniform")
     low: float | None = param(None, "lowest value")
     high: float | None = param(None, "highest value")
-    half_width: float | None = param(None, "instead of low and high: greatest distance from the nominal value", gt=0.0)
+    half_width: float | None = param(
+        None, "instead of low and high: greatest distance from the nominal value", gt=0.0
+    )
 
     @model_validator(mode="after")
     def _bounds(self) -> Self:
@@ -96,7 +102,11 @@ class Uniform(Params):
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
         """Values of unit numbers."""
-        low, high = (self.low, self.high) if self.half_width is None else (nominal - self.half_width, nominal + self.half_width)
+        low, high = (
+            (self.low, self.high)
+            if self.half_width is None
+            else (nominal - self.half_width, nominal + self.half_width)
+        )
         return low + unit * (high - low)
 
 
@@ -120,12 +130,16 @@ class Discrete(Params):
 
     kind: Literal["discrete"] = param(REQUIRED, "one of several values")
     choices: list[Any] = param(REQUIRED, "the values", min_length=1)
-    weights: list[float] | None = param(None, "how likely each is, relative to the others; all alike if not given")
+    weights: list[float] | None = param(
+        None, ("how likely each is, relative to the others; all alike if not given")
+    )
 
     @model_validator(mode="after")
     def _weights_fit(self) -> Self:
         weights = self.weights
-        if weights is not None and (len(weights) != len(self.choices) or min(weights) < 0.0 or not sum(weights) > 0.0):
+        if weights is not None and (
+            len(weights) != len(self.choices) or min(weights) < 0.0 or not sum(weights) > 0.0
+        ):
             raise ValueError(f"weights must be {len(self.choices)} numbers, none negative and not all zero")
         return self
 
@@ -139,4 +153,6 @@ class Discrete(Params):
         return found
 
 
-Distribution = Annotated[Normal | TruncatedNormal | Uniform | LogNormal | Discrete, Field(discriminator="kind")]
+Distribution = Annotated[
+    Normal | TruncatedNormal | Uniform | LogNormal | Discrete, Field(discriminator="kind")
+]

@@ -15,13 +15,17 @@ Of = Literal["truth", "belief", "both"]
 
 
 class Correlated(Params):
-    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance matrix."""
+    """Parameters dispersed together: normal, about their nominal values, with a correlation or covariance
+    matrix.
+    """
 
     of: Of = param("truth", "whose values differ: truth, belief or both")
     paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
     three_sigma: list[float] | None = param(None, "three standard deviations of each, with correlation")
     correlation: list[list[float]] | None = param(None, "correlation matrix")
-    covariance: list[list[float]] | None = param(None, "covariance matrix, instead of three_sigma and correlation")
+    covariance: list[list[float]] | None = param(
+        None, ("covariance matrix, instead of three_sigma and correlation")
+    )
 
     @model_validator(mode="after")
     def _a_covariance(self) -> Self:
@@ -55,7 +59,9 @@ class FaultDraw(Params):
     """Something that breaks in some of the flights."""
 
     chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
-    one_of: list[dict[str, Any]] = param(REQUIRED, "faults as under faults:, one of which happens, each as likely", min_length=1)
+    one_of: list[dict[str, Any]] = param(
+        REQUIRED, ("faults as under faults:, one of which happens, each as likely"), min_length=1
+    )
     later_s: float = param(0.0, "up to this much later than the fault says, uniformly", ge=0.0)
 
 
@@ -65,14 +71,27 @@ class CampaignParams(Params):
     cases: int = param(1000, "number of flights", ge=1, le=10_000_000)
     seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)
     sampling: Literal["monte_carlo", "latin_hypercube", "sobol"] = param(
-        "monte_carlo", "independent random cases, one in each of as many strata of every parameter, or a scrambled Sobol sequence"
+        "monte_carlo",
+        (
+            "independent random cases, one in each of as many strata of every parameter, or a scrambled "
+            "Sobol sequence"
+        ),
     )
     profiles: bool = param(True, "whether each case meets random profiles (density, gusts) of its own")
     truth: dict[str, Distribution] = param(
-        None, "dispersions of which the flight computer is not told, by dotted path; * stands for every item of a list", factory=dict
+        None,
+        (
+            "dispersions of which the flight computer is not told, by dotted path; * stands for every item "
+            "of a list"
+        ),
+        factory=dict,
     )
-    belief: dict[str, Distribution] = param(None, "dispersions of what the flight computer is told, the truth staying", factory=dict)
-    both: dict[str, Distribution] = param(None, "dispersions that are known to the flight computer", factory=dict)
+    belief: dict[str, Distribution] = param(
+        None, ("dispersions of what the flight computer is told, the truth staying"), factory=dict
+    )
+    both: dict[str, Distribution] = param(
+        None, "dispersions that are known to the flight computer", factory=dict
+    )
     correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
     faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
 
@@ -97,13 +116,21 @@ class Axis(Params):
     @property
     def points(self) -> list[Any]:
         """The values along the axis."""
-        return list(self.values) if self.values is not None else [float(v) for v in np.linspace(self.first, self.last, self.count)]
+        return (
+            list(self.values)
+            if self.values is not None
+            else [float(v) for v in np.linspace(self.first, self.last, self.count)]
+        )
 
 
 class SweepParams(Params):
-    """A grid over some parameters; with a campaign section, its cases are flown at every point of the grid."""
+    """A grid over some parameters; with a campaign section, its cases are flown at every point of the
+    grid.
+    """
 
-    axes: list[Axis] = param(REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6)
+    axes: list[Axis] = param(
+        REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6
+    )
 
     @model_validator(mode="after")
     def _axes_differ(self) -> Self:

@@ -20,7 +20,14 @@ from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
-from edl6dof.scenario.schema import CAMPAIGN_SECTIONS, LoadedScenario, Scenario, check_document, load_document, truth_problem
+from edl6dof.scenario.schema import (
+    CAMPAIGN_SECTIONS,
+    LoadedScenario,
+    Scenario,
+    check_document,
+    load_document,
+    truth_problem,
+)
 from edl6dof.sim.flight import resolved_text
 
 #: Cases that are drawn at a time when all values are checked in advance.
@@ -33,7 +40,8 @@ class Plan:
 
     Attributes:
         loaded: the scenario that the cases change.
-        campaign: number of cases, seed, sampling plan and faults; one nominal flight at each point of a sweep when ``None``.
+        campaign: number of cases, seed, sampling plan and faults; one nominal flight at each point of a sweep
+            when ``None``.
         draws: the dispersions.
         axes: the parameters of the sweep, with their values.
     """
@@ -63,13 +71,17 @@ class Plan:
     @property
     def columns(self) -> list[str]:
         """Columns of the results that were drawn or swept, in the order of the file."""
-        targets = [target for draw in self.draws for target in draw.targets] + [target for target, _ in self.axes]
+        targets = [target for draw in self.draws for target in draw.targets] + [
+            target for target, _ in self.axes
+        ]
         return [("truth." if target.of == "truth" else "belief.") + target.path for target in targets]
 
     @property
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
-        return resolved_text(self.loaded) + _sections_text(CampaignFile(campaign=self.campaign, sweep=self.sweep))
+        return resolved_text(self.loaded) + _sections_text(
+            CampaignFile(campaign=self.campaign, sweep=self.sweep)
+        )
 
     def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
         """Cases ``first .. last - 1``."""
@@ -98,7 +110,9 @@ class Plan:
         if self.campaign is None:
             return
         names = [name for draw in self.draws for name in draw.names]
-        unit = unit_numbers(self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop)
+        unit = unit_numbers(
+            self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop
+        )
         column = 0
         for draw in self.draws:
             width = len(draw.targets)
@@ -128,7 +142,9 @@ def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def load_plan(name_or_path: str, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None) -> Plan:
+def load_plan(
+    name_or_path: str, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None
+) -> Plan:
     """Read and check a campaign file: nothing flies before all of it is right.
 
     Raises:
@@ -142,7 +158,9 @@ def parse_plan(text: str, file: str) -> Plan:
     return plan_of(parse_document(text, file))
 
 
-def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None) -> Plan:
+def plan_of(
+    document: Document, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None
+) -> Plan:
     """Check a document that has a campaign or sweep section.
 
     Raises:
@@ -150,7 +168,13 @@ def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = 
     """
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
-        raise ConfigError([document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")])
+        raise ConfigError(
+            [
+                document.problem(
+                    (), ("has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")
+                )
+            ]
+        )
     marks = dict(document.marks)
     for key, value in (("cases", cases), ("seed", seed)):
         if value is not None and isinstance(section := own.get("campaign"), dict):
@@ -161,7 +185,9 @@ def plan_of(document: Document, sets: tuple[str, ...] = (), cases: int | None = 
     return _checked(load_document(document, sets), file.campaign, file.sweep, places)
 
 
-def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document) -> Plan:
+def _checked(
+    loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document
+) -> Plan:
     locator = Locator(loaded, places)
     draws = dispersions(campaign, locator) if campaign is not None else []
     axes = []
@@ -179,8 +205,12 @@ def _checked(loaded: LoadedScenario, campaign: CampaignParams | None, sweep: Swe
     return plan
 
 
-def _with_pins(loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]) -> LoadedScenario:
-    """The scenario with the true values written out of those parameters that have one and of which only the belief will differ."""
+def _with_pins(
+    loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
+) -> LoadedScenario:
+    """The scenario with the true values written out of those parameters that have one and of which only the
+    belief will differ.
+    """
     targets = [target for draw in draws for target in draw.targets] + [target for target, _ in axes]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:
@@ -209,7 +239,10 @@ def _sections_text(file: CampaignFile) -> str:
         lines.append(f"{name}:")
         for key, value in section.items():
             if isinstance(value, dict) and value:
-                lines += [f"  {key}:", *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items())]
+                lines += [
+                    f"  {key}:",
+                    *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
+                ]
             elif isinstance(value, list) and value:
                 lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
             else:

@@ -1,8 +1,9 @@
 """Numbers in 0..1 for every case and dispersed quantity.
 
-Each is a function of (seed, sampling plan, quantity, case) alone, so cases are the same in any order and after any break.  Random and
-Latin-hypercube numbers of a quantity depend on its name and not on its neighbours: a campaign with one dispersion more draws the same
-values for the others, which makes comparisons on common random numbers.
+Each is a function of (seed, sampling plan, quantity, case) alone, so cases are the same in any order and
+after any break.  Random and Latin-hypercube numbers of a quantity depend on its name and not on its
+neighbours: a campaign with one dispersion more draws the same values for the others, which makes comparisons
+on common random numbers.
 """
 
 from __future__ import annotations
@@ -14,14 +15,17 @@ from functools import lru_cache
 import numpy as np
 from scipy.stats import qmc
 
-#: Third number of the seed of every generator here; 1 and 2 are the random profiles of ``edl6dof.environment.profiles``.
+#: Third number of the seed of every generator here; 1 and 2 are the random profiles of
+#: ``edl6dof.environment.profiles``.
 _STREAM = 3
 
 #: Random numbers are drawn for this many cases at a time.
 _BLOCK = 1024
 
 
-def unit_numbers(sampling: str, seed: int, names: Sequence[str], cases: int, first: int, last: int) -> np.ndarray:
+def unit_numbers(
+    sampling: str, seed: int, names: Sequence[str], cases: int, first: int, last: int
+) -> np.ndarray:
     """Unit numbers of cases ``first .. last - 1`` of ``cases``, shape (last - first, names)."""
     if not names or last <= first:
         return np.zeros((max(last - first, 0), len(names)))
@@ -41,13 +45,17 @@ def _generator(seed: int, name: str, block: int = 0) -> np.random.Generator:
 
 @lru_cache(maxsize=1024)
 def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
-    """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of each other."""
+    """A Latin hypercube is made whole, 8 bytes for each case and quantity; its columns are independent of
+    each other.
+    """
     return qmc.LatinHypercube(1, rng=_generator(seed, name)).random(cases)[:, 0]
 
 
 def _random(seed: int, name: str, first: int, last: int) -> np.ndarray:
     start = first // _BLOCK
-    blocks = [_generator(seed, name, block).random(_BLOCK) for block in range(start, (last - 1) // _BLOCK + 1)]
+    blocks = [
+        _generator(seed, name, block).random(_BLOCK) for block in range(start, (last - 1) // _BLOCK + 1)
+    ]
     return np.concatenate(blocks)[first - start * _BLOCK : last - start * _BLOCK]
 
 

@@ -1,9 +1,11 @@
-"""Scenarios that differ from a loaded one in a few values, without reading and checking the whole document for each.
+"""Scenarios that differ from a loaded one in a few values, without reading and checking the whole document
+for each.
 
-Numbers are put into copies of the validated models that hold them (:mod:`edl6dof.config.patch`).  Where that does not do, they are put
-into the plain data that was read from the file, and the changed section is validated again.  Records and tables are built anew only
-where a changed section enters them.  The result is the same, bit for bit, as loading the scenario with the same ``--set`` texts; a
-change that is no number goes that long way.
+Numbers are put into copies of the validated models that hold them (:mod:`edl6dof.config.patch`).  Where that
+does not do, they are put into the plain data that was read from the file, and the changed section is
+validated again.  Records and tables are built anew only where a changed section enters them.  The result is
+the same, bit for bit, as loading the scenario with the same ``--set`` texts; a change that is no number goes
+that long way.
 """
 
 from __future__ import annotations
@@ -70,7 +72,9 @@ class Variants:
         told, hidden = case.told, case.truth
         truth_changes = {**self._base_truth, **hidden}
         if not all(_is_simple(path, value) for path, value in (*told.items(), *truth_changes.items())):
-            loaded = check_document(apply_overrides(self.base.document, case.overrides(self._base_truth), Scenario))
+            loaded = check_document(
+                apply_overrides(self.base.document, case.overrides(self._base_truth), Scenario)
+            )
             return Variant(loaded, records.build_records(loaded))
         self._look_up((*told, *truth_changes))
         scenario = self._changed(self.base.scenario, [told]).model_copy(update={"truth": truth_changes})
@@ -95,14 +99,20 @@ class Variants:
         if problems:
             raise ConfigError(problems)
 
-    def _changed(self, base: Scenario, layers: list[Mapping[str, Any]], only: Set[str] | None = None) -> Scenario:
-        """``base`` with the sections that ``layers`` of changes touch read again from the document with those changes."""
+    def _changed(
+        self, base: Scenario, layers: list[Mapping[str, Any]], only: Set[str] | None = None
+    ) -> Scenario:
+        """``base`` with the sections that ``layers`` of changes touch read again from the document with those
+        changes.
+        """
         by_section: dict[str, list[tuple[Path, Any]]] = {}
         for path, value in (change for layer in layers for change in layer.items()):
             name, *inside = self._paths[path]
             if only is None or name in only:
                 by_section.setdefault(name, []).append((tuple(inside), value))
-        sections = {name: self._section(name, getattr(base, name), changes) for name, changes in by_section.items()}
+        sections = {
+            name: self._section(name, getattr(base, name), changes) for name, changes in by_section.items()
+        }
         changed = base.model_copy(update=sections)
         if by_section and (problems := changed.section_problems()):
             raise ConfigError(Problem("", 0, 0, path, message) for path, message in problems.items())
@@ -129,7 +139,9 @@ class Variants:
         case = records.changed_case(case, loaded.truth, self.base.truth, tables, touched)
         if told - _NOT_BELIEVED:
             same = records.same_tables(loaded.scenario, self.base.scenario)
-            onboard = records.build_onboard(loaded.scenario, self._believed if same else records.build_tables(loaded.scenario))
+            onboard = records.build_onboard(
+                loaded.scenario, self._believed if same else records.build_tables(loaded.scenario)
+            )
         return Records(case, tables, onboard)
 
 
@@ -138,7 +150,9 @@ def _sections(paths: Iterable[str]) -> frozenset[str]:
 
 
 def _is_simple(path: str, value: Any) -> bool:
-    """Whether a change is a number or numbers inside a section, the number of the random profiles, or the list of faults."""
+    """Whether a change is a number or numbers inside a section, the number of the random profiles, or the
+    list of faults.
+    """
     if isinstance(value, list | tuple) and path != "faults":
         return all(_is_simple(path, item) for item in value)
     return path in ("profile", "faults") or isinstance(value, int | float) and _is_inside(path)

@@ -1,1 +1,3 @@
-"""A campaign's folder: plan, identity and rows, each written whole or not at all and read back only as it was written."""
+"""A campaign's folder: plan, identity and rows, each written whole or not at all and read back only as it was
+written.
+"""

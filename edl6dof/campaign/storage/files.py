@@ -73,7 +73,9 @@ def file_sha256(path: Path) -> str:
 
 def _require_file(path: Path) -> None:
     if not path.is_file():
-        raise refused(path, "is not a file" if path.exists() else "no such file; name the folder of a campaign")
+        raise refused(
+            path, "is not a file" if path.exists() else "no such file; name the folder of a campaign"
+        )
 
 
 def write_sealed(path: Path, data: Sealed) -> None:

@@ -1,6 +1,7 @@
 """What the rows of a campaign follow from: the plan, the program and every file that it reads.
 
-Two programs with the same identity give the same table, bit for bit; rows of two that differ never stand in one table.
+Two programs with the same identity give the same table, bit for bit; rows of two that differ never stand in
+one table.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ class Identity(Sealed):
         sources: SHA-256 of every source file of the package.
         versions: of the package, of Python and of the libraries that compute, by name.
         plugins: SHA-256 of each plugin by its path.
-        files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package from its folder on.
+        files: SHA-256 of each table, vehicle and planet file that is read, by its path; those of the package
+            from its folder on.
     """
 
     plan: str
@@ -62,12 +64,16 @@ def identity(plan: Plan) -> Identity:
 
 
 def differences(recorded: Identity, plan_text: str) -> list[str]:
-    """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this, is that``."""
+    """Items in which this process and its files differ from those of ``recorded``, each as ``item: was this,
+    is that``.
+    """
     return compared(recorded, _present(plan_text, [*recorded.plugins, *outside_sources], recorded.files))
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
-    """As :func:`differences`, between two identities: a plan that is read again may find other files by the same names."""
+    """As :func:`differences`, between two identities: a plan that is read again may find other files by the
+    same names.
+    """
     was, now = dict(recorded.items()), dict(present.items())
     changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
     return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]
@@ -78,7 +84,9 @@ def changed_files(recorded: Identity) -> list[str]:
     return [name for name, value in recorded.files.items() if _hash(_PACKAGE.parent / name) != value]
 
 
-def _present(plan_text: str, plugins: Iterator[str] | list[str], files: Iterator[str] | Mapping[str, str]) -> Identity:
+def _present(
+    plan_text: str, plugins: Iterator[str] | list[str], files: Iterator[str] | Mapping[str, str]
+) -> Identity:
     return Identity(
         plan=sha256(plan_text.encode()),
         sources=source_hash(),
@@ -87,7 +95,10 @@ def _present(plan_text: str, plugins: Iterator[str] | list[str], files: Iterator
             "Python": platform.python_version(),
             **{library.__name__: library.__version__ for library in (numpy, scipy, numba)},
         },
-        plugins={name: _hash(Path(name)) if name in outside_sources else _absent(name) for name in sorted(set(plugins))},
+        plugins={
+            name: _hash(Path(name)) if name in outside_sources else _absent(name)
+            for name in sorted(set(plugins))
+        },
         files={name: _hash(_PACKAGE.parent / name) for name in files},
     )
 

@@ -19,12 +19,18 @@ from edl6dof.scenario.data_files import TABLES
 
 
 def input_files(plan: Plan) -> list[Path]:
-    """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases that name them do not fly."""
+    """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases
+    that name them do not fly.
+    """
     found = {MAP, MAP.with_suffix(".yaml")}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
     for key, path_of in TABLES.items():
-        found |= {path_of(value_at(model, key)) for model in (plan.loaded.scenario, plan.loaded.truth) if value_at(model, key)}
+        found |= {
+            path_of(value_at(model, key))
+            for model in (plan.loaded.scenario, plan.loaded.truth)
+            if value_at(model, key)
+        }
     exchanged = list(_exchanged(plan))
     for path, value in exchanged:
         found |= set(_named(path, value, folder))
@@ -34,7 +40,9 @@ def input_files(plan: Plan) -> list[Path]:
 
 
 def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything but numbers that some cases have instead of what the scenario says."""
+    """Dotted path and value of everything but numbers that some cases have instead of what the scenario
+    says.
+    """
     values = [(target.path, point) for target, points in plan.axes for point in points]
     values += [
         (target.path, item)

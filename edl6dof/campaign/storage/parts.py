@@ -1,7 +1,8 @@
 """The rows of a campaign in parts, which appear whole or not at all, and count only as they were written.
 
-Beside each part stands its SHA-256, as ``sha256sum`` writes it; it is in place before the part is.  A part also carries the identity of
-the campaign that it belongs to.  One that is damaged or of another campaign is flown again.
+Beside each part stands its SHA-256, as ``sha256sum`` writes it; it is in place before the part is.  A part
+also carries the identity of the campaign that it belongs to.  One that is damaged or of another campaign is
+flown again.
 """
 
 from __future__ import annotations
@@ -28,7 +29,12 @@ _ROW_GROUP = 4096
 #: Names of files in the folder of the parts.
 NAMES = re.compile(r"(\d{6,})\.(?:parquet|sha256)")
 
-_OPTIONS = {"compression": "zstd", "use_dictionary": ["cause", "outcome"], "write_statistics": False, "write_page_checksum": True}
+_OPTIONS = {
+    "compression": "zstd",
+    "use_dictionary": ["cause", "outcome"],
+    "write_statistics": False,
+    "write_page_checksum": True,
+}
 _IDENTITY = b"edl6dof.campaign"
 
 
@@ -77,7 +83,9 @@ class Parts:
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
-        """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its cases."""
+        """How many cases of a part succeeded; ``None`` when it does not count, or does not hold exactly its
+        cases.
+        """
         with suppress(StoreError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
@@ -114,7 +122,9 @@ class Parts:
                 writer.write_table(pa.concat_tables(waiting))
 
     def _schema(self, indices: Iterable[int]) -> pa.Schema:
-        """Columns of parts, in the order in which they first appear; an all-empty column takes the type of a later part."""
+        """Columns of parts, in the order in which they first appear; an all-empty column takes the type of a
+        later part.
+        """
         found = [self.read(index).schema_arrow.remove_metadata() for index in indices]
         return pa.unify_schemas(found, promote_options="permissive")
 
@@ -136,5 +146,8 @@ def _columns(file: pq.ParquetFile, schema: pa.Schema, names: list[str]) -> pa.Ta
     known = set(file.schema_arrow.names)
     table = file.read([name for name in names if name in known], use_threads=False)
     kinds = {name: schema.field(name).type for name in names}
-    columns = [table[name].cast(kind) if name in known else pa.nulls(len(table), kind) for name, kind in kinds.items()]
+    columns = [
+        table[name].cast(kind) if name in known else pa.nulls(len(table), kind)
+        for name, kind in kinds.items()
+    ]
     return pa.table(columns, schema=pa.schema([schema.field(name) for name in names]))

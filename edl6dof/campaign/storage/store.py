@@ -9,9 +9,10 @@
       cases.parquet     all rows, when it is complete
       summary.json      success probability, causes, speed, and the SHA-256 of the rows
 
-Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place, and going on gives the same
-table, byte for byte.  That rests on the order in which files appear: a campaign is begun when ``campaign.yaml`` is there, complete when
-``summary.json`` is; the parts go after it.  Replacing a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
+Killing the program at any moment, or filling the disk, loses at most the cases of the parts not yet in place,
+and going on gives the same table, byte for byte.  That rests on the order in which files appear: a campaign
+is begun when ``campaign.yaml`` is there, complete when ``summary.json`` is; the parts go after it.  Replacing
+a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
 """
 
 from __future__ import annotations
@@ -40,7 +41,9 @@ _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 @dataclass(frozen=True)
 class Store:
-    """A campaign's folder.  What reads it raises :class:`~edl6dof.campaign.storage.files.StoreError` for anything that is not as it was written."""
+    """A campaign's folder.  What reads it raises :class:`~edl6dof.campaign.storage.files.StoreError` for
+    anything that is not as it was written.
+    """
 
     folder: Path
 
@@ -58,11 +61,16 @@ class Store:
         if self.is_half_begun:
             raise refused(
                 self.folder,
-                "has no campaign.yaml: the program was stopped while it began or replaced the campaign; begin it anew with --force",
+                (
+                    "has no campaign.yaml: the program was stopped while it began or replaced the "
+                    "campaign; begin it anew with --force"
+                ),
             )
         plan = content(self._plan)
         if sha256(plan) != info.identity.plan:
-            raise refused(self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force")
+            raise refused(
+                self._plan, ("is damaged: it is not as it was written; begin the campaign anew with --force")
+            )
         return plan.decode()
 
     @property
@@ -82,7 +90,10 @@ class Store:
         if found.campaign != campaign:
             raise refused(self._summary, "belongs to another campaign; fly this one anew with --force")
         if file_sha256(self._cases) != found.cases_sha256:
-            raise refused(self._cases, "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force")
+            raise refused(
+                self._cases,
+                ("is damaged: it is not as it was written, and its parts are gone; fly it anew with --force"),
+            )
         return found
 
     @property
@@ -149,9 +160,16 @@ class Store:
         if not any(self.folder.iterdir()):
             return
         if not force:
-            raise refused(self.folder, "exists; go on with --resume, replace it with --force, or choose another with --out")
-        if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in self.folder.iterdir()):
-            raise refused(self.folder, "is not the folder of a campaign; it is not replaced even with --force")
+            raise refused(
+                self.folder,
+                ("exists; go on with --resume, replace it with --force, or choose another with --out"),
+            )
+        if not os.path.lexists(self._info) and not all(
+            _LEFT.fullmatch(entry.name) for entry in self.folder.iterdir()
+        ):
+            raise refused(
+                self.folder, "is not the folder of a campaign; it is not replaced even with --force"
+            )
         list(self._own())
 
     def begin(self, plan_text: str, info: Info, force: bool = False) -> None:
@@ -214,7 +232,10 @@ class Store:
             put_in_place(partial, self._cases)
         finally:
             partial.unlink(missing_ok=True)
-        write_sealed(self._summary, summary.model_copy(update={"campaign": self.info.identity.digest, "cases_sha256": cases}))
+        write_sealed(
+            self._summary,
+            summary.model_copy(update={"campaign": self.info.identity.digest, "cases_sha256": cases}),
+        )
         self._remove_parts()
 
     def _remove_parts(self) -> None:
@@ -244,4 +265,6 @@ def _required(path: Path, names: re.Pattern[str]) -> Path:
     name = (left["name"] or left["other"]) if left else path.name
     if path.is_file() and names.fullmatch(name):
         return path
-    raise refused(path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere")
+    raise refused(
+        path, ("is not of the campaign: the folder is not replaced even with --force; move it elsewhere")
+    )

@@ -13,7 +13,9 @@ EXTENDS = "extends"
 
 
 def lay_over(base: Document, top: Document) -> None:
-    """Put everything that ``top`` says into ``base``: mappings are merged, lists and single values replaced."""
+    """Put everything that ``top`` says into ``base``: mappings are merged, lists and single values
+    replaced.
+    """
     _merge(base, top, ())
     base.marks[()] = top.mark(())
     base.files = (*top.files, *base.files)

@@ -1,9 +1,13 @@
-"""Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the installed package."""
+"""Where scenarios, vehicles and planets are found: beside the user's files, in the repository, or in the
+installed package.
+"""
 
 from __future__ import annotations
 
 import difflib
-from os.path import exists, isdir, isfile, normpath  # unlike pathlib's, these take names that the system cannot look up
+
+# unlike pathlib's, these take names that the system cannot look up
+from os.path import exists, isdir, isfile, normpath
 from pathlib import Path
 
 from edl6dof.config.errors import ConfigError, Problem
@@ -24,13 +28,17 @@ def shipped_folders(kind: str) -> list[Path]:
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called ``folder/name``."""
+    """Names of all shipped files of one kind, sorted; one in a folder of the shipped ones is called
+    ``folder/name``.
+    """
     found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
     return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
 
 
 def find_shipped(kind: str, name: str) -> Path | None:
-    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or ``None``."""
+    """The shipped file of a name such as ``mars`` or ``nesc/case06`` (with or without ``.yaml``), or
+    ``None``.
+    """
     stem = name.removesuffix(SUFFIX)
     if not stem or Path(stem).is_absolute() or Path(stem).as_posix() != stem or ".." in Path(stem).parts:
         return None
@@ -41,7 +49,8 @@ def find_shipped(kind: str, name: str) -> Path | None:
 def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list[Path]]:
     """The file that an include key names, and the places searched.
 
-    A bare name is looked for among the files of its kind first, so that scenario and vehicle may share a name.
+    A bare name is looked for among the files of its kind first, so that scenario and vehicle may share a
+    name.
 
     Args:
         value: name or path as written in the YAML file.
@@ -49,7 +58,10 @@ def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list
         folder: folder of the including file.
     """
     stem = value.removesuffix(SUFFIX)
-    of_kind = [folder.parent / kind / (stem + SUFFIX), *(shipped / (stem + SUFFIX) for shipped in shipped_folders(kind))]
+    of_kind = [
+        folder.parent / kind / (stem + SUFFIX),
+        *(shipped / (stem + SUFFIX) for shipped in shipped_folders(kind)),
+    ]
     beside = [folder / value, folder / (stem + SUFFIX)]
     is_path = value.endswith(SUFFIX) or Path(value).name != value
     places = list(dict.fromkeys([*beside, *of_kind] if is_path else [*of_kind, *beside]))
@@ -84,7 +96,9 @@ def resolve_scenario(name_or_path: str | Path) -> Path:
 def _no_scenario(path: Path) -> str:
     if isdir(path) and str(path) != ".":
         inside = path / "scenario.yaml"
-        return f"is a folder; did you mean {inside}?" if isfile(inside) else "is a folder, not a scenario file"
+        return (
+            f"is a folder; did you mean {inside}?" if isfile(inside) else "is a folder, not a scenario file"
+        )
     if exists(path) and not isdir(path):
         return "is not a regular file"
     names = shipped_names("scenarios")

@@ -21,14 +21,19 @@ class _Refused(Exception):
 
 
 def apply_overrides(
-    document: Document, overrides: Iterable[str], model: type[BaseModel], includes: Mapping[str, str] = INCLUDES
+    document: Document,
+    overrides: Iterable[str],
+    model: type[BaseModel],
+    includes: Mapping[str, str] = INCLUDES,
 ) -> Document:
     """A copy of ``document`` with every ``dotted.path=value`` applied, in the order given.
 
     Args:
         document: what was read from the files.
-        overrides: texts ``path=value``; a list item is chosen by its index (from 0) or by its ``name``; the value is YAML.
-        model: root parameter model; it decides which paths exist, so a default that the file leaves out can be set too.
+        overrides: texts ``path=value``; a list item is chosen by its index (from 0) or by its ``name``; the
+            value is YAML.
+        model: root parameter model; it decides which paths exist, so a default that the file leaves out can
+            be set too.
         includes: top-level keys whose text value is the name of a file.
 
     Raises:
@@ -62,7 +67,14 @@ def _parse(text: str) -> Any:
         raise _Refused("; ".join(problem.message for problem in error.problems)) from None
 
 
-def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: type[BaseModel], includes: Mapping[str, str]) -> None:
+def _set(
+    document: Document,
+    parts: list[str],
+    value: Any,
+    mark: Mark,
+    model: type[BaseModel],
+    includes: Mapping[str, str],
+) -> None:
     node, parent, path = _reach(document, parts, mark, model)
     key = path[-1]
     _forget(document, path)
@@ -74,7 +86,9 @@ def _set(document: Document, parts: list[str], value: Any, mark: Mark, model: ty
         include(document, key, value, includes[key])
 
 
-def _reach(document: Document, parts: list[str], mark: Mark, model: type[BaseModel]) -> tuple[Any, Slot, Path]:
+def _reach(
+    document: Document, parts: list[str], mark: Mark, model: type[BaseModel]
+) -> tuple[Any, Slot, Path]:
     """Container that holds the value at a path, its place in the model, and the path as keys and indices.
 
     Containers on the way that the file leaves out are filled with their defaults.
@@ -92,7 +106,8 @@ def _reach(document: Document, parts: list[str], mark: Mark, model: type[BaseMod
 
 
 def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> Path:
-    """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it leaves out.
+    """Keys and indices of a dotted path, after writing into ``document`` the containers on the way that it
+    leaves out.
 
     Raises:
         ValueError: no such path; the text says why, without a place.
@@ -132,7 +147,13 @@ def _index(items: list[Any], part: str) -> int:
         raise _Refused(f"no entry {part}: the list has {len(items)}, counted from 0")
     known = [str(name) for name in names if name is not None]
     near = nearest(part, known)
-    hint = f"; did you mean {near!r}?" if near else f"; names: {', '.join(known)}" if known else "; use its index, from 0"
+    hint = (
+        f"; did you mean {near!r}?"
+        if near
+        else f"; names: {', '.join(known)}"
+        if known
+        else "; use its index, from 0"
+    )
     raise _Refused(f"no entry named {part!r}{hint}")
 
 
@@ -140,7 +161,9 @@ def _default(slot: Slot) -> Any:
     """Plain data of what the model would put where the file says nothing."""
     default = slot.info.get_default(call_default_factory=True) if slot.info is not None else None
     if default is None or default is PydanticUndefined:
-        holds_keys = slot.models or any(option is Any or get_origin(option) is dict for option in slot.options)
+        holds_keys = slot.models or any(
+            option is Any or get_origin(option) is dict for option in slot.options
+        )
         if not holds_keys:
             raise _Refused(f"{slot.name} is not in the file: set all of it, not a part")
         return {}
@@ -148,7 +171,9 @@ def _default(slot: Slot) -> Any:
 
 
 def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> None:
-    """When ``key`` chooses another alternative (``guidance.law=...``), drop the parameters that only the old one knows."""
+    """When ``key`` chooses another alternative (``guidance.law=...``), drop the parameters that only the old
+    one knows.
+    """
     kinds = [model for model in slot.models if key in model.model_fields]
     chosen = [model for model in kinds if value in get_args(model.model_fields[key].annotation)]
     if len(kinds) > 1 and len(chosen) == 1:
@@ -157,7 +182,9 @@ def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> Non
 
 
 def _forget(document: Document, path: Path) -> None:
-    """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its source says."""
+    """Drop the provenance of a value, and of a list of numbers it is part of: it no longer holds what its
+    source says.
+    """
     document.forget(path)
     for length in range(1, len(path)):
         whole = ".".join(str(part) for part in path[:length])

@@ -1,4 +1,6 @@
-"""Reading files that somebody else wrote: regular files of a bounded size, so that no read waits for ever or fills the memory."""
+"""Reading files that somebody else wrote: regular files of a bounded size, so that no read waits for ever or
+fills the memory.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
     """Content of a regular file of at most ``largest`` bytes.
 
     Raises:
-        OSError: there is none, it is a folder, a device, a pipe or a socket, or it is too large; ``strerror`` says which.
+        OSError: there is none, it is a folder, a device, a pipe or a socket, or it is too large; ``strerror``
+            says which.
     """
     found = os.stat(path)  # before it is opened: opening some devices does something
     if not stat.S_ISREG(found.st_mode) and not stat.S_ISDIR(found.st_mode):
@@ -25,7 +28,11 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | _NO_WAIT)) as file:
         content = file.read(largest + 1)
     if len(content) > largest:
-        raise OSError(errno.EFBIG, f"it has {max(found.st_size, len(content))} bytes; at most {largest} are allowed", str(path))
+        raise OSError(
+            errno.EFBIG,
+            (f"it has {max(found.st_size, len(content))} bytes; at most {largest} are allowed"),
+            str(path),
+        )
     return content
 
 

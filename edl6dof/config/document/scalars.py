@@ -1,6 +1,7 @@
 """Plain scalars of the YAML 1.2 core schema: text to Python value and back.
 
-PyYAML follows YAML 1.1, where ``1e5`` is text, ``on`` is a boolean and ``1_000`` a number; none of that is wanted here.
+PyYAML follows YAML 1.1, where ``1e5`` is text, ``on`` is a boolean and ``1_000`` a number; none of that is
+wanted here.
 """
 
 from __future__ import annotations
@@ -67,7 +68,11 @@ def write_flow(value: Any) -> str:
     if isinstance(value, list | tuple):
         return "[" + ", ".join(write_flow(item) for item in value) + "]"
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{write_scalar(str(key))}: {write_flow(item)}" for key, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{write_scalar(str(key))}: {write_flow(item)}" for key, item in value.items())
+            + "}"
+        )
     return write_scalar(value)
 
 

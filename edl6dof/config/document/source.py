@@ -1,4 +1,5 @@
-"""A configuration document: YAML files, with the vehicle and planet files they name, read into plain data with places.
+"""A configuration document: YAML files, with the vehicle and planet files they name, read into plain data
+with places.
 
 >>> document = read_document(resolve_scenario("tianwen1"))
 >>> document.data["vehicle"]["mass"]["entry_kg"], document.marks["vehicle", "mass", "entry_kg"].line
@@ -34,13 +35,15 @@ __all__ = [
 #: Scenarios that may extend one another.
 LONGEST_CHAIN = 20
 
-#: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that file.
+#: Keys at the top of a scenario whose value may be the name or path of another file, and the kind of that
+#: file.
 INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
 
 
 @dataclass
 class Document:
-    """Plain data of a scenario, and for error messages and provenance: where each value stands and what kind of claim it is.
+    """Plain data of a scenario, and for error messages and provenance: where each value stands and what kind
+    of claim it is.
 
     Attributes:
         data: nested dicts and lists of str, int, float, bool and None.
@@ -111,7 +114,9 @@ def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ..
     """The scenario that ``document`` extends."""
     name = document.data.pop(EXTENDS)
     if not isinstance(name, str):
-        raise ConfigError([document.problem((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")])
+        raise ConfigError(
+            [document.problem((EXTENDS,), (f"must be the name or path of a scenario (got {got(name)})"))]
+        )
     beside = chain[-1].parent / name
     try:
         found = resolve_scenario(beside if beside.is_file() else name)
@@ -131,19 +136,29 @@ def parse_document(text: str, file: str) -> Document:
     if tree.data is None:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])
     if not isinstance(tree.data, dict):
-        raise ConfigError([Problem(file, 1, 1, "", "must be a mapping of keys (lines of the form 'key: value')")])
+        raise ConfigError(
+            [Problem(file, 1, 1, "", ("must be a mapping of keys (lines of the form 'key: value')"))]
+        )
     return Document(tree.data, tree.marks, tree.status, tree.sources)
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
-    """Put the mapping of the file called ``value`` in the place of ``document.data[key]``, with the marks of its own file."""
+    """Put the mapping of the file called ``value`` in the place of ``document.data[key]``, with the marks of
+    its own file.
+    """
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     found, places = find_include(value, kind, folder)
     if found is None:
         looked = ", ".join(shown(place) for place in places)
         near = near_names(value, kind, [folder, folder.parent / kind])
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise ConfigError([document.problem((key,), f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})")])
+        raise ConfigError(
+            [
+                document.problem(
+                    (key,), (f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})")
+                )
+            ]
+        )
     _adopt(document, key, parse_document(_read_text(found), shown(found)))
     document.files += (found,)
 

@@ -1,6 +1,7 @@
 """YAML text to plain data plus the place and the provenance mark of every key.
 
-The parser's events are walked here instead of loading a dict, because only they know lines, duplicate keys, aliases and tags.
+The parser's events are walked here instead of loading a dict, because only they know lines, duplicate keys,
+aliases and tags.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ _CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
 
 
 class Mark(NamedTuple):
-    """A place in a file, counted from 1; line 0 stands for a place without lines, such as a command line option."""
+    """A place in a file, counted from 1; line 0 stands for a place without lines, such as a command line
+    option.
+    """
 
     file: str
     line: int = 0
@@ -34,7 +37,9 @@ class Mark(NamedTuple):
 
 @dataclass
 class Tree:
-    """Plain data of one text with the place of every key, and status and source of values with a ``# [P] source`` mark."""
+    """Plain data of one text with the place of every key, and status and source of values with a ``# [P]
+    source`` mark.
+    """
 
     data: Any = None
     marks: dict[Path, Mark] = field(default_factory=dict)
@@ -51,12 +56,15 @@ def parse_yaml(text: str, file: str) -> Tree:
     """Read one YAML document; an empty one gives ``None``.
 
     Raises:
-        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags, several documents, NaN, ...).
+        ConfigError: the text is not YAML, or uses what is not supported (aliases, tags, several documents,
+            NaN, ...).
     """
     if bad := _UNPRINTABLE.search(text):
         line = text.count("\n", 0, bad.start()) + 1
         column = bad.start() - text.rfind("\n", 0, bad.start())
-        raise ConfigError([Problem(file, line, column, "", f"character {bad.group()!r} is not allowed in YAML")])
+        raise ConfigError(
+            [Problem(file, line, column, "", f"character {bad.group()!r} is not allowed in YAML")]
+        )
     builder = _Builder(text, file)
     try:
         builder.run()
@@ -92,7 +100,8 @@ class _Builder:
         self.file = file
         self.lines = text.splitlines()
         self.events = yaml.parse(text, Loader=LOADER)
-        self.ends: dict[int, int] = {}  # line -> column behind the last token: a comment can only follow there
+        # line -> column behind the last token: a comment can only follow there
+        self.ends: dict[int, int] = {}
         self.claim_lines: dict[Path, tuple[int, ...]] = {}
         self.plain: dict[Path, bool] = {}  # whether a value holds no mapping: only such values carry a status
         self.problems: list[Problem] = []
@@ -153,7 +162,9 @@ class _Builder:
         items: list[Any] = []
         while not isinstance(event := self._take(), yaml.SequenceEndEvent):
             item_path = (*path, len(items))
-            self.tree.marks[item_path] = Mark(self.file, event.start_mark.line + 1, event.start_mark.column + 1)
+            self.tree.marks[item_path] = Mark(
+                self.file, event.start_mark.line + 1, event.start_mark.column + 1
+            )
             items.append(self._value(item_path, event, ()))
             self.plain[path] &= self.plain[item_path]
         if flow:
@@ -181,7 +192,9 @@ class _Builder:
         return items
 
     def _collect_claims(self) -> None:
-        """Give every value the mark of its own line, of its key's line, or of the nearest parent that has one."""
+        """Give every value the mark of its own line, of its key's line, or of the nearest parent that has
+        one.
+        """
         found: dict[Path, tuple[str, str] | None] = {}
         for path, lines in self.claim_lines.items():
             own = next((claim for line in lines if (claim := self._claim(line))), None)

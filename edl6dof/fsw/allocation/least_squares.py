@@ -1,14 +1,15 @@
 """Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1.
 
-Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it would be non-negative least
-squares.  Each step moves the duty that has farthest to go to its best value (Gauss-Southwell rule), which comes as near to the optimum
-in some twenty steps as eight cycles through all thrusters.  It works on the slope of the error with each duty, which the products
-B' W^2 B of the effects keep up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque
-before force.  It starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the fine
-thrusters alone (Hu et al. 2022, section 4.3).
+Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it
+would be non-negative least squares.  Each step moves the duty that has farthest to go to its best value
+(Gauss-Southwell rule), which comes as near to the optimum in some twenty steps as eight cycles through all
+thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B of the effects keep
+up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque before
+force.  It starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands
+go to the fine thrusters alone (Hu et al. 2022, section 4.3).
 
-Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of Gauss and Southwell, Luo and
-Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
+Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of
+Gauss and Southwell, Luo and Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 """
 
 from __future__ import annotations
@@ -26,11 +27,18 @@ class LeastSquaresParams(Params):
     steps: int = param(200, "largest number of changes of a duty", ge=1, le=1000000)
     tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
     translating_tolerance: float = param(
-        2e-3, "the same while translating, where force and torque compete and many small changes add up", gt=0.0, lt=1.0
+        2e-3,
+        "the same while translating, where force and torque compete and many small changes add up",
+        gt=0.0,
+        lt=1.0,
     )
-    force_scale_n: float = param(600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0)
+    force_scale_n: float = param(
+        600.0, ("lateral force error that weighs one while translating: torque comes first"), gt=0.0
+    )
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
-    axial_force_scale_n: float = param(1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0)
+    axial_force_scale_n: float = param(
+        1000.0, ("axial force error that weighs one while the axial thrusters help the engine"), gt=0.0
+    )
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
 
 
@@ -51,7 +59,9 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
     """
     p = params.least_squares
     effect, duty, slope, price = memory.effect, memory.duty, memory.slope, memory.price
-    small = not (translating or boosting) and fine_enough(params.fine_share, effect, thrusters, count, healthy, demand)
+    small = not (translating or boosting) and fine_enough(
+        params.fine_share, effect, thrusters, count, healthy, demand
+    )
     only_fine = small and (allowed >> FINE) & 1 == 1
     mask = 1 << FINE if only_fine else allowed
     axial = 1.0 / p.axial_force_scale**2 if boosting else 0.0
@@ -59,7 +69,8 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
     weight = (axial, lateral, 1.0 / params.torque_scale**2)
     keep_products(weight, count, 1 + 4 * memory.effect_of + 2 * translating + boosting, memory)
     order, n = memory.order, 0
-    # fine thrusters take their share first: the coarse ones then only get what is left, not the last few newton metres
+    # fine thrusters take their share first: the coarse ones then only get what is left, not the last few
+    # newton metres
     for fine_turn in (True, False):
         for i in range(count):
             if usable(i, thrusters, healthy, mask) and (thrusters[i].group == FINE) == fine_turn:
@@ -69,7 +80,11 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
         duty[i] = 0.0
         slope[i] = product(weight, effect[i], demand)
         # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
-        price[i] = 0.0 if boosting and thrusters[i].group == AXIAL else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
+        price[i] = (
+            0.0
+            if boosting and thrusters[i].group == AXIAL
+            else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
+        )
     descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory)
     for row in range(ROWS):
         memory.undelivered[row] = demand[row]
@@ -83,12 +98,18 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
 @kernel
 def product(weight, a, b):
     """Scalar product of two wrenches with the weights of axial force, lateral force and torque."""
-    return weight[0] * a[0] * b[0] + weight[1] * (a[1] * b[1] + a[2] * b[2]) + weight[2] * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+    return (
+        weight[0] * a[0] * b[0]
+        + weight[1] * (a[1] * b[1] + a[2] * b[2])
+        + weight[2] * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+    )
 
 
 @kernel
 def keep_products(weight, count, key, memory):
-    """Work out ``memory.gram`` when it belongs to other effects or weights than those that ``key`` stands for."""
+    """Work out ``memory.gram`` when it belongs to other effects or weights than those that ``key`` stands
+    for.
+    """
     if memory.gram_of == key:
         return
     memory.gram_of = key
@@ -100,7 +121,9 @@ def keep_products(weight, count, key, memory):
 
 @kernel
 def farthest(order, n, memory):
-    """The thruster whose duty is farthest from its best value, and the way there; of equals the first in turn."""
+    """The thruster whose duty is farthest from its best value, and the way there; of equals the first in
+    turn.
+    """
     duty, slope, price, gain = memory.duty, memory.slope, memory.price, memory.gain
     chosen, way, size = 0, 0.0, 0.0
     for k in range(n):
@@ -123,4 +146,9 @@ def descend(steps, tolerance, n, count, memory):
             memory.slope[j] -= memory.gram[i, j] * move
 
 
-MEMBER = Member("least_squares", LeastSquaresParams, {"allocate": allocate}, "Bertsekas, Nonlinear Programming, section 2.7")
+MEMBER = Member(
+    "least_squares",
+    LeastSquaresParams,
+    {"allocate": allocate},
+    "Bertsekas, Nonlinear Programming, section 2.7",
+)

@@ -1,7 +1,8 @@
 """The methods of thruster allocation.
 
-Both know the groups that may fire and the thrusters that are sound, give duties within 0..1, and report what stays undelivered, which
-stops the integrators of attitude control.  On the nominal flight (``tests/flights/test_allocation_methods.py`` flies both):
+Both know the groups that may fire and the thrusters that are sound, give duties within 0..1, and report what
+stays undelivered, which stops the integrators of attitude control.  On the nominal flight
+(``tests/flights/test_allocation_methods.py`` flies both):
 
     method          propellant   largest roll error   thrust direction   body rate at touchdown
     least_squares   137.0 kg     0.21 deg             10.3 deg           0.18 deg/s
@@ -24,8 +25,12 @@ _Methods = ALLOCATORS.params_model("AllocationMethods", "method", "least_squares
 class AllocationParams(_Methods):
     """Thruster allocation: the method, and what all share."""
 
-    torque_scale_nm: float = param(250.0, "torque error that weighs one; a fifth of it undelivered counts as saturated", gt=0.0)
-    fine_share: float = param(0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0)
+    torque_scale_nm: float = param(
+        250.0, ("torque error that weighs one; a fifth of it undelivered counts as saturated"), gt=0.0
+    )
+    fine_share: float = param(
+        0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0
+    )
 
 
 allocate = ALLOCATORS.switch("allocate", 9)

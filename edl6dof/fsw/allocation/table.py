@@ -1,12 +1,15 @@
-"""Table-based selection as flown: for each axis and sign a row of thrusters, chosen by the size of the demand.
+"""Table-based selection as flown: for each axis and sign a row of thrusters, chosen by the size of the
+demand.
 
-Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters goes to them, otherwise to the 250 N ones, and to both
-where those do not suffice.  A row holds the healthy thrusters that act mainly along its axis, all with the same duty, so a failed one
-only makes the others work longer.  Lateral force comes first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out
-of the pulse time that is left: a thruster that serves two directions shares it between them.  What a row does to the other axes is
-carried over to theirs; what the last one leaves is reported as undelivered.
+Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters goes to them, otherwise to the
+250 N ones, and to both where those do not suffice.  A row holds the healthy thrusters that act mainly along
+its axis, all with the same duty, so a failed one only makes the others work longer.  Lateral force comes
+first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out
+of the pulse time that is left: a thruster that serves two directions shares it between them.  What a row does
+to the other axes is carried over to theirs; what the last one leaves is reported as undelivered.
 
-The order of the axes is the priority between them.  Left out: any search for a better combination; a row is taken whole or not at all.
+The order of the axes is the priority between them.  Left out: any search for a better combination; a row is
+taken whole or not at all.
 """
 
 from __future__ import annotations
@@ -22,7 +25,10 @@ class TableParams(Params):
     """Selection from a table of thrusters for each axis and sign."""
 
     alignment: float = param(
-        0.6, "cosine between thruster's torque, or lateral force, and axis from which it is in the row", gt=0.0, lt=1.0
+        0.6,
+        "cosine between thruster's torque, or lateral force, and axis from which it is in the row",
+        gt=0.0,
+        lt=1.0,
     )
 
 
@@ -48,7 +54,9 @@ def row_authority(params, effect, thrusters, count, healthy, mask, row, sign):
 
 @kernel
 def add_row(params, thrusters, count, healthy, mask, row, memory):
-    """Give the demand left along an axis to the thrusters of its row in the groups of ``mask``, within the pulse time they have left."""
+    """Give the demand left along an axis to the thrusters of its row in the groups of ``mask``, within the
+    pulse time they have left.
+    """
     effect, duty, left = memory.effect, memory.duty, memory.undelivered
     sign = 1.0 if left[row] > 0.0 else -1.0
     total = row_authority(params, effect, thrusters, count, healthy, mask, row, sign)
@@ -65,7 +73,9 @@ def add_row(params, thrusters, count, healthy, mask, row, memory):
 
 @kernel
 def allocate(params, thrusters, count, healthy, allowed, translating, boosting, demand, memory):
-    """Duties for a demanded force and torque by table; arguments as in :func:`edl6dof.fsw.allocation.least_squares.allocate`."""
+    """Duties for a demanded force and torque by table; arguments as in
+    :func:`edl6dof.fsw.allocation.least_squares.allocate`.
+    """
     effect, duty, left = memory.effect, memory.duty, memory.undelivered
     for row in range(ROWS):
         left[row] = demand[row]
@@ -83,7 +93,9 @@ def allocate(params, thrusters, count, healthy, allowed, translating, boosting, 
         need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
         if need <= 1e-9:
             continue
-        if need > params.fine_share * row_authority(params, effect, thrusters, count, healthy, fine, row, sign):
+        if need > params.fine_share * row_authority(
+            params, effect, thrusters, count, healthy, fine, row, sign
+        ):
             # axial thrusters stand in only where nobody else is left
             mask = coarse & ~(1 << AXIAL)
             if row_authority(params, effect, thrusters, count, healthy, mask, row, sign) == 0.0:

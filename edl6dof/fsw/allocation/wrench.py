@@ -1,4 +1,6 @@
-"""What every method of allocation works with: the effect of each thruster, their authority, and the record of one allocation."""
+"""What every method of allocation works with: the effect of each thruster, their authority, and the record of
+one allocation.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,13 @@ NO_TORQUE = 1e-9  # N m, a demand that is none
 ALLOCATOR = np.dtype(
     [
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
-        ("effect_of", whole(0, len(CONFIGURATIONS))),  # configuration that these effects belong to, plus one; 0 before the first
+        # configuration that these effects belong to, plus one; 0 before the first
+        ("effect_of", whole(0, len(CONFIGURATIONS))),
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
-        # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its use;
-        # products of the weighted effects, duty for each slope, and what these were worked out for
+        # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and
+        # slope that pays for its use; products of the weighted effects, duty for each slope, and what these
+        # were worked out for
         ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
         ("slope", "f8", (MAX_THRUSTERS,)),
         ("price", "f8", (MAX_THRUSTERS,)),
@@ -54,19 +58,32 @@ def usable(i, thrusters, healthy, mask):
 
 @kernel
 def fine_enough(share, effect, thrusters, count, healthy, demand):
-    """Whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of it."""
+    """Whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of
+    it.
+    """
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):
         if healthy[i] != 0 and thrusters[i].group == FINE:
             x += max(copysign(1.0, demand[3]) * effect[i, 3], 0.0)
             y += max(copysign(1.0, demand[4]) * effect[i, 4], 0.0)
             z += max(copysign(1.0, demand[5]) * effect[i, 5], 0.0)
-    return abs(demand[3]) <= share * x + NO_TORQUE and abs(demand[4]) <= share * y + NO_TORQUE and abs(demand[5]) <= share * z + NO_TORQUE
+    return (
+        abs(demand[3]) <= share * x + NO_TORQUE
+        and abs(demand[4]) <= share * y + NO_TORQUE
+        and abs(demand[5]) <= share * z + NO_TORQUE
+    )
 
 
 @kernel
 def keep_effects(vehicle, configuration, memory):
-    """Work out ``memory.effect`` when the vehicle has another configuration, and so another centre of mass, than before."""
+    """Work out ``memory.effect`` when the vehicle has another configuration, and so another centre of mass,
+    than before.
+    """
     if memory.effect_of != configuration + 1:
         memory.effect_of = configuration + 1
-        effects(vehicle.thrusters, vehicle.n_thrusters, take3(vehicle.configuration[configuration].centre, 0), memory.effect)
+        effects(
+            vehicle.thrusters,
+            vehicle.n_thrusters,
+            take3(vehicle.configuration[configuration].centre, 0),
+            memory.effect,
+        )

@@ -1,1 +1,3 @@
-"""Attitude control: from attitude error to demanded torque.  The controllers are a family, see ``registry``."""
+"""Attitude control: from attitude error to demanded torque.  The controllers are a family, see
+``registry``.
+"""

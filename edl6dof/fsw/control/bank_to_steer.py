@@ -1,16 +1,18 @@
 """Bank tracking with rate-damped angle of attack and sideslip: the lift-control phase.
 
-Source: Hu et al. 2022, section 4.  Until the trim wing opens the control is computed in the velocity frame V (bank about the velocity,
-angle of attack and sideslip about the axes across it) and mapped to the body by C_cv, eq. 1; angular accelerations are mapped, not
-torques, so that each axis of the body then gets its own inertia.  Afterwards it is computed in the body, with a larger derivative
-gain on the angle of attack, which is weakly damped then.
+Source: Hu et al. 2022, section 4.  Until the trim wing opens the control is computed in the velocity frame V
+(bank about the velocity, angle of attack and sideslip about the axes across it) and mapped to the body by
+C_cv, eq. 1; angular accelerations are mapped, not torques, so that each axis of the body then gets its own
+inertia.  Afterwards it is computed in the body, with a larger derivative gain on the angle of attack, which
+is weakly damped then.
 
-Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit of error.  When the wing
-does not report that it has opened, the angle of attack is closed around zero at once: the thrusters then hold it against the trim
-moment of the centre-of-mass offset, so that the parachute can open.
+Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit
+of error.  When the wing
+does not report that it has opened, the angle of attack is closed around zero at once: the thrusters then hold
+it against the trim moment of the centre-of-mass offset, so that the parachute can open.
 
-Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`): crossover 2.8 rad/s,
-phase margin 68 deg, gain margin 28 dB up and 19 dB down.
+Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
+crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 """
 
 from __future__ import annotations
@@ -18,7 +20,14 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.frames import beyond, body_rate, gyroscopic_torque, inertia_torque, path_rate, velocity_axes
+from edl6dof.fsw.control.frames import (
+    beyond,
+    body_rate,
+    gyroscopic_torque,
+    inertia_torque,
+    path_rate,
+    velocity_axes,
+)
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -31,13 +40,21 @@ class BankToSteerParams(Params):
 
     bank: ZoneParams = group(ZoneParams, "bank channel")
     damping: float = param(0.8, "acceleration per rate of angle of attack and sideslip, 1/s", ge=0.0)
-    damping_after_wing: float = param(2.0, "the same of the angle of attack after the trim wing is out, 1/s", ge=0.0)
+    damping_after_wing: float = param(
+        2.0, "the same of the angle of attack after the trim wing is out, 1/s", ge=0.0
+    )
     rate_deadband_deg_s: float = param(0.4, "rate of angle of attack or sideslip that is left alone", ge=0.0)
     angle_limit_deg: float = param(
-        10.0, "error of angle of attack or sideslip beyond which its angle loop closes", status="published", source="S1 4.1", gt=0.0
+        10.0,
+        "error of angle of attack or sideslip beyond which its angle loop closes",
+        status="published",
+        source="S1 4.1",
+        gt=0.0,
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
-    wing_patience_s: float = param(2.0, "time after which a trim wing that has not reported itself open counts as failed", gt=0.0)
+    wing_patience_s: float = param(
+        2.0, ("time after which a trim wing that has not reported itself open counts as failed"), gt=0.0
+    )
     held_alpha: ZoneParams = group(ZoneParams, "angle of attack held by thrusters after a failed trim wing")
 
 
@@ -68,11 +85,16 @@ def control(onboard, nav, guide, dt, fsw):
     if fsw.wing_failed != 0:
         pitch = follow(p.held_alpha, memory.alpha, alpha_error, dot(rate, across), dt, frozen)
     else:
-        pitch = damped(p, p.damping_after_wing if fsw.wing_out != 0 else p.damping, dot(rate, across), alpha_error)
+        pitch = damped(
+            p, p.damping_after_wing if fsw.wing_out != 0 else p.damping, dot(rate, across), alpha_error
+        )
     # sideslip grows when the nose turns left: a turn to the right about z removes it
     yaw = damped(p, p.damping, dot(rate, aside), nav.beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
-    torque = add(inertia_torque(onboard, fsw.configuration, acceleration), gyroscopic_torque(onboard, fsw.configuration, body_rate(nav)))
+    torque = add(
+        inertia_torque(onboard, fsw.configuration, acceleration),
+        gyroscopic_torque(onboard, fsw.configuration, body_rate(nav)),
+    )
     for i in range(3):
         fsw.demand[3 + i] = torque[i]
     fsw.attitude_error[0], fsw.attitude_error[1], fsw.attitude_error[2] = bank_error, alpha_error, nav.beta

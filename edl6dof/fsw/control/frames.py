@@ -6,13 +6,23 @@ from math import atan2, cos, pi, sin
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import attitude_from_wind_angles
-from edl6dof.spatial.quaternion import conjugate, from_axes, from_frame, multiply, normalise, rotation_vector, to_frame
+from edl6dof.spatial.quaternion import (
+    conjugate,
+    from_axes,
+    from_frame,
+    multiply,
+    normalise,
+    rotation_vector,
+    to_frame,
+)
 from edl6dof.spatial.vector import cross, dot, scale, sub, take3
 
 
 @kernel
 def inertia_torque(onboard, configuration, acceleration):
-    """Torque (N m, B) that gives the body ``acceleration`` (rad/s2) with the believed principal inertia of the configuration."""
+    """Torque (N m, B) that gives the body ``acceleration`` (rad/s2) with the believed principal inertia of
+    the configuration.
+    """
     inertia = onboard.vehicle.configuration[configuration].inertia
     return inertia[0] * acceleration[0], inertia[1] * acceleration[1], inertia[2] * acceleration[2]
 
@@ -42,7 +52,8 @@ def body_rate(nav):
 
 @kernel
 def path_rate(nav):
-    """Rate at which the planet-relative velocity turns, rad/s, in B, from gravity and measured specific force.
+    """Rate at which the planet-relative velocity turns, rad/s, in B, from gravity and measured specific
+    force.
 
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
@@ -61,7 +72,8 @@ def attitude(nav):
 
 @kernel
 def wind_attitude_error(nav, guide):
-    """Rotation vector from the actual attitude to the commanded bank, angle of attack and zero sideslip, and the rate to remove.
+    """Rotation vector from the actual attitude to the commanded bank, angle of attack and zero sideslip, and
+    the rate to remove.
 
     Both in B: error (goal minus actual, rad) and rate (actual minus goal, rad/s).
     """
@@ -73,9 +85,11 @@ def wind_attitude_error(nav, guide):
 
 @kernel
 def velocity_axes(alpha, beta):
-    """Axes of the velocity frame V in B: along the velocity, and those about which angle of attack and (minus) sideslip turn.
+    """Axes of the velocity frame V in B: along the velocity, and those about which angle of attack and
+    (minus) sideslip turn.
 
-    They are the columns of the matrix C_cv of Hu et al. 2022, eq. 1, written for B instead of the paper's frame c (x and z reversed).
+    They are the columns of the matrix C_cv of Hu et al. 2022, eq. 1, written for B instead of the paper's
+    frame c (x and z reversed).
     """
     ca, sa, cb, sb = cos(alpha), sin(alpha), cos(beta), sin(beta)
     return (ca * cb, sb, sa * cb), (-ca * sb, cb, -sa * sb), (-sa, 0.0, ca)
@@ -97,7 +111,8 @@ def shortest_arc(a, b):
 
 @kernel
 def goal_attitude(north_I, east_I, up_I, direction_I):
-    """Goal attitude ``q_I2B``: the local geographic frame turned by the shortest path until its thrust axis is along ``direction_I``.
+    """Goal attitude ``q_I2B``: the local geographic frame turned by the shortest path until its thrust axis
+    is along ``direction_I``.
 
     The geographic frame has x of the paper's c up (B: down), y south.  Source: Hu et al. 2022, eqs. 2 and 3.
     """
@@ -107,19 +122,23 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
 
 @kernel
 def shortest_path_error(q, goal):
-    """Rotation vector in B from the attitude ``q`` straight to ``goal`` (goal minus actual, rad).  Source: Hu et al. 2022, eq. 4."""
+    """Rotation vector in B from the attitude ``q`` straight to ``goal`` (goal minus actual, rad).  Source: Hu
+    et al. 2022, eq. 4.
+    """
     return rotation_vector(multiply(conjugate(q), goal))
 
 
 @kernel
 def decoupled_error(q, goal):
-    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed, as (roll, pitch, yaw) in B, goal minus actual, rad.
+    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed, as (roll, pitch, yaw)
+    in B, goal minus actual, rad.
 
-    The first rotation carries the thrust axis by the shortest path onto the goal's; the second, about the thrust axis, does the rest
-    and is the roll error.  Source: Hu et al. 2022, Fig. 6 and eqs. 5-7.
-    Against the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal; here the error is goal minus
-    actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is used, which agrees below 30 deg to 1.2 %.  Eq. 5 leaves
-    no pitch and yaw error when the thrust points exactly the wrong way; here some axis across it is turned about.
+    The first rotation carries the thrust axis by the shortest path onto the goal's; the second, about the
+    thrust axis, does the rest and is the roll error.  Source: Hu et al. 2022, Fig. 6 and eqs. 5-7.
+    Against the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal; here the
+    error is goal minus actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is used, which
+    agrees below 30 deg to 1.2 %.  Eq. 5 leaves no pitch and yaw error when the thrust points exactly the
+    wrong way; here some axis across it is turned about.
     """
     thrust_axis = (-1.0, 0.0, 0.0)
     turn = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))

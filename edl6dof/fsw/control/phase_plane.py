@@ -1,14 +1,15 @@
 """Three-axis phase-plane control with hysteresis, for the trim-angle-of-attack phase in vacuum and thin air.
 
-Source: Hu et al. 2022, section 3; the switching function is the minimum-time parabola of a double integrator with a rate lead, widened
-to a deadband (Bryson, Control of Spacecraft and Aircraft, chapter 7).
+Source: Hu et al. 2022, section 3; the switching function is the minimum-time parabola of a double integrator
+with a rate lead, widened to a deadband (Bryson, Control of Spacecraft and Aircraft, chapter 7).
 
-Free limit cycle, error e and rate w, deadband d, hysteresis h, lead T, acceleration a: a firing begins at e = d - w^2/2a - T w on the
-way out and ends at e = h d + w^2/2a + T w on the way back, so the cycle has
+Free limit cycle, error e and rate w, deadband d, hysteresis h, lead T, acceleration a: a firing begins at e =
+d - w^2/2a - T w on the way out and ends at e = h d + w^2/2a + T w on the way back, so the cycle has
 
     2 T w + w^2 / a = (1 - h) d,   amplitude d - T w,   period 4 (d - T w) / w + 4 w / a,
 
-as long as one minimum pulse changes the rate by less than 2 w; a coarser pulse q makes the rates before and after it add up to q.
+as long as one minimum pulse changes the rate by less than 2 w; a coarser pulse q makes the rates before and
+after it add up to q.
 With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
 """
 
@@ -38,7 +39,9 @@ MEMORY = np.dtype([("firing", whole(-1, 1), (3,))], align=True)
 
 @kernel
 def switch_axis(p, firing, error, rate):
-    """-1, 0 or +1: torque direction for one axis, with ``error`` = goal minus actual (rad) and ``rate`` (rad/s)."""
+    """-1, 0 or +1: torque direction for one axis, with ``error`` = goal minus actual (rad) and ``rate``
+    (rad/s).
+    """
     switching = error - rate * abs(rate) / (2.0 * p.acceleration) - p.lead * rate
     threshold = p.deadband * (p.hysteresis if firing != 0 else 1.0)
     if abs(switching) < threshold:

@@ -1,9 +1,10 @@
-"""Under the parachute: nothing at first, then damping of large pitch and yaw rates and a slow roll to the local geographic frame.
+"""Under the parachute: nothing at first, then damping of large pitch and yaw rates and a slow roll to the
+local geographic frame.
 
 Source: Hu et al. 2022, section 5.
 
-Margins of the roll loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`): crossover 2.0 rad/s,
-phase margin 67 deg, gain margin 32 dB up and any gain down.
+Margins of the roll loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
+crossover 2.0 rad/s, phase margin 67 deg, gain margin 32 dB up and any gain down.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from edl6dof.registry import Member
 class RateDampingParams(Params):
     """Rate damping with large deadbands under the parachute."""
 
-    rest_s: float = param(13.0, "time after the start of the phase without control", status="published", source="S1", ge=0.0)
+    rest_s: float = param(
+        13.0, "time after the start of the phase without control", status="published", source="S1", ge=0.0
+    )
     rate_deadband_deg_s: float = param(4.0, "pitch or yaw rate that is left alone", ge=0.0)
     damping: float = param(0.8, "acceleration per rate beyond the deadband, 1/s", ge=0.0)
     roll: ZoneParams = group(ZoneParams, "roll channel, to the local geographic frame")
@@ -39,7 +42,11 @@ def control(onboard, nav, guide, dt, fsw):
         return
     w = body_rate(nav)
     roll = follow(p.roll, fsw.control.rate_damping.roll, nav.roll_to_south, w[0], dt, fsw.saturated != 0)
-    acceleration = (roll, -p.damping * beyond(w[1], p.rate_deadband), -p.damping * beyond(w[2], p.rate_deadband))
+    acceleration = (
+        roll,
+        -p.damping * beyond(w[1], p.rate_deadband),
+        -p.damping * beyond(w[2], p.rate_deadband),
+    )
     torque = inertia_torque(onboard, fsw.configuration, acceleration)
     for i in range(3):
         fsw.demand[3 + i] = torque[i]

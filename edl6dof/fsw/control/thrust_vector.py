@@ -1,19 +1,23 @@
-"""Powered descent: thrust axis to the commanded direction, roll to the local geographic frame, each axis in its own zones.
+"""Powered descent: thrust axis to the commanded direction, roll to the local geographic frame, each axis in
+its own zones.
 
-Two formulations of the attitude error (Hu et al. 2022, section 6.2): along the shortest path to the goal attitude (eqs. 2-4), or
-decoupled (eqs. 5-8), where pitch and yaw see the thrust direction alone, so that a roll error does not lead the thrust astray.
-A slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but the rate they are driven to
-is one vector along the rotation (eq. 8; the print has S_1 x S_d with a minus sign, which would turn the thrust away; the direction
-follows from the error).
+Two formulations of the attitude error (Hu et al. 2022, section 6.2): along the shortest path to the goal
+attitude (eqs. 2-4), or decoupled (eqs. 5-8), where pitch and yaw see the thrust direction alone, so that a
+roll error does not lead the thrust astray.
+A slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but
+the rate they are driven to is one vector along the rotation (eq. 8; the print has S_1 x S_d with a minus
+sign, which would turn the thrust away; the direction follows from the error).
 
-The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse modulation gave beyond its orders
-(:mod:`edl6dof.fsw.estimation.shortfall`).  With the pole lambda of the estimator the torque per inertia on an error e becomes
+The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse
+modulation gave beyond its orders (:mod:`edl6dof.fsw.estimation.shortfall`).  With the pole lambda of the
+estimator the torque per inertia on an error e becomes
 
     (P + lambda D) e + lambda P int e dt + (D + lambda) e',
 
-a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.  Margins with the gains of the Tianwen-1 scenario and the
-sampled, delayed estimator (:mod:`edl6dof.studies.attitude_loops`): crossover 7.4 rad/s, phase margin 62 deg, gain margin 16 dB up and
-20 dB down.
+a PID law: proportional P + lambda D, integral lambda P, derivative D + lambda.  Margins with the gains of the
+Tianwen-1 scenario and the
+sampled, delayed estimator (:mod:`edl6dof.studies.attitude_loops`): crossover 7.4 rad/s, phase margin 62 deg,
+gain margin 16 dB up and 20 dB down.
 """
 
 from __future__ import annotations
@@ -24,7 +28,14 @@ from typing import Literal
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.fsw.control.frames import attitude, body_rate, decoupled_error, goal_attitude, inertia_torque, shortest_path_error
+from edl6dof.fsw.control.frames import (
+    attitude,
+    body_rate,
+    decoupled_error,
+    goal_attitude,
+    inertia_torque,
+    shortest_path_error,
+)
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
 from edl6dof.fsw.estimation.shortfall import SHORTFALL, shortfall
 from edl6dof.jit import kernel
@@ -40,10 +51,16 @@ class ThrustVectorParams(Params):
     """Thrust-direction and roll control of the lander."""
 
     error: Literal["decoupled", "shortest_path"] = param(
-        "decoupled", "attitude error: thrust direction and roll apart, or the shortest path", status="published", source="S1 6.2"
+        "decoupled",
+        "attitude error: thrust direction and roll apart, or the shortest path",
+        status="published",
+        source="S1 6.2",
     )
     against_disturbance: Literal["estimator", "integral"] = param(
-        "estimator", "what works against disturbance torques: their estimate, or the integral terms", status="published", source="S1 6.2"
+        "estimator",
+        "what works against disturbance torques: their estimate, or the integral terms",
+        status="published",
+        source="S1 6.2",
     )
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")
@@ -55,13 +72,18 @@ MEMORY = np.dtype([("axis", AXIS, (3,)), ("shortfall", SHORTFALL), ("compensatio
 @kernel
 def thrust_direction(nav, guide):
     """Commanded thrust direction, unit vector in I."""
-    north, east = scale(guide.thrust_direction_N[0], take3(nav.north_I, 0)), scale(guide.thrust_direction_N[1], take3(nav.east_I, 0))
+    north, east = (
+        scale(guide.thrust_direction_N[0], take3(nav.north_I, 0)),
+        scale(guide.thrust_direction_N[1], take3(nav.east_I, 0)),
+    )
     return sub(add(north, east), scale(guide.thrust_direction_N[2], take3(nav.up_I, 0)))
 
 
 @kernel
 def slew_rates(p, error, bandwidth):
-    """Rates wanted outside the PID zones: that of roll, and those of pitch and yaw as one rotation (eq. 8)."""
+    """Rates wanted outside the PID zones: that of roll, and those of pitch and yaw as one rotation (eq.
+    8).
+    """
     roll = target_rate(p.roll, error[0], bandwidth)
     angle = (error[1] * error[1] + error[2] * error[2]) ** 0.5
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
@@ -72,12 +94,22 @@ def slew_rates(p, error, bandwidth):
 def compensation(onboard, dt, bandwidth, fsw):
     """Torque (N m, B) to take off the demand: disturbance and modulation shortfall.
 
-    In a phase of low bandwidth it is smoothed, so that estimator and filter together lag by 1 / (bandwidth lambda).
+    In a phase of low bandwidth it is smoothed, so that estimator and filter together lag by 1 / (bandwidth
+    lambda).
     """
     memory = fsw.control.thrust_vector
     pole = onboard.estimation.disturbance.torque_pole
     command, count = fsw.command, onboard.vehicle.n_thrusters
-    owed = shortfall(pole, fsw.allocator.effect, count, command.opens, command.closes, fsw.allocator.duty, dt, memory.shortfall)
+    owed = shortfall(
+        pole,
+        fsw.allocator.effect,
+        count,
+        command.opens,
+        command.closes,
+        fsw.allocator.duty,
+        dt,
+        memory.shortfall,
+    )
     found = add(take3(fsw.disturbance.torque, 0), owed)
     step = 1.0 - exp(-dt * pole * bandwidth / (1.0 - bandwidth)) if bandwidth < 1.0 else 1.0
     for i in range(3):
@@ -92,7 +124,9 @@ def control(onboard, nav, guide, dt, fsw):
     memory = fsw.control.thrust_vector
     bandwidth = onboard.mission.phases[fsw.phase].bandwidth
     q, w = attitude(nav), body_rate(nav)
-    goal = goal_attitude(take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, guide))
+    goal = goal_attitude(
+        take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, guide)
+    )
     error = shortest_path_error(q, goal) if p.error == SHORTEST_PATH else decoupled_error(q, goal)
     wanted = slew_rates(p, error, bandwidth)
     frozen = fsw.saturated != 0 or p.against_disturbance == ESTIMATOR
@@ -112,4 +146,10 @@ def control(onboard, nav, guide, dt, fsw):
         fsw.demand[1], fsw.demand[2] = force[1], force[2]
 
 
-MEMBER = Member("thrust_vector", ThrustVectorParams, {"control": control}, "Hu et al. 2022, section 6.1 and eqs. 2-9", MEMORY)
+MEMBER = Member(
+    "thrust_vector",
+    ThrustVectorParams,
+    {"control": control},
+    "Hu et al. 2022, section 6.1 and eqs. 2-9",
+    MEMORY,
+)

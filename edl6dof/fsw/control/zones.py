@@ -1,7 +1,8 @@
 """One axis of attitude control over the four zones of the phase plane.
 
-Far from the goal the rate is driven to a constant; nearer to a parabola that a constant deceleration can follow; close by a PID law
-takes over; and beyond the rate limit the rate is only brought down.  Source: Hu et al. 2022, section 4.1 and Fig. 5.
+Far from the goal the rate is driven to a constant; nearer to a parabola that a constant deceleration can
+follow; close by a PID law takes over; and beyond the rate limit the rate is only brought down.  Source: Hu et
+al. 2022, section 4.1 and Fig. 5.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ AXIS = np.dtype([("integral", "f8"), ("zone", whole(PID, LIMITER))], align=True)
 def target_rate(zone, error, bandwidth):
     """Signed rate wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone, rad/s.
 
-    The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is continuous.
+    The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is
+    continuous.
     """
     size = abs(error)
     inner = bandwidth * zone.proportional / max(zone.derivative, 1e-9) * zone.near
@@ -57,10 +59,12 @@ def axis_acceleration(zone, memory, error, wanted, rate, dt, frozen, bandwidth):
         zone: ``ZoneParams`` record.
         memory: ``AXIS`` record.
         error: goal minus actual angle, rad.
-        wanted: rate wanted outside the PID zone, rad/s: :func:`target_rate`, or this axis' part of a slew about another axis.
+        wanted: rate wanted outside the PID zone, rad/s: :func:`target_rate`, or this axis' part of a slew
+            about another axis.
         rate: actual minus goal rate, rad/s.
         dt: control cycle, s.
-        frozen: whether the integral stands still (the thrusters could not deliver the last demand, or something else takes its place).
+        frozen: whether the integral stands still (the thrusters could not deliver the last demand, or
+            something else takes its place).
         bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
     if abs(rate) > 1.15 * zone.rate:
@@ -80,5 +84,7 @@ def axis_acceleration(zone, memory, error, wanted, rate, dt, frozen, bandwidth):
 
 @kernel
 def follow(zone, memory, error, rate, dt, frozen):
-    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains."""
+    """Demanded angular acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its
+    gains.
+    """
     return axis_acceleration(zone, memory, error, target_rate(zone, error, 1.0), rate, dt, frozen, 1.0)

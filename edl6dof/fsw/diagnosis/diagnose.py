@@ -1,11 +1,13 @@
 """One control cycle of thruster fault diagnosis: residual, hypotheses, verdict, and what follows from it.
 
-The confidence of a verdict is the posterior probability of its hypothesis among all others and "no thruster has failed", whose prior is
-the price of a false alarm; it is wanted in several cycles on end.  Then the thruster is taken out of the allocation and isolated: that
-costs nothing with a dead one, and it stops one that had been stuck on for so long that it looks dead.
+The confidence of a verdict is the posterior probability of its hypothesis among all others and "no thruster
+has failed", whose prior is the price of a false alarm; it is wanted in several cycles on end.  Then the
+thruster is taken out of the allocation and isolated: that costs nothing with a dead one, and it stops one
+that had been stuck on for so long that it looks dead.
 
-Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster in every phase.  Left out:
-a fault of a thruster that is not used, which nobody can see and which does no harm.
+Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
+in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
+harm.
 """
 
 from __future__ import annotations
@@ -14,7 +16,16 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.hypotheses import DEGRADED, HYPOTHESES, NOTHING, STUCK_OFF, STUCK_ON, compare, forget_all, weigh
+from edl6dof.fsw.diagnosis.hypotheses import (
+    DEGRADED,
+    HYPOTHESES,
+    NOTHING,
+    STUCK_OFF,
+    STUCK_ON,
+    compare,
+    forget_all,
+    weigh,
+)
 from edl6dof.fsw.diagnosis.probe import (
     GUILTY,
     NOBODY,
@@ -41,23 +52,42 @@ class DiagnosisParams(Params):
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(
         0.01,
-        "lateral force over axial load, and pitch or yaw torque over it in m, by which air and riser fluctuate",
+        (
+            "lateral force over axial load, and pitch or yaw torque over it in m, by which air and riser "
+            "fluctuate"
+        ),
         status="estimate",
         ge=0.0,
     )
     load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
-    torque_noise_nm: float = param(4.0, "torque residual of a sound vehicle on an axis", status="estimate", gt=0.0)
-    force_noise_n: float = param(8.0, "lateral force residual of a sound vehicle on an axis", status="estimate", gt=0.0)
-    model_error: float = param(0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0)
-    memory_cycles: float = param(12.0, "cycles of evidence that count, of those in which a thruster was used", gt=1.0)
-    prior: float = param(16.0, "log of the odds for a sound vehicle: the price of a false alarm", gt=0.0, le=100.0)
+    torque_noise_nm: float = param(
+        4.0, "torque residual of a sound vehicle on an axis", status="estimate", gt=0.0
+    )
+    force_noise_n: float = param(
+        8.0, "lateral force residual of a sound vehicle on an axis", status="estimate", gt=0.0
+    )
+    model_error: float = param(
+        0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0
+    )
+    memory_cycles: float = param(
+        12.0, "cycles of evidence that count, of those in which a thruster was used", gt=1.0
+    )
+    prior: float = param(
+        16.0, "log of the odds for a sound vehicle: the price of a false alarm", gt=0.0, le=100.0
+    )
     confidence: float = param(0.999, "confidence at which a thruster is condemned", gt=0.5, lt=1.0)
     streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)
-    loss_least: float = param(0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0)
-    loss_dead: float = param(0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0)
+    loss_least: float = param(
+        0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0
+    )
+    loss_dead: float = param(
+        0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0
+    )
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
-    trust_s: float = param(5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0)
+    trust_s: float = param(
+        5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0
+    )
 
 
 FINDING = np.dtype(

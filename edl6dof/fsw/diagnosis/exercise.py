@@ -1,8 +1,10 @@
-"""Opposed test pulses: a thruster and its opposite number fire together for one pulse, so that nothing moves unless one of them fails.
+"""Opposed test pulses: a thruster and its opposite number fire together for one pulse, so that nothing moves
+unless one of them fails.
 
-In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses only some of them at a time.
-Each horizontal pair on one line of action that has rested for a while is tested in turn; a thruster that one test makes suspect is
-tested again at once.  A test costs 8 g of propellant.  Beyond Hu et al. 2022, who wait for the thruster to be used.
+In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses
+only some of them at a time. Each horizontal pair on one line of action that has rested for a while is tested
+in turn; a thruster that one test makes suspect is tested again at once.  A test costs 8 g of propellant.
+Beyond Hu et al. 2022, who wait for the thruster to be used.
 """
 
 from __future__ import annotations
@@ -50,13 +52,20 @@ def can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
     """Whether two thrusters are in use, shut during this cycle, and able to give a pulse within it."""
     if j == NOBODY or healthy[i] == 0 or healthy[j] == 0:
         return False
-    shut = closes[i] <= opens[i] and closes[j] <= opens[j] and modulator.busy_until[i] <= t and modulator.busy_until[j] <= t
+    shut = (
+        closes[i] <= opens[i]
+        and closes[j] <= opens[j]
+        and modulator.busy_until[i] <= t
+        and modulator.busy_until[j] <= t
+    )
     return shut and thrusters[i].minimum_pulse <= dt + 1e-9 and thrusters[j].minimum_pulse <= dt + 1e-9
 
 
 @kernel
 def next_pair(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory):
-    """The pair to test now: a suspect's, or the one that has rested longest; (``NOBODY``, ``NOBODY``) for none."""
+    """The pair to test now: a suspect's, or the one that has rested longest; (``NOBODY``, ``NOBODY``) for
+    none.
+    """
     if hypotheses.kind != NOTHING and hypotheses.evidence > params.suspicion:
         i = hypotheses.thruster
         j = opposite(effect, count, i)
@@ -96,7 +105,9 @@ def exercise(params, thrusters, count, effect, healthy, hypotheses, modulator, o
     for i in range(count):
         if closes[i] > opens[i] + 0.5 * dt:
             memory.used[i] = t
-    i, j = next_pair(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory)
+    i, j = next_pair(
+        params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory
+    )
     if i != NOBODY:
         opens[i] = opens[j] = t
         closes[i] = closes[j] = t + dt

@@ -1,20 +1,23 @@
 """Hypotheses about single thrusters and the evidence for each.
 
-A thruster i with effect b_i (force and torque at full thrust) that was to fire for the share e of a cycle leaves the residual
+A thruster i with effect b_i (force and torque at full thrust) that was to fire for the share e of a cycle
+leaves the residual
 
-    off    - L e b_i             it gives the fraction L less than it should (L = 1: stuck off)
-    on     + (1 - e) b_i         its valve stays open
-    old    - L (e - e_mean) b_i  either of them, so long ago that its mean has been taken for a slow disturbance
+    off    - L e b_i             it gives the fraction L less than it should (L = 1: stuck off) on     + (1 -
+    e) b_i         its valve stays open old    - L (e - e_mean) b_i  either of them, so long ago that its mean
+    has been taken for a slow disturbance
 
-The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with S the weighted sum of squares
-of the residual and S' what the hypothesis leaves of it over n cycles, n (m / 2) ln((S + S0) / (S' + S0)).  m counts 2 of the 5 components
-because they are not independent; S0 is the sum that the flight computer's own models are good for.  A disturbance however large that
-does not look like a thruster leaves S' near S and proves nothing: the air in lift control and the riser under the parachute set their
-own noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever the evidence speaks
-against it, so the time of the fault need not be known (Page's test).
+The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with S
+the weighted sum of squares of the residual and S' what the hypothesis leaves of it over n cycles, n (m / 2)
+ln((S + S0) / (S' + S0)).  m counts 2 of the 5 components because they are not independent; S0 is the sum that
+the flight computer's own models are good for.  A disturbance however large that does not look like a thruster
+leaves S' near S and proves nothing: the air in lift control and the riser under the parachute set their own
+noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever
+the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
-Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's test from Basseville &
-Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail at the same time.
+Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
+test from Basseville & Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail at the same
+time.
 """
 
 from __future__ import annotations
@@ -35,7 +38,8 @@ LARGEST = 200.0  # evidence beyond which nothing changes any more
 #: Kinds of finding.
 NOTHING, STUCK_OFF, STUCK_ON, DEGRADED = range(4)
 
-#: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of cycles.
+#: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
+#: cycles.
 SUMS = np.dtype([("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8")], align=True)
 
 HYPOTHESES = np.dtype(
@@ -59,7 +63,9 @@ HYPOTHESES = np.dtype(
 
 @kernel
 def collect(sums, keep, signature, along, square, every):
-    """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's effect."""
+    """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's
+    effect.
+    """
     sums.cross = keep * sums.cross + signature * along
     sums.own = keep * sums.own + signature * signature * square
     sums.all = keep * sums.all + every
@@ -92,7 +98,9 @@ def evidence(sums, size):
 
 @kernel
 def may_reach(least, sums, size):
-    """Whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 tells it of most hypotheses without a logarithm."""
+    """Whether :func:`evidence` can be as large as ``least``: ln x <= x - 1 tells it of most hypotheses
+    without a logarithm.
+    """
     floor = COMPONENTS * sums.cycles
     explained = size * (2.0 * sums.cross - size * sums.own)
     left = max(sums.all - explained, 0.0)
@@ -106,7 +114,8 @@ def weights(params, wrench, load):
     Args:
         params: diagnosis record.
         wrench: force and torque that the thrusters should give (6): the models are good for a fraction of it.
-        load: axial force of air and riser, N: what they do across it changes by a fraction of it, and hardly turns about the axis.
+        load: axial force of air and riser, N: what they do across it changes by a fraction of it, and hardly
+            turns about the axis.
     """
     own = params.model_error * params.model_error
     force = own * (wrench[1] * wrench[1] + wrench[2] * wrench[2])
@@ -114,7 +123,11 @@ def weights(params, wrench, load):
     air = (params.load_noise * load) ** 2
     roll = (params.load_noise_roll * load) ** 2
     least = params.torque_noise * params.torque_noise
-    return 1.0 / (params.force_noise * params.force_noise + force + air), 1.0 / (least + torque + roll), 1.0 / (least + torque + air)
+    return (
+        1.0 / (params.force_noise * params.force_noise + force + air),
+        1.0 / (least + torque + roll),
+        1.0 / (least + torque + air),
+    )
 
 
 @kernel
@@ -164,11 +177,13 @@ def for_stuck_on(sums, least):
 
 @kernel
 def compare(params, count, healthy, trusted_until, t, memory):
-    """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share in.
+    """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share
+    in.
 
-    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.  A thruster that a probe found
-    sound is not suspected to be stuck on before ``trusted_until`` (s).  Evidence below half the prior is noise: beside "no fault" all
-    thrusters together would hold less than a per cent with it.
+    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.  A
+    thruster that a probe found sound is not suspected to be stuck on before ``trusted_until`` (s).  Evidence
+    below half the prior is noise: beside "no fault" all thrusters together would hold less than a per cent
+    with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     memory.kind, memory.on_evidence = NOTHING, 0.0

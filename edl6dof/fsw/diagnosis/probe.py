@@ -1,11 +1,13 @@
 """Shutting a suspect off for a moment: does the disturbance go with it?
 
-A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number fires against it leaves the
-same residual as that one stuck off.  Where the residual cannot decide, the suspect is isolated for a fraction of a second.  If it is the
-culprit, force and torque change by exactly minus its effect; if it is sound, nothing happens, because nothing had been asked of it.
-A dead thruster that stops being commanded just then leaves the same change: every other thruster's use is weighed against the suspect.
-Suspected is a thruster for which "stuck on" has evidence but a rival, or whose effect accounts for most of a slow disturbance that is
-larger than the misalignments of engine, drag and riser explain.
+A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number
+fires against it leaves the same residual as that one stuck off.  Where the residual cannot decide, the
+suspect is isolated for a fraction of a second.  If it is the culprit, force and torque change by exactly
+minus its effect; if it is sound, nothing happens, because nothing had been asked of it.
+A dead thruster that stops being commanded just then leaves the same change: every other thruster's use is
+weighed against the suspect. Suspected is a thruster for which "stuck on" has evidence but a rival, or whose
+effect accounts for most of a slow disturbance that is larger than the misalignments of engine, drag and riser
+explain.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ UNDER_WAY, SOUND, GUILTY = range(3)
 SLOW_KNOWN = 25  # cycles for which the slow disturbance must have been known before anyone is suspected of it
 LEAST_CYCLES = 3
 BEFORE = 3  # cycles before a probe that what follows is compared with
-MISALIGNMENT = 0.01  # lateral force over axial load, and torque over axial load in m, that nobody is suspected of
+# lateral force over axial load, and torque over axial load in m, that nobody is suspected of
+MISALIGNMENT = 0.01
 LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
 
 PROBE = np.dtype(
@@ -44,7 +47,9 @@ PROBE = np.dtype(
 
 @kernel
 def culprit_of_slow(count, effect, residual, healthy, t, memory):
-    """The thruster whose standing thrust accounts for four fifths of a large slow disturbance, or ``NOBODY``."""
+    """The thruster whose standing thrust accounts for four fifths of a large slow disturbance, or
+    ``NOBODY``.
+    """
     slow = residual.slow
     force, torque = LEAST_FORCE + MISALIGNMENT * abs(slow[0]), LEAST_TORQUE + MISALIGNMENT * abs(slow[0])
     weight = (1.0 / (force * force), 1.0 / (torque * torque), 1.0 / (torque * torque))
@@ -108,7 +113,14 @@ def follow_probe(params, count, effect, activity, load, seen, t, dt, memory):
     weight = weights(params, activity.wrench, load)
     b = effect[memory.suspect]
     before = memory.before
-    change = (0.0, seen[1] - before[1], seen[2] - before[2], seen[3] - before[3], seen[4] - before[4], seen[5] - before[5])
+    change = (
+        0.0,
+        seen[1] - before[1],
+        seen[2] - before[2],
+        seen[3] - before[3],
+        seen[4] - before[4],
+        seen[5] - before[5],
+    )
     every = product(change, change, weight)
     collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), every)
     found = evidence(memory.sums, 1.0)

@@ -1,6 +1,8 @@
-"""What diagnosis looks at: the unexplained force and torque less their slow part, and how much each component is worth.
+"""What diagnosis looks at: the unexplained force and torque less their slow part, and how much each component
+is worth.
 
-The slow part, which no thruster fault explains, is the mean before the last fifteen cycles.  A fault younger than that is not in it.
+The slow part, which no thruster fault explains, is the mean before the last fifteen cycles.  A fault younger
+than that is not in it.
 """
 
 from __future__ import annotations
@@ -11,7 +13,9 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 
-WINDOW = 15  # control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a disturbance
+# control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a
+# disturbance
+WINDOW = 15
 LEAST_MEAN = 3  # cycles that the first mean after a restart is made of
 
 RESIDUAL = np.dtype(
@@ -73,4 +77,8 @@ def product(a, b, weight):
 
     The axial force, which engine and drag spoil, does not count.
     """
-    return weight[0] * (a[1] * b[1] + a[2] * b[2]) + weight[1] * a[3] * b[3] + weight[2] * (a[4] * b[4] + a[5] * b[5])
+    return (
+        weight[0] * (a[1] * b[1] + a[2] * b[2])
+        + weight[1] * a[3] * b[3]
+        + weight[2] * (a[4] * b[4] + a[5] * b[5])
+    )

@@ -1,7 +1,8 @@
 """What the thrusters should have given during the cycle that the latest inertial measurement covers.
 
-The measurement is some base cycles old, and thrust follows the valve a few milliseconds late.  So the valve intervals commanded in the
-last control cycles are kept, and the share of the measured cycle in which each thruster was to give thrust is worked out from them.
+The measurement is some base cycles old, and thrust follows the valve a few milliseconds late.  So the valve
+intervals commanded in the last control cycles are kept, and the share of the measured cycle in which each
+thruster was to give thrust is worked out from them.
 """
 
 from __future__ import annotations
@@ -11,14 +12,16 @@ import numpy as np
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 
-#: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags into the third.
+#: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags
+#: into the third.
 KEPT = 3
 
 ACTIVITY = np.dtype(
     [
         ("opens", "f8", (KEPT, MAX_THRUSTERS)),
         ("closes", "f8", (KEPT, MAX_THRUSTERS)),
-        ("share", "f8", (MAX_THRUSTERS,)),  # of the measured cycle in which each thruster should have given thrust
+        # of the measured cycle in which each thruster should have given thrust
+        ("share", "f8", (MAX_THRUSTERS,)),
         ("wrench", "f8", (6,)),  # mean force and torque that gives
     ],
     align=True,

@@ -1,4 +1,6 @@
-"""One control cycle of estimation: what the thrusters should have done, and the force and torque that they do not explain."""
+"""One control cycle of estimation: what the thrusters should have done, and the force and torque that they do
+not explain.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,20 @@ class EstimationParams(Params):
 
     disturbance: DisturbanceParams = group(DisturbanceParams, "disturbance torque and force")
     valve_lag_s: float = param(
-        0.006, "time by which thrust follows the valve, half its rise", status="estimate", source="rise and decay of 12 ms", ge=0.0, le=0.02
+        0.006,
+        "time by which thrust follows the valve, half its rise",
+        status="estimate",
+        source="rise and decay of 12 ms",
+        ge=0.0,
+        le=0.02,
     )
 
 
 @kernel
 def observe(onboard, dt, fsw):
-    """Update ``fsw.activity`` and ``fsw.disturbance`` from the latest inertial measurement; ``fsw.allocator.effect`` must be filled."""
+    """Update ``fsw.activity`` and ``fsw.disturbance`` from the latest inertial measurement;
+    ``fsw.allocator.effect`` must be filled.
+    """
     nav, p = fsw.nav, onboard.estimation
     end = nav.t - onboard.imu_delay
     expect(fsw.allocator.effect, onboard.vehicle.n_thrusters, end - dt, end, p.valve_lag, fsw.activity)

@@ -1,9 +1,10 @@
 """What pulse modulation owes: the torque of the valve intervals against that of the duties they stand for.
 
-Pulses are never shorter than the minimum and small duties fall into the deadband, so on average a thruster set gives a little less, or
-more, than it was asked for.  Hu et al. 2022, eq. 9, takes the *commanded* torque as the vehicle's own, which makes this difference part
-of the disturbance; here the estimator of the disturbance sees the valve intervals, and the difference is kept apart: filtered with the
-same pole, the two add up to the estimate of the paper.
+Pulses are never shorter than the minimum and small duties fall into the deadband, so on average a thruster
+set gives a little less, or more, than it was asked for.  Hu et al. 2022, eq. 9, takes the *commanded* torque
+as the vehicle's own, which makes this difference part of the disturbance; here the estimator of the
+disturbance sees the valve intervals, and the difference is kept apart: filtered with the same pole, the two
+add up to the estimate of the paper.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Mission phases and their triggers: parameter models.
 
-A phase names its guidance, its attitude controller and the thruster groups it may fire; it carries events (deployments) and ends by a
-trigger.  Triggers look only at navigated quantities, and time windows bound them on both sides.
+A phase names its guidance, its attitude controller and the thruster groups it may fire; it carries events
+(deployments) and ends by a trigger.  Triggers look only at navigated quantities, and time windows bound them
+on both sides.
 """
 
 from __future__ import annotations
@@ -72,14 +73,23 @@ class Phase(Params):
     """One mission phase."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
-    role: Literal[ROLES] = param(NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False)
+    role: Literal[ROLES] = param(
+        NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False
+    )
     guidance: Literal[GUIDANCE] = param("none", "guidance of the phase")
     control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
     thrusters: Annotated[list[Literal[THRUSTER_GROUPS]], Capacity(len(THRUSTER_GROUPS))] = param(
         None, "thruster groups that may fire for attitude", factory=list, max_length=len(THRUSTER_GROUPS)
     )
-    bandwidth: float = param(1.0, "bandwidth of the attitude loop in this phase over that of the controller's gains", gt=0.0, le=3.0)
-    events: Annotated[list[Event], Capacity(MAX_EVENTS)] = param(None, "events inside the phase", factory=list, max_length=MAX_EVENTS)
+    bandwidth: float = param(
+        1.0,
+        ("bandwidth of the attitude loop in this phase over that of the controller's gains"),
+        gt=0.0,
+        le=3.0,
+    )
+    events: Annotated[list[Event], Capacity(MAX_EVENTS)] = param(
+        None, "events inside the phase", factory=list, max_length=MAX_EVENTS
+    )
     until: Trigger | None = param(None, "trigger that ends the phase; none for the last")
 
 
@@ -88,10 +98,15 @@ class MissionParams(Params):
 
     goal: Literal["landing", "deployment", "time"] = param(
         "landing",
-        "what counts as success: a landing within limits, the mortar fired within limits, or a flight up to simulation.time_limit_s",
+        (
+            "what counts as success: a landing within limits, the mortar fired within limits, or a flight "
+            "up to simulation.time_limit_s"
+        ),
         record=False,
     )
-    phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(None, "phases in order", factory=list, max_length=MAX_PHASES)
+    phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(
+        None, "phases in order", factory=list, max_length=MAX_PHASES
+    )
 
 
 MISSION = dtype_of(MissionParams)

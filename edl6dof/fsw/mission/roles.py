@@ -1,7 +1,9 @@
 """What a mission phase is for.
 
-Figures, reports, studies and fault cases ask for the role of a phase; its name belongs to the scenario and is only shown.  Several phases
-may share a role: then it lasts from the beginning of the first to the end of the last, with what lies between them.
+Figures, reports, studies and fault cases ask for the role of a phase; its name belongs to the scenario and is
+only shown.  Several phases
+may share a role: then it lasts from the beginning of the first to the end of the last, with what lies between
+them.
 """
 
 from __future__ import annotations
@@ -14,7 +16,17 @@ ROLES = (
     *("none", "trim", "lift", "parachute"),
     *("powered_deceleration", "hover_imaging", "hazard_avoidance", "slow_descent", "landed"),
 )
-NO_ROLE, TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HOVER_IMAGING, HAZARD_AVOIDANCE, SLOW_DESCENT, LANDED = ROLES
+(
+    NO_ROLE,
+    TRIM,
+    LIFT,
+    PARACHUTE,
+    POWERED_DECELERATION,
+    HOVER_IMAGING,
+    HAZARD_AVOIDANCE,
+    SLOW_DESCENT,
+    LANDED,
+) = ROLES
 
 
 def begun(role: str) -> str:

@@ -35,13 +35,29 @@ class Arrows(Recorder):
         self._arrow("lift", LIFT, rows, _scaled(lift, before, size), before)
         thrust = self.flight["truth.engine_thrust_n"][rows]
         up = turns.rotate(motion.rotation[rows], np.array([-1.0, 0.0, 0.0]))
-        self._arrow("thrust", THRUST, rows, 0.9 * size * up * (thrust / max(self.vehicle.engine.full_thrust_n, 1.0))[:, None], thrust > 1.0)
-        torque = turns.rotate(motion.rotation[rows], vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
+        self._arrow(
+            "thrust",
+            THRUST,
+            rows,
+            0.9 * size * up * (thrust / max(self.vehicle.engine.full_thrust_n, 1.0))[:, None],
+            thrust > 1.0,
+        )
+        torque = turns.rotate(
+            motion.rotation[rows], vector(columns, "truth.disturbance", "x y z", "_nm")[rows]
+        )
         free = ~np.isfinite(motion.canopy[rows, 0])
         self._arrow("disturbance torque", TORQUE, rows, _scaled(torque, free, size), free)
         self._frames(rows, way)
 
-    def _arrow(self, name: str, colour: RGB, rows: np.ndarray, vectors: np.ndarray, shown: np.ndarray, start: Any = 0.0) -> None:
+    def _arrow(
+        self,
+        name: str,
+        colour: RGB,
+        rows: np.ndarray,
+        vectors: np.ndarray,
+        shown: np.ndarray,
+        start: Any = 0.0,
+    ) -> None:
         """One arrow where ``shown``, from the centre of mass plus ``start``; with its name."""
         rr = self.rr
         shown = shown & np.isfinite(vectors).all(axis=-1) & (np.linalg.norm(vectors, axis=-1) > 0.02)
@@ -50,12 +66,19 @@ class Arrows(Recorder):
             return
         origins = (self.motion.centre[rows] + start)[shown]
         entity = f"{self.root}/arrows/{name.replace(' ', '_')}"
-        self.static(entity, rr.Arrows3D.from_fields(colors=colour, radii=0.011 * self.vehicle.aero.capsule.diameter_m, labels=[name]))
+        self.static(
+            entity,
+            rr.Arrows3D.from_fields(
+                colors=colour, radii=0.011 * self.vehicle.aero.capsule.diameter_m, labels=[name]
+            ),
+        )
         arrows = rr.Arrows3D.columns(origins=origins, vectors=vectors[shown])
         self.columns(entity, self.t[rows[keep]], arrows.partition(shown[keep].astype(int)))
 
     def _frames(self, rows: np.ndarray, way: np.ndarray) -> None:
-        """Body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its vertical plane."""
+        """Body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
+        vertical plane.
+        """
         rr, motion = self.rr, self.motion
         size = self.vehicle.aero.capsule.diameter_m
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
@@ -65,10 +88,16 @@ class Arrows(Recorder):
         steep = np.abs(np.linalg.det(axes)) < 0.5  # at rest, or falling straight down
         axes[steep] = np.eye(3)
         self.static(f"{self.root}/velocity_frame", rr.TransformAxes3D(axis_length=0.75 * size))
-        pose = rr.Transform3D.columns(translation=motion.centre[rows], quaternion=turns.xyzw(turns.from_axes(axes)))
+        pose = rr.Transform3D.columns(
+            translation=motion.centre[rows], quaternion=turns.xyzw(turns.from_axes(axes))
+        )
         self.columns(f"{self.root}/velocity_frame", self.t[rows], pose)
         middle = [self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"]
-        self.static(f"{self.root}/vehicle/attitude_frame", rr.Transform3D(translation=middle), rr.TransformAxes3D(axis_length=0.6 * size))
+        self.static(
+            f"{self.root}/vehicle/attitude_frame",
+            rr.Transform3D(translation=middle),
+            rr.TransformAxes3D(axis_length=0.6 * size),
+        )
 
 
 def _scaled(vectors: np.ndarray, shown: np.ndarray, size: float) -> np.ndarray:

@@ -22,7 +22,9 @@ class Descent(Recorder):
         """What hangs and what falls."""
         mass, motion = self.vehicle.mass, self.motion
         self._parachute()
-        self._discarded("heat_shield", motion.heat_shield, mass.heat_shield.centre_m, craft.heat_shield(self.vehicle))
+        self._discarded(
+            "heat_shield", motion.heat_shield, mass.heat_shield.centre_m, craft.heat_shield(self.vehicle)
+        )
         self._discarded("backshell", motion.backshell, mass.backshell.centre_m, craft.backshell(self.vehicle))
 
     def _parachute(self) -> None:
@@ -56,8 +58,14 @@ class Descent(Recorder):
         tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
         self.at(self.t[first], f"{self.root}/{name}/shape", self.mesh(mesh, **tint))
         attitude = np.tile(turns.xyzw(turn), (len(rows), 1))
-        self.columns(f"{self.root}/{name}", self.t[rows], rr.Transform3D.columns(translation=origin[rows], quaternion=attitude))
+        self.columns(
+            f"{self.root}/{name}",
+            self.t[rows],
+            rr.Transform3D.columns(translation=origin[rows], quaternion=attitude),
+        )
         rows = rows[::3]
-        label = rr.Points3D.from_fields(labels=[name.replace("_", " ")], colors=PART, radii=-3.5, show_labels=True)
+        label = rr.Points3D.from_fields(
+            labels=[name.replace("_", " ")], colors=PART, radii=-3.5, show_labels=True
+        )
         self.at(self.t[first], f"{self.root}/labels/{name}", label)
         self.columns(f"{self.root}/labels/{name}", self.t[rows], rr.Points3D.columns(positions=place[rows]))

@@ -24,16 +24,26 @@ class Trajectory(NamedTuple):
 
 
 def write_swarm(recording: rr.RecordingStream, trajectories: Sequence[Trajectory]) -> None:
-    """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts as text."""
+    """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts as
+    text.
+    """
     import rerun as rr
 
     found = [one.cause for one in trajectories]
     causes = sorted(set(found) - {""}, key=lambda cause: (-found.count(cause), cause))
-    lines = [f"## {found.count('')} of {len(found)} succeed\n", "| cases | colour | ending |", "|--:|:--|:--|"]
+    lines = [
+        f"## {found.count('')} of {len(found)} succeed\n",
+        "| cases | colour | ending |",
+        "|--:|:--|:--|",
+    ]
     for k, cause in enumerate(["", *causes]):
         colour = SUCCESS if not cause else CAUSES[min(k - 1, len(CAUSES) - 1)]
-        strips = [one.places[np.isfinite(one.places).all(axis=-1)] for one in trajectories if one.cause == cause]
+        strips = [
+            one.places[np.isfinite(one.places).all(axis=-1)] for one in trajectories if one.cause == cause
+        ]
         entity = f"site/campaign/{'success' if not cause else f'failure_{k}'}"
-        recording.log(entity, rr.LineStrips3D(strips, colors=colour, radii=rr.Radius.ui_points(0.8)), static=True)
+        recording.log(
+            entity, rr.LineStrips3D(strips, colors=colour, radii=rr.Radius.ui_points(0.8)), static=True
+        )
         lines.append(f"| {len(strips)} | {COLOURS[min(k, len(CAUSES))]} | {cause or 'success'} |")
     recording.log("campaign", rr.TextDocument("\n".join(lines), media_type="text/markdown"), static=True)

@@ -1,4 +1,6 @@
-"""Flames: one for each firing thruster, as long as its duty; one for the engine, as long as its throttle is open."""
+"""Flames: one for each firing thruster, as long as its duty; one for the engine, as long as its throttle is
+open.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,16 @@ class Flames(Recorder):
 
     def statics(self) -> None:
         """The shape of a flame: a white core in an orange mantle."""
-        names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters) + ["engine_plume"] * (self.vehicle.engine.full_thrust_n > 0.0)
+        names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters) + ["engine_plume"] * (
+            self.vehicle.engine.full_thrust_n > 0.0
+        )
         for name in names:
             for layer in ("core", "mantle"):
                 tint = [255, 255, 255, 255 if layer == "core" else 120]
-                self.static(f"{self.root}/vehicle/{name}/{layer}", self.mesh(plume(layer == "core"), albedo_factor=tint))
+                self.static(
+                    f"{self.root}/vehicle/{name}/{layer}",
+                    self.mesh(plume(layer == "core"), albedo_factor=tint),
+                )
 
     def motions(self) -> None:
         """Their lengths."""
@@ -39,7 +46,9 @@ class Flames(Recorder):
         which = np.nonzero(shown)[1]
         length = length[shown]
         scales = np.column_stack([length, 0.37 * length, 0.37 * length])
-        poses = self.rr.InstancePoses3D.columns(translations=places[which], quaternions=back[which], scales=scales)
+        poses = self.rr.InstancePoses3D.columns(
+            translations=places[which], quaternions=back[which], scales=scales
+        )
         self._poses("thruster_plumes", self.t[rows], poses.partition(shown.sum(axis=1)))
 
     def _engine(self) -> None:
@@ -52,7 +61,9 @@ class Flames(Recorder):
         length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], (level > 0.01)[:, None])
         girth = np.minimum(0.55 + 0.35 * level[rows], length[:, 0])
         scales = np.column_stack([length[:, 0], girth, girth])
-        poses = self.rr.InstancePoses3D.columns(translations=np.broadcast_to(engine.nozzle_m, scales.shape), scales=scales)
+        poses = self.rr.InstancePoses3D.columns(
+            translations=np.broadcast_to(engine.nozzle_m, scales.shape), scales=scales
+        )
         self._poses("engine_plume", self.t[rows], poses.partition(shown.sum(axis=1)))
 
     def _poses(self, name: str, t: np.ndarray, poses: Any) -> None:
@@ -63,7 +74,8 @@ class Flames(Recorder):
 def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows in which something fires, or has just stopped.
 
-    The latter show one flame too small to see: the viewer takes an empty row for one instance in the default pose.
+    The latter show one flame too small to see: the viewer takes an empty row for one instance in the default
+    pose.
 
     Args:
         length: of the flames, shape (rows, nozzles).

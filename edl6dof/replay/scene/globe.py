@@ -23,11 +23,21 @@ class Globe(Recorder):
         root = f"globe/flight_{self.number}" if self.number else "globe"
         width = rr.Radius.ui_points
         self.static(f"{root}/track", rr.LineStrips3D([place], colors=(255, 236, 120), radii=width(2.2)))
-        self.static(f"{root}/ground_track", rr.LineStrips3D([down * 1.001], colors=(60, 30, 20), radii=width(1.2)))
+        self.static(
+            f"{root}/ground_track", rr.LineStrips3D([down * 1.001], colors=(60, 30, 20), radii=width(1.2))
+        )
         if self.number == 0:
             self.static("globe", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-            self.static("globe/planet", self.mesh(planet(site.radius / 1e3, site.relief.map, site.appearance.relief)))
-            mark = rr.Points3D([site.origin * 1.001 / 1e3], labels=["landing site"], colors=TARGET, radii=width(4.0), show_labels=True)
+            self.static(
+                "globe/planet", self.mesh(planet(site.radius / 1e3, site.relief.map, site.appearance.relief))
+            )
+            mark = rr.Points3D(
+                [site.origin * 1.001 / 1e3],
+                labels=["landing site"],
+                colors=TARGET,
+                radii=width(4.0),
+                show_labels=True,
+            )
             self.static("globe/site", mark)
 
     def motions(self) -> None:
@@ -40,7 +50,9 @@ class Globe(Recorder):
 
 
 def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
-    """A sphere with the map as colours by the heights (km) of ``relief``, lit from the west; the relief is in the colours only."""
+    """A sphere with the map as colours by the heights (km) of ``relief``, lit from the west; the relief is in
+    the colours only.
+    """
     height = heights.reshape(90, 2, 180, 2).mean(axis=(1, 3))  # 2 degrees, m
     lat = np.radians(np.linspace(89.0, -89.0, 90))[:, None]
     lon = np.radians(np.linspace(-179.0, 179.0, 180))
@@ -51,12 +63,17 @@ def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
     tone = np.stack([np.interp(height / 1e3, tints[:, 0], tints[:, k]) for k in (1, 2, 3)], axis=-1)
     ice = np.clip((np.abs(np.degrees(lat)) - 78.0) / 6.0, 0.0, 1.0)[..., None] * float(heights.any())
     colours = tone * light[..., None] + (np.array([244.0, 240.0, 238.0]) - tone * light[..., None]) * ice
-    place = radius_km * np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat) + 0.0 * lon], axis=-1)
+    place = radius_km * np.stack(
+        [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat) + 0.0 * lon], axis=-1
+    )
     poles = np.array([[0.0, 0.0, radius_km], [0.0, 0.0, -radius_km]])
     i, j = np.meshgrid(np.arange(89), np.arange(180), indexing="ij")
     a, b = i * 180 + j, i * 180 + (j + 1) % 180
     sides = np.stack([a, a + 180, b + 180, a, b + 180, b], axis=-1).reshape(-1, 3)
     j = np.arange(180)
-    caps = [np.stack([np.full(180, 16200 + k), first + j, first + (j + 1) % 180], axis=-1) for k, first in ((0, 0), (1, 89 * 180))]
+    caps = [
+        np.stack([np.full(180, 16200 + k), first + j, first + (j + 1) % 180], axis=-1)
+        for k, first in ((0, 0), (1, 89 * 180))
+    ]
     colours = np.concatenate([colours.reshape(-1, 3), colours[:1].mean(axis=1), colours[-1:].mean(axis=1)])
     return bright(np.append(place.reshape(-1, 3), poles, axis=0), np.concatenate([sides, *caps]), colours)

@@ -30,16 +30,22 @@ class Ground(Recorder):
         self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
         rings = rr.LineStrips3D(
-            [self._ring(landscape, r, motion.last) for r in radii], colors=[120, 72, 48], radii=rr.Radius.ui_points(0.5)
+            [self._ring(landscape, r, motion.last) for r in radii],
+            colors=[120, 72, 48],
+            radii=rr.Radius.ui_points(0.5),
         )
         self.static("site/ground/rings", rings)
         limit = self.flight.scenario.limits.landing_distance_m
         circles = [self._ring(landscape, r, np.zeros(3)) for r in (0.01 * limit, 0.1 * limit, limit)]
-        self.static("site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2)))
+        self.static(
+            "site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2))
+        )
         self._ellipse(landscape)
         self.marker("target", [0.0, 0.0, float(motion.site.ground(0.0, 0.0)[1])], TARGET)
         if self.flight["truth.footpads"][-1] > 0.0:
-            self.marker("touchdown", [*motion.last[:2], float(motion.last[2] - motion.height[-1])], (120, 235, 140))
+            self.marker(
+                "touchdown", [*motion.last[:2], float(motion.last[2] - motion.height[-1])], (120, 235, 140)
+            )
 
     def motions(self) -> None:
         """The sky goes with the vehicle and darkens with height."""
@@ -54,13 +60,17 @@ class Ground(Recorder):
         place = self.rr.Transform3D.columns(translation=self.motion.centre[rows], scale=scale)
         self.columns("site/sky", self.t[rows], place)
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)
-        tint = np.column_stack([np.outer(255.0 * bright, [1.0, 1.0, 1.0]), np.full(len(rows), 255.0)]).astype(np.uint8)
+        tint = np.column_stack([np.outer(255.0 * bright, [1.0, 1.0, 1.0]), np.full(len(rows), 255.0)]).astype(
+            np.uint8
+        )
         self.columns("site/sky/dome", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
     def _ellipse(self, landscape: Landscape) -> None:
         site = self.flight.scenario.terrain
         if site.ellipse_length_m > 0.0:
-            east, north = planned_ellipse(site.ellipse_length_m, site.ellipse_width_m, np.radians(site.ellipse_azimuth_deg))
+            east, north = planned_ellipse(
+                site.ellipse_length_m, site.ellipse_width_m, np.radians(site.ellipse_azimuth_deg)
+            )
             line = np.column_stack([east, north, landscape.height(east, north) + 100.0])
             drawn = self.rr.LineStrips3D([line], colors=TARGET, radii=self.rr.Radius.ui_points(0.8))
             self.static("site/markers/ellipse", drawn)
@@ -75,5 +85,9 @@ class Ground(Recorder):
         upright = turns.xyzw(turns.about_z(rocks.headings))
         for kind in range(KINDS_OF_ROCK):
             some = slice(kind, None, KINDS_OF_ROCK)
-            poses = self.rr.InstancePoses3D(translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some])
-            self.static(f"site/ground/rocks/{kind}", self.mesh(rock(kind, self.motion.site.appearance.rock)), poses)
+            poses = self.rr.InstancePoses3D(
+                translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some]
+            )
+            self.static(
+                f"site/ground/rocks/{kind}", self.mesh(rock(kind, self.motion.site.appearance.rock)), poses
+            )

@@ -1,7 +1,8 @@
-"""The ground as the eye sees it: the simulation's relief, and on it craters, ripples and rocks that are decoration.
+"""The ground as the eye sees it: the simulation's relief, and on it craters, ripples and rocks that are
+decoration.
 
-The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up.  The decoration is the same for
-every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
+The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up.  The decoration
+is the same for every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ class Landscape:
         self._radius = np.geomspace(1.5, reach, RINGS)
         turn = np.linspace(0.0, 2.0 * pi, SPOKES, endpoint=False)
         self._cos, self._sin = np.cos(turn), np.sin(turn)
-        self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin  # from the touchdown
+        # from the touchdown
+        self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin
         spacing = self._radius * 2.0 * pi / SPOKES
         shade, ripples = _waves(self._random, self._east, self._north, spacing[:, None])
         calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
@@ -59,7 +61,10 @@ class Landscape:
         colours = (dark + (light_ground - dark) * tone) * light[..., None]
         haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
         colours += (far - colours) * haze
-        place = np.stack([self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration], axis=-1)
+        place = np.stack(
+            [self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration],
+            axis=-1,
+        )
         middle = [*self._centre, self._middle]
         positions = np.append(place.reshape(-1, 3), [middle], axis=0)
         colours = np.append(colours.reshape(-1, 3), [colours[0].mean(axis=0)], axis=0)
@@ -68,7 +73,9 @@ class Landscape:
         return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), fan]), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
-        """Up coordinate (m) of the drawn ground at places in L: the true ground, and the decoration of the nearest vertex."""
+        """Up coordinate (m) of the drawn ground at places in L: the true ground, and the decoration of the
+        nearest vertex.
+        """
         x, y = east - self._centre[0], north - self._centre[1]
         i = np.searchsorted(self._radius, np.hypot(x, y)).clip(0, RINGS - 1)
         j = np.round(np.arctan2(y, x) * SPOKES / (2.0 * pi)).astype(int) % SPOKES
@@ -77,15 +84,22 @@ class Landscape:
     def rocks(self, count: int = 700) -> Rocks:
         """Boulders around the touchdown, more small ones than large ones, none under the lander."""
         random = self._random
-        distance, turn = np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count), random.uniform(0.0, 2.0 * pi, count)
+        distance, turn = (
+            np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count),
+            random.uniform(0.0, 2.0 * pi, count),
+        )
         size = np.minimum(0.12 + random.exponential(0.12, count), 1.2) * (1.0 + distance / 80.0)
         east, north = self._centre[0] + distance * np.cos(turn), self._centre[1] + distance * np.sin(turn)
         height = self.height(east, north)
         sizes = size[:, None] * random.uniform(0.7, 1.3, (count, 3)) * [1.0, 1.0, 0.7]
-        return Rocks(np.column_stack([east, north, height + 0.12 * size]), sizes, random.uniform(0.0, 2.0 * pi, count))
+        return Rocks(
+            np.column_stack([east, north, height + 0.12 * size]), sizes, random.uniform(0.0, 2.0 * pi, count)
+        )
 
     def _craters(self) -> np.ndarray:
-        """Height (m) of crater bowls and rims at the vertices: in each size class, as many as the mesh can show."""
+        """Height (m) of crater bowls and rims at the vertices: in each size class, as many as the mesh can
+        show.
+        """
         height = np.zeros_like(self._east)
         for diameter in np.geomspace(1.2, 3e4, 40):
             outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
@@ -110,18 +124,24 @@ class Landscape:
     def _sunlight(self, height: np.ndarray) -> np.ndarray:
         """Brightness of the slopes, 1 for level ground."""
         outward = np.gradient(height, self._radius, axis=0)
-        around = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (2.0 * self._radius[:, None] * 2.0 * pi / SPOKES)
+        around = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (
+            2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
+        )
         east, north = outward * self._cos - around * self._sin, outward * self._sin + around * self._cos
         towards = SUN / np.linalg.norm(SUN)
         cosine = (towards[2] - towards[0] * east - towards[1] * north) / np.sqrt(1.0 + east**2 + north**2)
         return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
 
 
-def _waves(random: np.random.Generator, east: np.ndarray, north: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _waves(
+    random: np.random.Generator, east: np.ndarray, north: np.ndarray, spacing: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry."""
     tone, weight, height = np.zeros_like(east), np.full_like(east, 1e-9), np.zeros_like(east)
     for wavelength in np.geomspace(1.5, 4e5, 34):
-        fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(60.0 * spacing / wavelength, 0.0, 1.0)
+        fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(
+            60.0 * spacing / wavelength, 0.0, 1.0
+        )
         for _ in range(3):
             heading, phase = random.uniform(0.0, 2.0 * pi, 2)
             along = (east * np.cos(heading) + north * np.sin(heading)) / wavelength
@@ -138,7 +158,10 @@ def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
     rows, columns = 24, 48
     polar = np.linspace(0.0, pi, rows)[:, None]
     around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
-    place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0.0 * around], axis=-1)
+    place = np.stack(
+        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar) + 0.0 * around],
+        axis=-1,
+    )
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
     colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
     return bright(place.reshape(-1, 3), grid_triangles(rows, columns)[:, ::-1], colours.reshape(-1, 3))

@@ -38,7 +38,12 @@ def _quads(points: np.ndarray, normals: np.ndarray, colours: np.ndarray) -> Mesh
     triangles = (np.array([[0, 1, 2], [0, 2, 3]]) + 4 * np.arange(n)[:, None, None]).reshape(-1, 3)
     lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
     normals = normals / np.where(lengths > 0.0, lengths, 1.0)
-    return Mesh(points.reshape(-1, 3), triangles, normals.reshape(-1, 3), np.repeat(colours, 4, axis=0).astype(np.uint8))
+    return Mesh(
+        points.reshape(-1, 3),
+        triangles,
+        normals.reshape(-1, 3),
+        np.repeat(colours, 4, axis=0).astype(np.uint8),
+    )
 
 
 def revolve(
@@ -61,7 +66,9 @@ def revolve(
     normals = slope[None, :, :1] * ahead + slope[None, :, 1:] * around[:, None, :]
 
     def corners(grid: np.ndarray) -> np.ndarray:
-        return np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2).reshape(-1, 4, 3)
+        return np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]], axis=2).reshape(
+            -1, 4, 3
+        )
 
     steps = len(x) - 1
     paint = colour if callable(colour) else lambda _i, _j: colour
@@ -76,7 +83,9 @@ def revolve(
     return mesh._replace(positions=origin + mesh.positions @ turned, normals=mesh.normals @ turned)
 
 
-def rod(start: Sequence[float], end: Sequence[float], radius: float, colour: RGB, end_radius: float | None = None) -> Mesh:
+def rod(
+    start: Sequence[float], end: Sequence[float], radius: float, colour: RGB, end_radius: float | None = None
+) -> Mesh:
     """Round rod or cone frustum between two points."""
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     length = float(np.linalg.norm(b - a))
@@ -98,11 +107,15 @@ def box(centre: Sequence[float], size: Sequence[float], colour: RGB) -> Mesh:
 
 
 def plume(core: bool) -> Mesh:
-    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around it."""
+    """Flame of unit length along x, bright whatever the light: the white core, or the orange mantle around
+    it.
+    """
     reach, girth = (0.55, 0.5) if core else (1.0, 1.0)
     stations = np.linspace(0.0, 1.0, 13)
     width = girth * (0.05 + 0.58 * np.sqrt(stations)) * (1.0 - stations) ** 0.9
-    mesh = revolve([(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], WHITE, 20)
+    mesh = revolve(
+        [(reach * float(s), max(float(w), 1e-4)) for s, w in zip(stations, width, strict=True)], WHITE, 20
+    )
     hot, cold = np.array([[255, 252, 235], [255, 214, 130]] if core else [[255, 186, 84], [255, 92, 24]])
     colours = hot + (cold - hot) * (mesh.positions[:, :1] / reach)
     return mesh._replace(colours=colours.astype(np.uint8), normals=np.zeros_like(mesh.normals))
@@ -128,7 +141,12 @@ def rock(seed: int, colour: Vec3) -> Mesh:
     around = np.linspace(0.0, 2.0 * pi, columns, endpoint=False)
     radius = 0.5 * random.uniform(0.72, 1.0, (rows, columns))
     radius[[0, -1]] = 0.4
-    place = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around], axis=-1)
+    place = np.stack(
+        [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around],
+        axis=-1,
+    )
     light = np.clip(0.55 + 0.45 * (place @ [-0.7, -0.3, 0.65]), 0.2, 1.1)
     colours = np.array(colour) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
-    return bright((radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3))
+    return bright(
+        (radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3)
+    )

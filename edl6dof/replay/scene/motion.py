@@ -1,4 +1,6 @@
-"""Where everything is during the replay: telemetry turned into poses in landing-site axes (east, north, up)."""
+"""Where everything is during the replay: telemetry turned into poses in landing-site axes (east, north,
+up).
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,12 @@ class Motion:
         self.vehicle = flight.scenario.vehicle
         self.t = flight.t
         self.centre = vector(flight.columns, "truth.site", "east north up", "_m")  #: centre of mass, m
-        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))  #: B to L
-        self.nose = self.centre - turns.rotate(self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m"))  #: origin of B
+        # : B to L
+        self.rotation = self.site.attitude(self.t, vector(flight.columns, "truth.q_I2B", "w x y z"))
+        # : origin of B
+        self.nose = self.centre - turns.rotate(
+            self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m")
+        )
         self.height = flight["truth.height_m"]
         self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
         self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
@@ -39,7 +45,8 @@ class Motion:
     def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Rows, confluence points, quaternions and scales of the canopy: x from the confluence to the canopy.
 
-        After release the backshell hangs under the canopy, whose own position is no longer computed: it is drawn above.
+        After release the backshell hangs under the canopy, whose own position is no longer computed: it is
+        drawn above.
         """
         model = self.vehicle.parachute
         length = model.line_length_m
@@ -65,7 +72,11 @@ class Motion:
         spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
         ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
         fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
-        spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2 if len(fallen) else 1.0
+        spread[fallen] *= (
+            np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2
+            if len(fallen)
+            else 1.0
+        )
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 
@@ -81,7 +92,8 @@ class Motion:
         return place - turns.rotate(turn, np.asarray(own_centre)), turn
 
     def camera(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The chase camera's axes: origin, quaternion and scale, 1 close to the vehicle, larger under the parachute.
+        """The chase camera's axes: origin, quaternion and scale, 1 close to the vehicle, larger under the
+        parachute.
 
         x points horizontally along the flight, z up from the planet where the vehicle is.
         """
@@ -108,7 +120,9 @@ class Motion:
 
 
 def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
-    """Two running means over ``width`` rows, centred ``ahead`` rows later: the change has begun when its cause shows."""
+    """Two running means over ``width`` rows, centred ``ahead`` rows later: the change has begun when its
+    cause shows.
+    """
     if width < 2:
         return values
     box = np.ones(width) / width

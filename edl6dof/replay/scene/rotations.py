@@ -1,7 +1,8 @@
-"""Quaternions on whole histories, in plain numpy: scalar first, shape (..., 4), Hamilton products, ``rotate`` turns vectors.
+"""Quaternions on whole histories, in plain numpy: scalar first, shape (..., 4), Hamilton products, ``rotate``
+turns vectors.
 
-Beside the scalar kernels of ``edl6dof.spatial.quaternion``; scipy's ``Rotation`` would do, but importing it costs more memory than
-the replay itself needs.  A test holds these against pyquaternion and scipy.
+Beside the scalar kernels of ``edl6dof.spatial.quaternion``; scipy's ``Rotation`` would do, but importing it
+costs more memory than the replay itself needs.  A test holds these against pyquaternion and scipy.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ def about_z(angle: np.ndarray) -> np.ndarray:
 def from_axes(axes: np.ndarray) -> np.ndarray:
     """The turn that carries x, y, z into the columns of ``axes``, shape (..., 3, 3).
 
-    Shepperd's method in matrix form: the rows of the symmetric matrix below are all multiples of the quaternion; the one with the
-    largest diagonal entry is the best conditioned.
+    Shepperd's method in matrix form: the rows of the symmetric matrix below are all multiples of the
+    quaternion; the one with the largest diagonal entry is the best conditioned.
     """
     m = np.asarray(axes, dtype=float)
     trace = np.trace(m, axis1=-2, axis2=-1)

@@ -30,7 +30,8 @@ class Site:
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
-        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]  #: of L, in F
+        # : of L, in F
+        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
         self.relief = Relief(terrain, planet.mean_radius_m)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
@@ -46,7 +47,9 @@ class Site:
         return self.origin + place @ self.axes
 
     def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
-        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the limb."""
+        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the
+        limb.
+        """
         a = self.radius + np.asarray(elevation)
         squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
         place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
@@ -61,7 +64,8 @@ class Site:
         east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
         level = np.stack([east, north, self.surface(east, north, self.elevation)], axis=-1)
         x, y, z = np.moveaxis(self.in_F(level), -1, 0)
-        lat = np.arctan2(z, (1.0 - self.flattening) ** 2 * np.hypot(x, y))  # exact on the ellipsoid; 5 km off it, to 1e-5 rad
+        # exact on the ellipsoid; 5 km off it, to 1e-5 rad
+        lat = np.arctan2(z, (1.0 - self.flattening) ** 2 * np.hypot(x, y))
         lon = np.arctan2(y, x)
         elevation = self.relief.elevation(lat, lon)
         return elevation, self.surface(east, north, elevation)

@@ -21,12 +21,19 @@ class Track(Recorder):
         starts = np.append(0, np.flatnonzero(np.diff(self.phase[rows])) + 1)
         strips = [rows[a : b + 1] for a, b in zip(starts, [*starts[1:], len(rows)], strict=True)]
         colours = [self._colour(int(self.phase[strip[0]])) for strip in strips]
-        path = rr.LineStrips3D([motion.centre[strip] for strip in strips], colors=colours, radii=rr.Radius.ui_points(2.0))
+        path = rr.LineStrips3D(
+            [motion.centre[strip] for strip in strips], colors=colours, radii=rr.Radius.ui_points(2.0)
+        )
         self.static(f"{self.root}/path", path)
         rows = thin(self.t, 1.0)
         east, north = motion.centre[rows, 0], motion.centre[rows, 1]
-        low = np.column_stack([east, north, motion.site.ground(east, north)[1] + 0.002 * np.hypot(east, north)])
-        self.static(f"{self.root}/ground_track", rr.LineStrips3D([low], colors=[150, 104, 78], radii=rr.Radius.ui_points(1.0)))
+        low = np.column_stack(
+            [east, north, motion.site.ground(east, north)[1] + 0.002 * np.hypot(east, north)]
+        )
+        self.static(
+            f"{self.root}/ground_track",
+            rr.LineStrips3D([low], colors=[150, 104, 78], radii=rr.Radius.ui_points(1.0)),
+        )
 
     def motions(self) -> None:
         """Marker, trail, drop line, shadow and camera."""
@@ -34,8 +41,12 @@ class Track(Recorder):
         rows = thin(self.t, SCALAR_HZ)
         labels = {"labels": [self.label], "show_labels": True} if self.label else {}
         white = self._colour(0) if self.label else (255, 255, 255)
-        self.static(f"{self.root}/markers/vehicle", rr.Points3D.from_fields(colors=white, radii=-5.0, **labels))
-        self.columns(f"{self.root}/markers/vehicle", self.t[rows], rr.Points3D.columns(positions=motion.centre[rows]))
+        self.static(
+            f"{self.root}/markers/vehicle", rr.Points3D.from_fields(colors=white, radii=-5.0, **labels)
+        )
+        self.columns(
+            f"{self.root}/markers/vehicle", self.t[rows], rr.Points3D.columns(positions=motion.centre[rows])
+        )
         self._drop_line(rows[motion.height[rows] < 20e3])
         self._trail(thin(self.t, SLOW_HZ))
         self._shadow(np.flatnonzero(motion.height < 300.0))
@@ -43,7 +54,11 @@ class Track(Recorder):
             self.columns("site/near", self.t, rr.Transform3D.columns(translation=motion.centre))
             look, facing, scale = motion.camera()
             wide = np.repeat(scale[:, None], 3, axis=1)
-            self.columns("site/camera", self.t, rr.Transform3D.columns(translation=look, quaternion=turns.xyzw(facing), scale=wide))
+            self.columns(
+                "site/camera",
+                self.t,
+                rr.Transform3D.columns(translation=look, quaternion=turns.xyzw(facing), scale=wide),
+            )
 
     def _colour(self, phase: int) -> np.ndarray:
         """The phase's colour; beside other flights, the flight's own."""
@@ -55,8 +70,14 @@ class Track(Recorder):
             return
         place = self.motion.centre[rows]
         below = place - np.outer(self.motion.height[rows], [0.0, 0.0, 1.0])
-        self.static(f"{self.root}/drop_line", self.rr.LineStrips3D.from_fields(colors=[190, 170, 150], radii=-0.7))
-        self.columns(f"{self.root}/drop_line", self.t[rows], self.rr.LineStrips3D.columns(strips=np.stack([place, below], axis=1)))
+        self.static(
+            f"{self.root}/drop_line", self.rr.LineStrips3D.from_fields(colors=[190, 170, 150], radii=-0.7)
+        )
+        self.columns(
+            f"{self.root}/drop_line",
+            self.t[rows],
+            self.rr.LineStrips3D.columns(strips=np.stack([place, below], axis=1)),
+        )
 
     def _trail(self, rows: np.ndarray) -> None:
         """Short segments; the views show those of the last minute."""
@@ -66,13 +87,21 @@ class Track(Recorder):
         colours = np.array([self._colour(k) for k in range(len(self.names))])[self.phase[rows[1:]]]
         colours = np.append(colours, np.full((len(colours), 1), 255, np.uint8), axis=1)
         self.static(f"{self.root}/trail", self.rr.LineStrips3D.from_fields(radii=-1.5))
-        self.columns(f"{self.root}/trail", self.t[rows[1:]], self.rr.LineStrips3D.columns(strips=segments, colors=colours))
+        self.columns(
+            f"{self.root}/trail",
+            self.t[rows[1:]],
+            self.rr.LineStrips3D.columns(strips=segments, colors=colours),
+        )
 
     def _shadow(self, rows: np.ndarray) -> None:
         """Dark disc under the vehicle, for the eye to judge the height by."""
         if len(rows) == 0:
             return
         disc = revolve([(0.0, 1.3), (0.0, 1e-4)], (70, 38, 24), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))
-        self.at(self.t[rows[0]], f"{self.root}/shadow", self.mesh(disc._replace(normals=np.zeros_like(disc.normals))))
+        self.at(
+            self.t[rows[0]],
+            f"{self.root}/shadow",
+            self.mesh(disc._replace(normals=np.zeros_like(disc.normals))),
+        )
         place = self.motion.centre[rows] - np.outer(self.motion.height[rows] - 0.03, [0.0, 0.0, 1.0])
         self.columns(f"{self.root}/shadow", self.t[rows], self.rr.Transform3D.columns(translation=place))

@@ -1,4 +1,6 @@
-"""The vehicle of the replay: lander and aeroshell, heat glow, trim wing, legs, thrusters that have failed, attitude."""
+"""The vehicle of the replay: lander and aeroshell, heat glow, trim wing, legs, thrusters that have failed,
+attitude.
+"""
 
 from __future__ import annotations
 
@@ -51,8 +53,12 @@ class Vehicle(Recorder):
         rows = rows[rows < (len(self.t) if until is None else until)]
         heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)
         glow = (heat[rows] / max(heat.max(), 1e-9))[:, None] ** 0.6
-        tint = np.column_stack([SHIELD_COLD + (SHIELD_HOT - SHIELD_COLD) * glow, np.full(len(rows), 255.0)]).astype(np.uint8)
-        self.columns(f"{self.root}/vehicle/heat_shield", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
+        tint = np.column_stack(
+            [SHIELD_COLD + (SHIELD_HOT - SHIELD_COLD) * glow, np.full(len(rows), 255.0)]
+        ).astype(np.uint8)
+        self.columns(
+            f"{self.root}/vehicle/heat_shield", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint)
+        )
 
     def _trim_wing(self) -> None:
         """It swings out about its hinge, and leaves with the backshell."""
@@ -72,7 +78,9 @@ class Vehicle(Recorder):
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", shape, last)
 
     def _failure(self, jet: Any) -> None:
-        """A thruster that has failed is red while it is failed; once the flight software knows, it is named."""
+        """A thruster that has failed is red while it is failed; once the flight software knows, it is
+        named.
+        """
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
@@ -88,4 +96,8 @@ class Vehicle(Recorder):
     def _mark(self, t: float, entity: str, place: np.ndarray, text: str) -> None:
         """A red point with a text, which is seen through the hull."""
         size = self.rr.Radius.ui_points(4.0)
-        self.at(t, f"{entity}/mark", self.rr.Points3D([place], labels=[text], colors=PALE_RED, radii=size, show_labels=True))
+        self.at(
+            t,
+            f"{entity}/mark",
+            self.rr.Points3D([place], labels=[text], colors=PALE_RED, radii=size, show_labels=True),
+        )

@@ -32,7 +32,8 @@ def heat_shield(vehicle: VehicleParams) -> Mesh:
     """Sphere-cone forebody with its shoulder, closed behind; drawn light, tinted by its temperature later."""
     shape = vehicle.aero.capsule
     radius, nose, edge = shape.diameter_m / 2.0, shape.nose_radius_m, shape.shoulder_radius_m
-    cone = radians(90.0 - shape.cone_half_angle_deg)  # angle at which sphere and shoulder meet the cone, from the axis
+    # angle at which sphere and shoulder meet the cone, from the axis
+    cone = radians(90.0 - shape.cone_half_angle_deg)
     x0 = -nose * (1.0 - cos(cone))
     r0 = nose * sin(cone)
     r1 = radius - edge * (1.0 - sin(cone))
@@ -40,7 +41,9 @@ def heat_shield(vehicle: VehicleParams) -> Mesh:
     x_edge = x1 - edge * cos(cone)
     front = [(-nose * (1.0 - cos(a)), max(nose * sin(a), 1e-4)) for a in np.linspace(0.0, cone, 7)]
     front += [(x0 + (x1 - x0) * k, r0 + (r1 - r0) * k) for k in (0.34, 0.67)]
-    shoulder = [(x_edge + edge * cos(a), radius - edge + edge * sin(a)) for a in np.linspace(cone, pi / 2.0, 6)]
+    shoulder = [
+        (x_edge + edge * cos(a), radius - edge + edge * sin(a)) for a in np.linspace(cone, pi / 2.0, 6)
+    ]
     inside = [(x_edge, radius), (x_edge + 0.02, radius - 0.05), (x0 - 0.06, r0), (-0.06, 1e-4)]
     return merge([revolve(front + shoulder, _striped(SHIELD, 8, 0.86), 64), revolve(inside, DARK, 64)])
 
@@ -68,7 +71,9 @@ def backshell(vehicle: VehicleParams) -> Mesh:
     """Two cones with panel stripes, a rim and the parachute lid; open in front."""
     corners = backshell_profile(vehicle)
     (x0, r0), (x2, r2) = corners[0], corners[-1]
-    panels = [revolve([a, b], _striped(WHITE, 8, 0.72), 64) for a, b in zip(corners, corners[1:], strict=False)]
+    panels = [
+        revolve([a, b], _striped(WHITE, 8, 0.72), 64) for a, b in zip(corners, corners[1:], strict=False)
+    ]
     rim = revolve([(x0 + 0.01, r0 + 0.008), (x0 - 0.07, r0 + 0.008)], DARK, 64)
     end = (x2 - 0.03, r2 * 0.96)
     lid = [revolve([(x2, r2), end], DARK, 48), revolve([end, (x2 - 0.03, 1e-4)], ORANGE, 48)]
@@ -76,7 +81,9 @@ def backshell(vehicle: VehicleParams) -> Mesh:
 
 
 def lander(vehicle: VehicleParams) -> Mesh:
-    """Descent stage: octagonal foil body, deck with rover, tanks, engine bell and a nozzle at every thruster."""
+    """Descent stage: octagonal foil body, deck with rover, tanks, engine bell and a nozzle at every
+    thruster.
+    """
     nozzle_x = vehicle.engine.nozzle_m[0] if vehicle.engine.full_thrust_n > 0.0 else -0.3
     bottom, top, r = nozzle_x - 0.30, nozzle_x - 0.95, 0.62 * vehicle.aero.capsule.diameter_m / 2.0
     parts = [
@@ -90,7 +97,10 @@ def lander(vehicle: VehicleParams) -> Mesh:
         box((top - 0.88, 0.30, -0.45), (0.08, 0.22, 0.10), WHITE),
     ]
     for side in (-1.0, 1.0):
-        parts += [rod((top - 0.10, side * 0.42, z), (top - 0.10, side * 0.58, z), 0.15, DARK) for z in (-0.5, 0.0, 0.5)]
+        parts += [
+            rod((top - 0.10, side * 0.42, z), (top - 0.10, side * 0.58, z), 0.15, DARK)
+            for z in (-0.5, 0.0, 0.5)
+        ]
         parts.append(box((top - 0.02, side * 0.45, 0.0), (0.03, 0.22, 1.9), SILVER))
     for jet in vehicle.rcs.thrusters:
         parts.append(nozzle(jet, DARK))
@@ -113,7 +123,10 @@ def trim_wing(vehicle: VehicleParams) -> Mesh:
     side = sqrt(vehicle.trim_wing.area_m2)
     span = abs(vehicle.trim_wing.position_z_m) - wing_hinge(vehicle)[1]
     plate = box((span, 0.0, 0.03), (side, side, 0.035), ORANGE)
-    arms = [rod((0.0, k * 0.35 * side, 0.0), (span - 0.5 * side, k * 0.35 * side, 0.03), 0.022, SILVER) for k in (-1.0, 1.0)]
+    arms = [
+        rod((0.0, k * 0.35 * side, 0.0), (span - 0.5 * side, k * 0.35 * side, 0.03), 0.022, SILVER)
+        for k in (-1.0, 1.0)
+    ]
     edge = rod((span + 0.5 * side, -0.5 * side, 0.03), (span + 0.5 * side, 0.5 * side, 0.03), 0.028, WHITE)
     return merge([plate, edge, *arms])
 
@@ -127,7 +140,9 @@ def wing_hinge(vehicle: VehicleParams) -> tuple[np.ndarray, float]:
 
 
 def wing_axes(vehicle: VehicleParams, opening: np.ndarray) -> np.ndarray:
-    """Axes of the wing's mesh in B as columns, shape (..., 3, 3): along the backshell when closed, square to the axis when open."""
+    """Axes of the wing's mesh in B as columns, shape (..., 3, 3): along the backshell when closed, square to
+    the axis when open.
+    """
     swing = (1.0 - opening) * radians(90.0 + vehicle.aero.capsule.backshell_cone_angle_deg)
     ahead, out = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, np.sign(vehicle.trim_wing.position_z_m)])
     c, s = np.cos(swing)[..., None], np.sin(swing)[..., None]
@@ -145,14 +160,20 @@ def legs(vehicle: VehicleParams) -> Mesh | None:
         pad = np.array([x, y, z])
         ankle = pad - np.array([0.10, 0.0, 0.0])
         parts.append(rod(ankle, reach * out - [1.05, 0.0, 0.0], 0.05, SILVER))
-        parts += [rod(ankle, 0.9 * reach * out + k * 0.30 * side - [0.62, 0.0, 0.0], 0.03, SILVER) for k in (-1.0, 1.0)]
+        parts += [
+            rod(ankle, 0.9 * reach * out + k * 0.30 * side - [0.62, 0.0, 0.0], 0.03, SILVER)
+            for k in (-1.0, 1.0)
+        ]
         parts.append(rod(pad - [0.11, 0.0, 0.0], pad, 0.12, GOLD, 0.22))
-        parts.append(revolve([(x, 0.22), (x, 1e-4)], GOLD, 24, (np.array([0.0, y, z]), np.array([1.0, 0.0, 0.0]))))
+        parts.append(
+            revolve([(x, 0.22), (x, 1e-4)], GOLD, 24, (np.array([0.0, y, z]), np.array([1.0, 0.0, 0.0])))
+        )
     return merge(parts) if parts else None
 
 
 def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
-    """Disk-gap-band canopy and its lines; x from the bridle confluence to the canopy, skirt at the line length.
+    """Disk-gap-band canopy and its lines; x from the bridle confluence to the canopy, skirt at the line
+    length.
 
     Returns:
         mesh, and the lines as segments (n, 2, 3).
@@ -168,7 +189,11 @@ def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
     dome = [(skirt + band + gap + height * cos(a), r * sin(a)) for a in np.linspace(vent, pi / 2.0, 10)]
     mesh = merge(
         [
-            revolve([(skirt, 0.97 * r), (skirt + band, r)], lambda i, j: ORANGE if i // 6 % 2 == 0 else WHITE, 2 * gores),
+            revolve(
+                [(skirt, 0.97 * r), (skirt + band, r)],
+                lambda i, j: ORANGE if i // 6 % 2 == 0 else WHITE,
+                2 * gores,
+            ),
             revolve(dome, paint, 2 * gores),
         ]
     )
@@ -176,5 +201,8 @@ def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
     rim = np.stack([np.full(gores, skirt), 0.97 * r * np.cos(turn), 0.97 * r * np.sin(turn)], axis=-1)
     riser = np.array([0.13 * length, 0.0, 0.0])
     top = rim + [band + gap, 0.0, 0.0]
-    lines = [np.stack([np.broadcast_to(riser, rim.shape), rim], axis=1), np.stack([rim + [band, 0.0, 0.0], top], axis=1)]
+    lines = [
+        np.stack([np.broadcast_to(riser, rim.shape), rim], axis=1),
+        np.stack([rim + [band, 0.0, 0.0], top], axis=1),
+    ]
     return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), *lines])

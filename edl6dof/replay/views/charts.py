@@ -40,8 +40,14 @@ class Charts(Recorder):
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
 
     def _groups(self) -> list[tuple[str, list[str]]]:
-        by_group = {group: [jet.name for jet in self.vehicle.rcs.thrusters if jet.group == group] for group in GROUPS}
-        return [(group, names) for group, names in by_group.items() if names and set(names) <= set(self.flight.jets)]
+        by_group = {
+            group: [jet.name for jet in self.vehicle.rcs.thrusters if jet.group == group] for group in GROUPS
+        }
+        return [
+            (group, names)
+            for group, names in by_group.items()
+            if names and set(names) <= set(self.flight.jets)
+        ]
 
     def _lines(self, names: list[str]) -> rr.SeriesLines:
         """Further flights are paler and thinner, and carry their label."""
@@ -49,7 +55,9 @@ class Charts(Recorder):
         if self.number:
             colours = (0.45 * colours + 0.55 * np.array([235, 235, 235])).astype(int)
         shown = [f"{name} ({self.label})" if self.label else name for name in names]
-        return self.rr.SeriesLines(names=shown, colors=colours.tolist(), widths=[1.0 if self.number else 1.5] * len(names))
+        return self.rr.SeriesLines(
+            names=shown, colors=colours.tolist(), widths=[1.0 if self.number else 1.5] * len(names)
+        )
 
     def _plot(self, plot: Plot, rows: np.ndarray) -> None:
         t = self.t[rows]

@@ -36,7 +36,9 @@ FIRING = 0.02
 
 
 class Lanes(Recorder):
-    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/events`` and ``/readout``; of the first flight only."""
+    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/events`` and ``/readout``; of the
+    first flight only.
+    """
 
     def motions(self) -> None:
         """Lanes, timeline, readout."""
@@ -51,13 +53,27 @@ class Lanes(Recorder):
         motion = self.motion
         first = np.append(0, np.flatnonzero(np.diff(self.phase)) + 1)
         labels = [name.replace("_", " ") for name in self.names]
-        self._lane("phase", [(self.t[i], self.names[self.phase[i]]) for i in first], self.names, labels, self.colours.tolist())
+        self._lane(
+            "phase",
+            [(self.t[i], self.names[self.phase[i]]) for i in first],
+            self.names,
+            labels,
+            self.colours.tolist(),
+        )
         changes = [(self.t[0], CONFIGURATIONS[0])]
-        for name, place in zip(CONFIGURATIONS[1:], (motion.canopy, motion.heat_shield, motion.backshell), strict=True):
+        for name, place in zip(
+            CONFIGURATIONS[1:], (motion.canopy, motion.heat_shield, motion.backshell), strict=True
+        ):
             row = motion.released(place)
             if row is not None:
                 changes.append((self.t[row], name))
-        self._lane("configuration", changes, CONFIGURATIONS, CONFIGURATIONS, [SERIES[1], SERIES[0], SERIES[2], SERIES[4]])
+        self._lane(
+            "configuration",
+            changes,
+            CONFIGURATIONS,
+            CONFIGURATIONS,
+            [SERIES[1], SERIES[0], SERIES[2], SERIES[4]],
+        )
         on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
         self._switched("engine", {"on": on}, {"on": FIRE})
 
@@ -66,9 +82,13 @@ class Lanes(Recorder):
         for k, jet in enumerate(self.flight.jets):
             failed = self.flight.failures.get(jet, np.zeros(len(self.t))) > 0
             firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
-            self._switched(f"rcs/{jet}", {"firing": firing, "failed": failed}, {"firing": FIRE, "failed": RED})
+            self._switched(
+                f"rcs/{jet}", {"firing": firing, "failed": failed}, {"firing": FIRE, "failed": RED}
+            )
 
-    def _switched(self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]) -> None:
+    def _switched(
+        self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
+    ) -> None:
         """A lane that is off except where one of the states holds."""
         states = ["off", *when]
         code = np.zeros(len(self.t), int)
@@ -76,7 +96,14 @@ class Lanes(Recorder):
             code[holds] = number
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         shown = [False] + [True] * len(when)
-        self._lane(name, [(self.t[i], states[code[i]]) for i in first], states, states, [GREY, *colours.values()], shown)
+        self._lane(
+            name,
+            [(self.t[i], states[code[i]]) for i in first],
+            states,
+            states,
+            [GREY, *colours.values()],
+            shown,
+        )
 
     def _lane(
         self,
@@ -87,17 +114,29 @@ class Lanes(Recorder):
         colours: Sequence[Any],
         shown: Any = None,
     ) -> None:
-        self.static(name, self.rr.StateConfiguration(values=list(values), labels=list(labels), colors=list(colours), visible=shown))
+        self.static(
+            name,
+            self.rr.StateConfiguration(
+                values=list(values), labels=list(labels), colors=list(colours), visible=shown
+            ),
+        )
         t, states = zip(*changes, strict=True)
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if events:
-            text = [f"{event['name']}: {event['detail']}" if event["detail"] else event["name"] for event in events]
+            text = [
+                f"{event['name']}: {event['detail']}" if event["detail"] else event["name"]
+                for event in events
+            ]
             level = ["WARN" if event["key"] in ("fault", "diagnosis") else "INFO" for event in events]
             level[-1] = "INFO" if self.flight.success else "ERROR"
-            self.columns("events", np.array([e["t_s"] for e in events]), self.rr.TextLog.columns(text=text, level=level))
+            self.columns(
+                "events",
+                np.array([e["t_s"] for e in events]),
+                self.rr.TextLog.columns(text=text, level=level),
+            )
 
     def _readout(self) -> None:
         """What a flight controller would read off, twice a second; and what has failed."""
@@ -105,10 +144,14 @@ class Lanes(Recorder):
         shown = {name: style for name, style in READOUT.items() if name in self.flight.columns}
         text = []
         for row in rows:
-            lines = [f"| {label} | **{self.flight[name][row]:{form}}** {unit} |" for name, (label, form, unit) in shown.items()]
+            lines = [
+                f"| {label} | **{self.flight[name][row]:{form}}** {unit} |"
+                for name, (label, form, unit) in shown.items()
+            ]
             title = self.names[self.phase[row]].replace("_", " ")
             text.append(
-                f"## T+{self.t[row]:.1f} s\n**{title}**\n\n" + "\n".join([lines[0], "|:--|--:|", *lines[1:], "", self._troubles(row)])
+                f"## T+{self.t[row]:.1f} s\n**{title}**\n\n"
+                + "\n".join([lines[0], "|:--|--:|", *lines[1:], "", self._troubles(row)])
             )
         media = ["text/markdown"] * len(text)
         self.columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
@@ -116,7 +159,9 @@ class Lanes(Recorder):
     def _troubles(self, row: int) -> str:
         failed = [jet for jet, state in self.flight.failures.items() if state[row] > 0]
         known = [jet for jet, found in self.flight.diagnosed.items() if found.t_s <= self.t[row]]
-        words = [f"**failed:** {', '.join(failed)}"] * bool(failed) + [f"**diagnosed:** {', '.join(known)}"] * bool(known)
+        words = [f"**failed:** {', '.join(failed)}"] * bool(failed) + [
+            f"**diagnosed:** {', '.join(known)}"
+        ] * bool(known)
         return "  \n".join(words)
 
 

@@ -18,10 +18,27 @@ PHASES: tuple[RGB, ...] = (
     (70, 200, 220), (190, 130, 245), (250, 130, 180), (200, 200, 200),
 )  # fmt: skip
 #: One colour for each of several flights in a recording.
-FLIGHTS: tuple[RGB, ...] = ((255, 255, 255), (255, 92, 92), (92, 190, 255), (140, 230, 120), (240, 200, 70), (210, 140, 255))
+FLIGHTS: tuple[RGB, ...] = (
+    (255, 255, 255),
+    (255, 92, 92),
+    (92, 190, 255),
+    (140, 230, 120),
+    (240, 200, 70),
+    (210, 140, 255),
+)
 SPACE: RGB = (10, 9, 12)
 #: What only other views show.
-_NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", "arrows", "velocity_frame", "vehicle/attitude_frame")
+_NOT_CHASE = (
+    "campaign",
+    "path",
+    "markers",
+    "labels",
+    "drop_line",
+    "ground_track",
+    "arrows",
+    "velocity_frame",
+    "vehicle/attitude_frame",
+)
 _NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
 
 
@@ -65,18 +82,32 @@ class Layout:
         first, last = flown.span
         mortar = flown.when.get("mortar", last)
         shell = flown.when.get("backshell", last)
-        self._spans = {"Entry": (first, min(mortar + 3.0, last)), "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last))}
+        self._spans = {
+            "Entry": (first, min(mortar + 3.0, last)),
+            "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
+        }
         self._spans["Powered descent"] = (min(shell - 5.0, last - 1.0), last)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
         """All pages, that named ``active`` in front."""
         rrb = self.rrb
-        pages = [self._flight(), self._entry(), self._parachute(), self._powered(), self._control(), self._thrusters()]
+        pages = [
+            self._flight(),
+            self._entry(),
+            self._parachute(),
+            self._powered(),
+            self._control(),
+            self._thrusters(),
+        ]
         pages = [page for page in pages if page is not None]
         names = [str(page.name) for page in pages]
         below = rrb.Horizontal(self._lanes(), self._events(), column_shares=[11, 8])
         return rrb.Blueprint(
-            rrb.Vertical(rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0), below, row_shares=[9, 2]),
+            rrb.Vertical(
+                rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
+                below,
+                row_shares=[9, 2],
+            ),
             rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"),
             auto_views=False,
             auto_layout=False,
@@ -95,7 +126,9 @@ class Layout:
 
     def _entry(self) -> rrb.Container:
         rrb = self.rrb
-        left = rrb.Vertical(self._body(), rrb.Tabs(self._globe(), self._whole(), active_tab=0), row_shares=[1, 1])
+        left = rrb.Vertical(
+            self._body(), rrb.Tabs(self._globe(), self._whole(), active_tab=0), row_shares=[1, 1]
+        )
         return rrb.Horizontal(left, self._grid("Entry"), column_shares=[5, 8], name="Entry")
 
     def _parachute(self) -> rrb.Container | None:
@@ -109,8 +142,12 @@ class Layout:
         if "backshell" not in self.flown.when:
             return None
         rrb = self.rrb
-        left = rrb.Vertical(self._chase(), rrb.Tabs(self._landing(), self._site(), active_tab=0), row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid("Powered descent"), column_shares=[5, 8], name="Powered descent")
+        left = rrb.Vertical(
+            self._chase(), rrb.Tabs(self._landing(), self._site(), active_tab=0), row_shares=[3, 2]
+        )
+        return rrb.Horizontal(
+            left, self._grid("Powered descent"), column_shares=[5, 8], name="Powered descent"
+        )
 
     def _control(self) -> rrb.Container:
         rrb = self.rrb
@@ -126,7 +163,9 @@ class Layout:
             )
             for axis in ("roll", "pitch", "yaw")
         ]
-        return rrb.Vertical(rrb.Horizontal(*planes), self._grid("Control", 4), row_shares=[1, 1], name="Control")
+        return rrb.Vertical(
+            rrb.Horizontal(*planes), self._grid("Control", 4), row_shares=[1, 1], name="Control"
+        )
 
     def _thrusters(self) -> rrb.Container | None:
         if not self.flown.jets:
@@ -134,14 +173,26 @@ class Layout:
         rrb = self.rrb
         names, half = sorted(self.flown.jets), (len(self.flown.jets) + 1) // 2
         lanes = rrb.Horizontal(self._jets(names[:half]), self._jets(names[half:]))
-        plots = [self._plot(f"thruster_duty/{g}", f"{GROUPS[g]} thrusters, duty (0 to 1)", "Flight") for g in self.flown.groups]
-        plots += [self._plot(plot.entity, plot.title, "Flight") for plot in PAGES["Thrusters"] if plot.entity in self.flown.plots]
+        plots = [
+            self._plot(f"thruster_duty/{g}", f"{GROUPS[g]} thrusters, duty (0 to 1)", "Flight")
+            for g in self.flown.groups
+        ]
+        plots += [
+            self._plot(plot.entity, plot.title, "Flight")
+            for plot in PAGES["Thrusters"]
+            if plot.entity in self.flown.plots
+        ]
         right = rrb.Vertical(self._body(), rrb.Grid(*plots, grid_columns=2), row_shares=[2, 3])
         return rrb.Horizontal(lanes, right, column_shares=[1, 1], name="Thrusters")
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
-        contents, title = [f"/rcs/{name}" for name in names], f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters"
-        return self.rrb.StateTimelineView(origin="/rcs", contents=contents, name=title, time_view=self._axis("Flight"))
+        contents, title = (
+            [f"/rcs/{name}" for name in names],
+            f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters",
+        )
+        return self.rrb.StateTimelineView(
+            origin="/rcs", contents=contents, name=title, time_view=self._axis("Flight")
+        )
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
@@ -159,7 +210,9 @@ class Layout:
         rrb = self.rrb
         corner = rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend or self.flown.flights > 1)
         contents = [f"/plots/{entity}/**"]
-        return rrb.TimeSeriesView(origin="/plots", name=title, contents=contents, axis_x=self._axis(page), plot_legend=corner)
+        return rrb.TimeSeriesView(
+            origin="/plots", name=title, contents=contents, axis_x=self._axis(page), plot_legend=corner
+        )
 
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         plots: Sequence[Plot] = [plot for plot in PAGES[page] if plot.entity in self.flown.plots]
@@ -168,7 +221,9 @@ class Layout:
 
     def _lanes(self) -> rrb.StateTimelineView:
         contents = ["/phase", "/configuration", "/engine"]
-        return self.rrb.StateTimelineView(origin="/", contents=contents, name="Phases", time_view=self._axis("Flight"))
+        return self.rrb.StateTimelineView(
+            origin="/", contents=contents, name="Phases", time_view=self._axis("Flight")
+        )
 
     def _events(self) -> rrb.TextLogView:
         columns = self.rrb.TextLogColumns(text_log_columns=["body"])
@@ -179,10 +234,18 @@ class Layout:
         return ["/site", *(f"/site/flight_{k}" for k in range(1, self.flown.flights))]
 
     def _view(
-        self, name: str, origin: str, hidden: Sequence[str], place: np.ndarray, target: np.ndarray, labels: Sequence[str] = ()
+        self,
+        name: str,
+        origin: str,
+        hidden: Sequence[str],
+        place: np.ndarray,
+        target: np.ndarray,
+        labels: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
         rrb = self.rrb
-        excluded = [f"- {root}/{part}/**" for root in self._roots() for part in hidden] + [f"/site/labels/{name}" for name in labels]
+        excluded = [f"- {root}/{part}/**" for root in self._roots() for part in hidden] + [
+            f"/site/labels/{name}" for name in labels
+        ]
         return rrb.Spatial3DView(
             origin=origin,
             contents=["/site/**", *excluded],
@@ -194,7 +257,9 @@ class Layout:
         )
 
     def _chase(self) -> rrb.Spatial3DView:
-        return self._view("Chase", "/site/camera", _NOT_CHASE, np.array([2.6, 9.2, 2.6]), np.array([0.0, 0.0, -0.2]))
+        return self._view(
+            "Chase", "/site/camera", _NOT_CHASE, np.array([2.6, 9.2, 2.6]), np.array([0.0, 0.0, -0.2])
+        )
 
     def _body(self) -> rrb.Spatial3DView:
         rrb = self.rrb
@@ -204,7 +269,12 @@ class Layout:
         eye = rrb.EyeControls3D(position=place, look_target=(0.0, 0.0, 0.0), eye_up=(0.0, 0.0, 1.0))
         background = rrb.Background(color=SPACE)
         return rrb.Spatial3DView(
-            origin="/site/near", contents=shown, name="Body, frames, forces", background=background, line_grid=False, eye_controls=eye
+            origin="/site/near",
+            contents=shown,
+            name="Body, frames, forces",
+            background=background,
+            line_grid=False,
+            eye_controls=eye,
         )
 
     def _whole(self) -> rrb.Spatial3DView:
@@ -212,7 +282,10 @@ class Layout:
         start, end = self.flown.start, self.flown.end
         along, length, side = _beside(start, end)
         middle = start + 0.5 * along
-        place, target = middle - 0.62 * length * side + [0.0, 0.0, 0.20 * length], middle - [0.0, 0.0, 0.02 * length]
+        place, target = (
+            middle - 0.62 * length * side + [0.0, 0.0, 0.20 * length],
+            middle - [0.0, 0.0, 0.02 * length],
+        )
         return self._view("Whole flight", "/site", _NOT_AFAR, place, target, ["target"])
 
     def _afar(self, name: str) -> rrb.Spatial3DView | None:
@@ -221,7 +294,10 @@ class Layout:
             return None
         along, size, side = _beside(self.flown.deploy, self.flown.end)
         middle = self.flown.deploy + 0.5 * along
-        place, target = middle - 1.25 * size * side + [0.0, 0.0, 0.12 * size], middle - [0.0, 0.0, 0.03 * size]
+        place, target = (
+            middle - 1.25 * size * side + [0.0, 0.0, 0.12 * size],
+            middle - [0.0, 0.0, 0.03 * size],
+        )
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
 
     def _landing(self) -> rrb.Spatial3DView:
@@ -231,13 +307,25 @@ class Layout:
     def _site(self) -> rrb.Spatial3DView:
         place = self.flown.end + [16.0, -26.0, 9.0]
         return self._view(
-            "Site", "/site", ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels"), place, self.flown.end
+            "Site",
+            "/site",
+            ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels"),
+            place,
+            self.flown.end,
         )
 
     def _globe(self) -> rrb.Spatial3DView:
         rrb = self.rrb
-        eye = rrb.EyeControls3D(position=self.flown.globe_eye, look_target=self.flown.globe_target, eye_up=(0.0, 0.0, 1.0))
-        return rrb.Spatial3DView(origin="/globe", name="Globe", background=rrb.Background(color=SPACE), line_grid=False, eye_controls=eye)
+        eye = rrb.EyeControls3D(
+            position=self.flown.globe_eye, look_target=self.flown.globe_target, eye_up=(0.0, 0.0, 1.0)
+        )
+        return rrb.Spatial3DView(
+            origin="/globe",
+            name="Globe",
+            background=rrb.Background(color=SPACE),
+            line_grid=False,
+            eye_controls=eye,
+        )
 
 
 def _beside(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:

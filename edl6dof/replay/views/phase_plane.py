@@ -1,8 +1,9 @@
-"""Phase planes: attitude error against its rate, axis by axis, with the switching lines and zones of the controller at work.
+"""Phase planes: attitude error against its rate, axis by axis, with the switching lines and zones of the
+controller at work.
 
-Error is goal minus actual, as the controllers have it; the rate is the body's (bank control subtracts the slow turn of the velocity
-frame).  Both axes are compressed beyond about one unit (arsinh), so that a bank reversal and the last tenth of a degree fit into one
-picture.
+Error is goal minus actual, as the controllers have it; the rate is the body's (bank control subtracts the
+slow turn of the velocity frame).  Both axes are compressed beyond about one unit (arsinh), so that a bank
+reversal and the last tenth of a degree fit into one picture.
 """
 
 from __future__ import annotations
@@ -19,7 +20,14 @@ AXES = ("roll", "pitch", "yaw")
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
 #: Ends of the picture, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0
-GRID, ZERO, DEADBAND, TARGET, FAR, LIMIT = (40, 40, 46), (86, 86, 94), (120, 220, 140), (240, 228, 90), (160, 140, 240), (235, 80, 80)
+GRID, ZERO, DEADBAND, TARGET, FAR, LIMIT = (
+    (40, 40, 46),
+    (86, 86, 94),
+    (120, 220, 140),
+    (240, 228, 90),
+    (160, 140, 240),
+    (235, 80, 80),
+)
 Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
@@ -43,14 +51,21 @@ class PhasePlanes(Recorder):
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
         upright = [[[squeeze(k), -y], [squeeze(k), y]] for k in TICKS]
         level = [[[-x, -squeeze(k)], [x, -squeeze(k)]] for k in TICKS if abs(k) < REACH_DEG_S]
-        colours = [ZERO if k == 0 else GRID for k in TICKS] + [ZERO if k == 0 else GRID for k in TICKS if abs(k) < REACH_DEG_S]
+        colours = [ZERO if k == 0 else GRID for k in TICKS] + [
+            ZERO if k == 0 else GRID for k in TICKS if abs(k) < REACH_DEG_S
+        ]
         places = [[squeeze(k), y + 0.045] for k in TICKS if k % 10 == 0 or abs(k) < 2]
         names = [f"{k}°" for k in TICKS if k % 10 == 0 or abs(k) < 2]
         places += [[-x - 0.07, -squeeze(k)] for k in TICKS if abs(k) < REACH_DEG_S]
         names += [f"{k}°/s" for k in TICKS if abs(k) < REACH_DEG_S]
         for axis in AXES:
-            self.static(f"phase_plane/{axis}/grid", self.rr.LineStrips2D([*upright, *level], colors=colours, radii=-0.6))
-            scale = self.rr.Points2D(places, labels=names, colors=(150, 150, 160), radii=-0.01, show_labels=True)
+            self.static(
+                f"phase_plane/{axis}/grid",
+                self.rr.LineStrips2D([*upright, *level], colors=colours, radii=-0.6),
+            )
+            scale = self.rr.Points2D(
+                places, labels=names, colors=(150, 150, 160), radii=-0.01, show_labels=True
+            )
             self.static(f"phase_plane/{axis}/scale", scale)
 
     def motions(self) -> None:
@@ -66,8 +81,12 @@ class PhasePlanes(Recorder):
             place = on_picture(error[rows, k], rate[rows, k])
             self.static(f"phase_plane/{axis}/way", rr.LineStrips2D.from_fields(colors=SERIES[0], radii=-1.2))
             segments = np.stack([place[:-1], place[1:]], axis=1)
-            self.columns(f"phase_plane/{axis}/way", self.t[rows[1:]], rr.LineStrips2D.columns(strips=segments))
-            self.static(f"phase_plane/{axis}/now", rr.Points2D.from_fields(colors=(255, 255, 255), radii=-4.0))
+            self.columns(
+                f"phase_plane/{axis}/way", self.t[rows[1:]], rr.LineStrips2D.columns(strips=segments)
+            )
+            self.static(
+                f"phase_plane/{axis}/now", rr.Points2D.from_fields(colors=(255, 255, 255), radii=-4.0)
+            )
             self.columns(f"phase_plane/{axis}/now", self.t[rows], rr.Points2D.columns(positions=place))
 
     def _zones(self, axis: int, entity: str) -> None:
@@ -84,10 +103,14 @@ class PhasePlanes(Recorder):
 
 
 def boundaries(control: Any, axis: int) -> list[Line]:
-    """Lines of a controller's parameters on the picture for axis 0 roll, 1 pitch, 2 yaw; none where the controller has none."""
+    """Lines of a controller's parameters on the picture for axis 0 roll, 1 pitch, 2 yaw; none where the
+    controller has none.
+    """
     if hasattr(control, "deadband_deg"):
         return _switching(control)
-    zone = getattr(control, "roll" if axis == 0 else "pitch_yaw", None) or (getattr(control, "bank", None) if axis == 0 else None)
+    zone = getattr(control, "roll" if axis == 0 else "pitch_yaw", None) or (
+        getattr(control, "bank", None) if axis == 0 else None
+    )
     if zone is not None:
         return _zone(zone)
     if hasattr(control, "rate_deadband_deg_s"):
@@ -97,7 +120,9 @@ def boundaries(control: Any, axis: int) -> list[Line]:
 
 
 def _switching(control: Any) -> list[Line]:
-    """Deadband parabolas (error = rate |rate| / 2a + lead rate +- deadband) and rate limits of phase-plane control."""
+    """Deadband parabolas (error = rate |rate| / 2a + lead rate +- deadband) and rate limits of phase-plane
+    control.
+    """
     rate = np.sinh(np.linspace(-1.0, 1.0, 61) * np.arcsinh(REACH_DEG_S))
     bend = rate * np.abs(rate) / (2.0 * control.acceleration_deg_s2) + control.lead_s * rate
     lines = []
@@ -109,7 +134,9 @@ def _switching(control: Any) -> list[Line]:
 
 
 def _zone(zone: Any) -> list[Line]:
-    """Near and far bounds, the rate aimed at between them, and the rate beyond which only the rate is brought down."""
+    """Near and far bounds, the rate aimed at between them, and the rate beyond which only the rate is brought
+    down.
+    """
     size = np.sinh(np.linspace(0.0, 1.0, 61) * np.arcsinh(REACH_DEG))
     inner = zone.proportional / max(zone.derivative, 1e-9) * zone.near_deg
     wanted = np.sqrt(inner**2 + 2.0 * zone.deceleration_deg_s2 * np.maximum(size - zone.near_deg, 0.0))

@@ -1,1 +1,3 @@
-"""The report of a campaign: where the flights came down, how they stand against the limits, and what drives them."""
+"""The report of a campaign: where the flights came down, how they stand against the limits, and what drives
+them.
+"""

@@ -23,7 +23,11 @@ def campaign_report(folder: Path) -> Report:
         Section("propellant", "Propellant", list(margins.propellant(results))),
         Section("worst", "Worst cases", [margins.worst(results)] if results.limits else []),
         Section("drivers", "What drives what", list(drivers.blocks(results))),
-        Section("configuration", "Configuration", [Listing("campaign.yaml", results.store.plan_text, "every default written out")]),
+        Section(
+            "configuration",
+            "Configuration",
+            [Listing("campaign.yaml", results.store.plan_text, "every default written out")],
+        ),
     ]
     identity = results.store.info.identity
     return Report(
@@ -33,7 +37,10 @@ def campaign_report(folder: Path) -> Report:
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],
-        footer=f"edl6dof {identity.versions['edl6dof']}; source SHA-256 {identity.sources}; interval: Wilson, 95 %",
+        footer=(
+            f"edl6dof {identity.versions['edl6dof']}; source SHA-256 {identity.sources}; interval: Wilson, "
+            "95 %"
+        ),
     )
 
 
@@ -51,5 +58,7 @@ def _facts(results: Results) -> list[Fact]:
         Fact("95 % interval", f"{low:.2%} .. {high:.2%}"),
     ]
     if results.has("landing_distance_m") and np.isfinite(results["landing_distance_m"]).any():
-        facts.append(Fact("99 % land within", f"{np.nanquantile(results['landing_distance_m'], 0.99) / 1e3:.2f} km"))
+        facts.append(
+            Fact("99 % land within", f"{np.nanquantile(results['landing_distance_m'], 0.99) / 1e3:.2f} km")
+        )
     return facts

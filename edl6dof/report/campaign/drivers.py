@@ -57,14 +57,35 @@ def ranking(label: str, found: list[Driver], explained: float) -> Table:
 def _chart(results: Results) -> Iterator[Figure]:
     """Regression coefficients of the landing point, side by side."""
     ways = [figure_of_merit(name) for name in _LANDING if results.has(name)]
-    found = {way.meaning: {d.name: d.regression for d in drivers(results.inputs, results[way.name])[0]} for way in ways}
+    found = {
+        way.meaning: {d.name: d.regression for d in drivers(results.inputs, results[way.name])[0]}
+        for way in ways
+    }
     if len(found) < 2 or not all(found.values()):
         return
-    names = sorted(set().union(*found.values()), key=lambda name: -max(abs(column.get(name, 0.0)) for column in found.values()))[:10]
+    names = sorted(
+        set().union(*found.values()),
+        key=lambda name: -max(abs(column.get(name, 0.0)) for column in found.values()),
+    )[:10]
     at = np.arange(len(names), dtype=float)
     traces = [
-        Trace(np.array([column.get(name, 0.0) for name in names]), at + shift, label, "points", colour, width=3.0)
+        Trace(
+            np.array([column.get(name, 0.0) for name in names]),
+            at + shift,
+            label,
+            "points",
+            colour,
+            width=3.0,
+        )
         for (label, column), colour, shift in zip(found.items(), (BLUE, ORANGE), (-0.1, 0.1), strict=True)
     ]
-    panel = Panel(Axis("standardised regression coefficient", range=(-1.0, 1.0)), Axis("", names=names), traces)
-    yield Figure("drivers", "What moves the landing point", [panel], "Positive: a larger value moves it east or north.", height=380)
+    panel = Panel(
+        Axis("standardised regression coefficient", range=(-1.0, 1.0)), Axis("", names=names), traces
+    )
+    yield Figure(
+        "drivers",
+        "What moves the landing point",
+        [panel],
+        "Positive: a larger value moves it east or north.",
+        height=380,
+    )

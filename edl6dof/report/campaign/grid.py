@@ -18,10 +18,15 @@ _FIGURES = (
 
 
 def figures(results: Results) -> Iterator[Figure]:
-    """Maps over the first two axes, the mean over all others and over dispersed flights; curves where there is one axis."""
+    """Maps over the first two axes, the mean over all others and over dispersed flights; curves where there
+    is one axis.
+    """
     axes = [name for name in _axes(results) if results.has(name)]
     shown = [figure_of_merit(name) for name in _FIGURES if results.has(name)]
-    columns = [("success (%)", 100.0 * results.ok), *((_label(figure), results[figure.name]) for figure in shown)]
+    columns = [
+        ("success (%)", 100.0 * results.ok),
+        *((_label(figure), results[figure.name]) for figure in shown),
+    ]
     if len(axes) >= 2:
         yield from _maps(results, axes, columns)
     elif axes:
@@ -45,7 +50,9 @@ def _maps(results: Results, axes: list[str], columns: list[tuple[str, np.ndarray
         mean = np.array([[_mean(values[(x == a) & (y == b)]) for a in across] for b in up])
         if not np.isfinite(mean).any():
             continue
-        low, high = (0.0, 100.0) if label.startswith("success") else (float(np.nanmin(mean)), float(np.nanmax(mean)))
+        low, high = (
+            (0.0, 100.0) if label.startswith("success") else (float(np.nanmin(mean)), float(np.nanmax(mean)))
+        )
         heat = Heat(across, up, mean, label, low, high if high > low else low + 1.0)
         panels.append(Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat, title=label))
     yield Figure("sweep", "Sweep", panels, "Mean over the flights at each point.", columns=2, height=340)
@@ -56,7 +63,9 @@ def _curves(results: Results, axis: str, columns: list[tuple[str, np.ndarray]]) 
     points = np.unique(x)
     panels = [
         Panel(
-            Axis(_short(axis)), Axis(label), [Trace(points, np.array([_mean(values[x == point]) for point in points]), label, legend=False)]
+            Axis(_short(axis)),
+            Axis(label),
+            [Trace(points, np.array([_mean(values[x == point]) for point in points]), label, legend=False)],
         )
         for label, values in columns
     ]

@@ -35,7 +35,9 @@ def footprint(results: Results) -> Figure:
         x, y = ellipse(east[down], north[down], sigmas)
         traces.append(Trace(x, y, f"{sigmas} sigma", colour=BLACK, dash=dash))
     traces.append(Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0))
-    panel = Panel(Axis("east of the landing site (km)"), Axis("north of the landing site (km)"), traces, equal=True)
+    panel = Panel(
+        Axis("east of the landing site (km)"), Axis("north of the landing site (km)"), traces, equal=True
+    )
     caption = "A normal cloud has 39, 86 and 99 % of its points inside the ellipses."
     return Figure("footprint", "Landing footprint", [panel], caption, height=560)
 
@@ -78,13 +80,31 @@ def deployment(results: Results) -> Figure:
     limits = {figure: limit for figure, _, limit, _ in results.limits}
     mach, pressure = results["parachute_mach"], results["parachute_dynamic_pressure_pa"]
     marks = [Mark("x", limits["parachute_mach"], "limit", BAD)] if "parachute_mach" in limits else []
-    marks += [Mark("y", limits["parachute_dynamic_pressure_pa"], "limit", BAD)] if "parachute_dynamic_pressure_pa" in limits else []
-    box = Panel(Axis("Mach number"), Axis("dynamic pressure (Pa)"), list(_points(results, mach, pressure)), marks=marks)
+    marks += (
+        [Mark("y", limits["parachute_dynamic_pressure_pa"], "limit", BAD)]
+        if "parachute_dynamic_pressure_pa" in limits
+        else []
+    )
+    box = Panel(
+        Axis("Mach number"),
+        Axis("dynamic pressure (Pa)"),
+        list(_points(results, mach, pressure)),
+        marks=marks,
+    )
     height, alpha = results["parachute_height_m"] / 1e3, results["parachute_total_alpha_deg"]
     low = np.isfinite(height) & (height <= np.nanquantile(height, 0.01))
     lowest = Trace(height[low], alpha[low], "lowest 1 %", "points", PURPLE, symbol="cross")
-    marks = [Mark("y", limits["parachute_total_alpha_deg"], "limit", BAD)] if "parachute_total_alpha_deg" in limits else []
-    attitude = Panel(
-        Axis("height above the ground (km)"), Axis("total angle of attack (deg)"), [*_points(results, height, alpha), lowest], marks=marks
+    marks = (
+        [Mark("y", limits["parachute_total_alpha_deg"], "limit", BAD)]
+        if "parachute_total_alpha_deg" in limits
+        else []
     )
-    return Figure("deployment", "Parachute deployment", [box, attitude], "At mortar fire.", columns=2, height=380)
+    attitude = Panel(
+        Axis("height above the ground (km)"),
+        Axis("total angle of attack (deg)"),
+        [*_points(results, height, alpha), lowest],
+        marks=marks,
+    )
+    return Figure(
+        "deployment", "Parachute deployment", [box, attitude], "At mortar fire.", columns=2, height=380
+    )

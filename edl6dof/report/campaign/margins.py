@@ -30,7 +30,16 @@ def limit_quantiles(results: Results) -> Table:
         spread = quantiles(values)
         mood = "bad" if missed else "good"
         cells = [significant(value) for value in spread]
-        rows.append([label, unit, *cells, significant(limit), Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit), str(missed)])
+        rows.append(
+            [
+                label,
+                unit,
+                *cells,
+                significant(limit),
+                Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit),
+                str(missed),
+            ]
+        )
     caption = "The last bar is the 99.87 % quantile (3 sigma) over the limit."
     return Table(["figure", "unit", *_HEADS, "limit>", "used", "missed>"], rows, caption)
 
@@ -38,7 +47,11 @@ def limit_quantiles(results: Results) -> Table:
 def other_quantiles(results: Results) -> Table:
     """Quantiles of other figures."""
     rows = [
-        [figure.meaning, figure.unit.label, *(significant(value) for value in quantiles(results[figure.name]))]
+        [
+            figure.meaning,
+            figure.unit.label,
+            *(significant(value) for value in quantiles(results[figure.name])),
+        ]
         for figure in map(figure_of_merit, _OTHERS)
         if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
     ]
@@ -75,7 +88,12 @@ def convergence(results: Results) -> Figure:
         Trace(x, value, "success so far", colour=BLUE, width=2.2),
     ]
     panel = Panel(Axis("flights", log=True), Axis("success (%)"), traces)
-    return Figure("convergence", "Success probability", [panel], "It has converged when the interval is narrow enough for the question.")
+    return Figure(
+        "convergence",
+        "Success probability",
+        [panel],
+        ("It has converged when the interval is narrow enough for the question."),
+    )
 
 
 def propellant(results: Results) -> Iterator[Block]:
@@ -92,7 +110,10 @@ def propellant(results: Results) -> Iterator[Block]:
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
         marks=[Mark("x", float(np.quantile(left, 0.0013)), "0.13 %")] if len(left) > 1 else [],
     )
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg, 0.13 % quantile {np.quantile(left, 0.0013):.1f} kg."
+    caption = (
+        f"Of {loaded:g} kg loaded; least {left.min():.1f} kg, 0.13 % quantile "
+        f"{np.quantile(left, 0.0013):.1f} kg."
+    )
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 

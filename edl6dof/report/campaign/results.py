@@ -66,7 +66,11 @@ class Results:
     @cached_property
     def inputs(self) -> dict[str, np.ndarray]:
         """Dispersed quantities by dotted path; beliefs are marked."""
-        names = [name for name in self.table.column_names if name.startswith(("truth.", "belief.")) and self.has(name)]
+        names = [
+            name
+            for name in self.table.column_names
+            if name.startswith(("truth.", "belief.")) and self.has(name)
+        ]
         return {name.removeprefix("truth."): self[name] for name in names}
 
     @cached_property

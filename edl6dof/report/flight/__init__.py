@@ -1,1 +1,3 @@
-"""The review of one flight: the words, tables and figures that an entry, descent and landing review expects."""
+"""The review of one flight: the words, tables and figures that an entry, descent and landing review
+expects.
+"""

@@ -18,7 +18,9 @@ G0 = 9.80665
 
 def figures(run: Run) -> Iterator[Figure | Table]:
     """Figures and tables of the section."""
-    thrusters = [jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run]
+    thrusters = [
+        jet["name"] for jet in run.scenario["vehicle"]["rcs"]["thrusters"] if f"rcs.{jet['name']}" in run
+    ]
     if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
         yield activity(run, thrusters)
         yield use(run)
@@ -36,15 +38,27 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
     down = (len(thrusters) - 0.5, -0.5)
-    failed = {name: float(run.t[np.argmax(faulty)]) for name in thrusters if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()}
+    failed = {
+        name: float(run.t[np.argmax(faulty)])
+        for name in thrusters
+        if (faulty := run.get(f"fault.{name}", np.zeros(1)) != 0).any()
+    }
     bands = [
         Band(BAD, (since, float(run.t[-1])), (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True)
         for lane, name in enumerate(thrusters)
         if (since := failed.get(name)) is not None
     ]
-    panel = Panel(Axis(TIME), Axis("thruster", down, names=thrusters), bands=bands, heat=heat, marks=event_marks(run, run.t))
+    panel = Panel(
+        Axis(TIME),
+        Axis("thruster", down, names=thrusters),
+        bands=bands,
+        heat=heat,
+        marks=event_marks(run, run.t),
+    )
     width = edges[1] - edges[0]
-    caption = f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
+    caption = (
+        f"Mean thrust fraction over {width:.2f} s; the colour scale ends at the 98th percentile of firing."
+    )
     caption += "".join(f" {name} failed at {since:.1f} s." for name, since in failed.items())
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
@@ -60,8 +74,26 @@ def use(run: Run) -> Table:
         impulse = seconds * float(jet["thrust_n"])
         pulses = int(np.sum(on[1:] & ~on[:-1]))
         used = impulse / (float(jet["specific_impulse_s"]) * G0)
-        rows.append([jet["name"], jet["group"], f"{jet['thrust_n']:g}", f"{pulses:,}", f"{seconds:.2f}", f"{impulse:,.0f}", f"{used:.2f}"])
-    columns = ["thruster", "group", "thrust (N)>", "pulses>", "time at full thrust (s)>", "vacuum impulse (N s)>", "propellant (kg)>"]
+        rows.append(
+            [
+                jet["name"],
+                jet["group"],
+                f"{jet['thrust_n']:g}",
+                f"{pulses:,}",
+                f"{seconds:.2f}",
+                f"{impulse:,.0f}",
+                f"{used:.2f}",
+            ]
+        )
+    columns = [
+        "thruster",
+        "group",
+        "thrust (N)>",
+        "pulses>",
+        "time at full thrust (s)>",
+        "vacuum impulse (N s)>",
+        "propellant (kg)>",
+    ]
     caption = f"Thruster use, from the telemetry of one integration step each {step * 1e3:g} ms"
     return Table(columns, rows, caption)
 
@@ -82,10 +114,19 @@ def torque(run: Run) -> Figure:
 def propellant(run: Run) -> Figure:
     """Propellant left and mass, true and believed."""
     rows = np.ones(len(run.t), bool)
-    mass = [Curve("nav.mass_kg", "believed", colour=GREY, dash="dash"), Curve("truth.mass_kg", "true", colour=BLUE)]
+    mass = [
+        Curve("nav.mass_kg", "believed", colour=GREY, dash="dash"),
+        Curve("truth.mass_kg", "true", colour=BLUE),
+    ]
     panels = [
         over_time(run, "propellant left (kg)", [Curve("truth.propellant_kg", colour=GREEN)], rows),
         over_time(run, "mass (kg)", mass, rows),
     ]
     used = run["truth.propellant_kg"][0] - run["truth.propellant_kg"][-1]
-    return stacked("propellant", "Propellant and mass", panels, f"{used:.1f} kg of {run['truth.propellant_kg'][0]:.1f} kg used.", 180)
+    return stacked(
+        "propellant",
+        "Propellant and mass",
+        panels,
+        (f"{used:.1f} kg of {run['truth.propellant_kg'][0]:.1f} kg used."),
+        180,
+    )

@@ -29,7 +29,10 @@ def figures(run: Run) -> Iterator[Figure]:
             over_time(run, f"{axis} (deg)", [Curve(f"control.error_{axis}_deg", colour=VERMILION)], whole)
             for axis in ("roll", "pitch", "yaw")
         ]
-        caption = "Goal minus actual, as each phase's controller defines it; during the lift phase the roll channel is the bank error."
+        caption = (
+            "Goal minus actual, as each phase's controller defines it; during the lift phase the roll "
+            "channel is the bank error."
+        )
         yield stacked("attitude_error", "Attitude error used by the controller", errors, caption, 150)
 
 
@@ -41,9 +44,14 @@ def air_angles(run: Run) -> Figure:
         over_time(run, "sideslip (deg)", _pair("beta"), rows),
         over_time(run, "total angle (deg)", [Curve("truth.total_alpha_deg", colour=BLUE)], rows),
     ]
-    caption = "The flight computer knows no wind, hence the difference. Shown while dynamic pressure is above 1 Pa."
+    caption = (
+        "The flight computer knows no wind, hence the difference. Shown while dynamic pressure is above 1 Pa."
+    )
     return stacked("air_angles", "Angles to the air", panels, caption, 160)
 
 
 def _pair(angle: str) -> list[Curve]:
-    return [Curve(f"nav.{angle}_deg", "navigated", colour=GREY, dash="dash"), Curve(f"truth.{angle}_deg", "true", colour=BLUE)]
+    return [
+        Curve(f"nav.{angle}_deg", "navigated", colour=GREY, dash="dash"),
+        Curve(f"truth.{angle}_deg", "true", colour=BLUE),
+    ]

@@ -3,7 +3,18 @@
 from __future__ import annotations
 
 from edl6dof.report.document import Report, Section
-from edl6dof.report.flight import actuators, attitude, descent, diagnosis, disturbance, guidance, phase_planes, site, trajectory, words
+from edl6dof.report.flight import (
+    actuators,
+    attitude,
+    descent,
+    diagnosis,
+    disturbance,
+    guidance,
+    phase_planes,
+    site,
+    trajectory,
+    words,
+)
 from edl6dof.runs.run import Run
 
 

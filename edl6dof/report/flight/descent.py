@@ -16,7 +16,11 @@ def parachute(run: Run) -> Iterator[Figure]:
     """From mortar fire to the release of the backshell."""
     if "mortar" not in run.when:
         return
-    opening = (run.t > run.when["mortar"] - 0.5) & (run.t < run.when["mortar"] + 8.0) & run.between(until="backshell")
+    opening = (
+        (run.t > run.when["mortar"] - 0.5)
+        & (run.t < run.when["mortar"] + 8.0)
+        & run.between(until="backshell")
+    )
     panels = [
         over_time(run, "riser tension (kN)", [Curve("truth.riser_tension_n", "", 1e-3, VERMILION)], opening),
         over_time(run, "load (Earth g)", [Curve("truth.load_g0", "", 1.0, PURPLE)], opening),
@@ -26,7 +30,9 @@ def parachute(run: Run) -> Iterator[Figure]:
     rows = run.between("mortar", "backshell")
     panels = [
         over_time(run, "descent speed (m/s)", [Curve("truth.v_down_m_s", "", 1.0, BLUE)], rows),
-        over_time(run, "total angle of\nattack (deg)", [Curve("truth.total_alpha_deg", "", 1.0, VERMILION)], rows),
+        over_time(
+            run, "total angle of\nattack (deg)", [Curve("truth.total_alpha_deg", "", 1.0, VERMILION)], rows
+        ),
         over_time(run, "tilt from the\nvertical (deg)", [Curve("truth.tilt_deg", "", 1.0, GREEN)], rows),
     ]
     yield stacked("parachute", "Under the parachute", panels, "", 160)
@@ -61,6 +67,8 @@ def _descent_plane(run: Run, rows: np.ndarray) -> Figure:
     names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
     curve = Trace(run["truth.v_down_m_s"][rows], run["truth.height_m"][rows], "flown", colour=BLUE, width=2.2)
     panel = Panel(
-        Axis("descent speed (m/s)"), Axis("height above the ground (m)"), [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)]
+        Axis("descent speed (m/s)"),
+        Axis("height above the ground (m)"),
+        [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)],
     )
     return Figure("descent_plane", "Height over descent speed", [panel], height=320)

@@ -26,24 +26,43 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Residual torque, confidence of the best hypothesis, thruster under probe, and faults found, for some rows (bool)."""
+    """Residual torque, confidence of the best hypothesis, thruster under probe, and faults found, for some
+    rows (bool).
+    """
     t = run.t[rows]
     marks = event_marks(run, t)
     free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
     residual = [
-        Trace(t, free * (run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"])[rows], name, colour=colour)
+        Trace(
+            t,
+            free * (run[f"estimate.torque_{axis}_nm"] - run[f"truth.disturbance_{axis}_nm"])[rows],
+            name,
+            colour=colour,
+        )
         for axis, name, colour in zip("xyz", ("roll", "pitch", "yaw"), (BLUE, VERMILION, GREEN), strict=True)
     ]
-    confidence = over_time(run, "confidence (1)", [Curve("diagnosis.confidence", colour=BLUE)], rows, (0.0, 1.18))
+    confidence = over_time(
+        run, "confidence (1)", [Curve("diagnosis.confidence", colour=BLUE)], rows, (0.0, 1.18)
+    )
     threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
     found = Trace(t, run["diagnosis.found"][rows], kind="steps", colour=BAD, width=2.0)
     panels = [
         Panel(Axis(TIME), Axis("torque residual\n(N m)"), residual, marks=marks),
-        Panel(confidence.x, confidence.y, confidence.traces, marks=[*marks, Mark("y", threshold, "needed", BAD)]),
+        Panel(
+            confidence.x, confidence.y, confidence.traces, marks=[*marks, Mark("y", threshold, "needed", BAD)]
+        ),
         probes(run, rows),
-        Panel(Axis(TIME), Axis("faults found (1)", (-0.1, max(float(found.y.max()), 1.0) + 0.1)), [found], marks=marks),
+        Panel(
+            Axis(TIME),
+            Axis("faults found (1)", (-0.1, max(float(found.y.max()), 1.0) + 0.1)),
+            [found],
+            marks=marks,
+        ),
     ]
-    caption = "Residual: estimated less true disturbance torque, which is thrust that never came; left out while the parachute pulls."
+    caption = (
+        "Residual: estimated less true disturbance torque, which is thrust that never came; left out while "
+        "the parachute pulls."
+    )
     return stacked(key, title, panels, caption, 150)
 
 
@@ -56,4 +75,10 @@ def probes(run: Run, rows: np.ndarray) -> Panel:
         Trace(run.t[rows], np.where(suspect == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)
     ]
-    return Panel(Axis(TIME), Axis("under probe", names=names), traces, marks=event_marks(run, run.t[rows]), weight=0.25 + 0.15 * len(lanes))
+    return Panel(
+        Axis(TIME),
+        Axis("under probe", names=names),
+        traces,
+        marks=event_marks(run, run.t[rows]),
+        weight=0.25 + 0.15 * len(lanes),
+    )

@@ -24,18 +24,35 @@ def figures(run: Run) -> Iterator[Figure]:
             Curve(f"truth.disturbance_{axis}_nm", "true", colour=BLUE),
         ]
         panels.append(over_time(run, f"{name} (N m)", curves, rows))
-    yield stacked("disturbance_torque", "Disturbance torque", panels, "Moment of everything but the thrusters, in body axes.", 160)
+    yield stacked(
+        "disturbance_torque",
+        "Disturbance torque",
+        panels,
+        ("Moment of everything but the thrusters, in body axes."),
+        160,
+    )
     if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
         yield force(run, rows)
 
 
 def force(run: Run, rows: np.ndarray) -> Figure:
-    """Estimated force beside the aerodynamic force and engine thrust, where no riser pulls in a direction that telemetry lacks."""
+    """Estimated force beside the aerodynamic force and engine thrust, where no riser pulls in a direction
+    that telemetry lacks.
+    """
     free = np.where(run["truth.riser_tension_n"][rows] > 0.0, np.nan, 1.0)
     panels = []
     for axis in "xyz":
-        panel = over_time(run, f"{axis} (N)", [Curve(f"estimate.force_{axis}_n", "estimated", colour=ORANGE)], rows)
-        acted = run[f"truth.aero_force_{axis}_n"][rows] - (run["truth.engine_thrust_n"][rows] if axis == "x" else 0.0)
-        panels.append(replace(panel, traces=[*panel.traces, Trace(run.t[rows], acted * free, "true", colour=BLUE)]))
-    caption = "All but the thrusters, in body axes: air and, along x, the engine. True values are left out while the parachute pulls."
+        panel = over_time(
+            run, f"{axis} (N)", [Curve(f"estimate.force_{axis}_n", "estimated", colour=ORANGE)], rows
+        )
+        acted = run[f"truth.aero_force_{axis}_n"][rows] - (
+            run["truth.engine_thrust_n"][rows] if axis == "x" else 0.0
+        )
+        panels.append(
+            replace(panel, traces=[*panel.traces, Trace(run.t[rows], acted * free, "true", colour=BLUE)])
+        )
+    caption = (
+        "All but the thrusters, in body axes: air and, along x, the engine. True values are left out while "
+        "the parachute pulls."
+    )
     return stacked("disturbance_force", "Disturbance force", panels, caption, 160)

@@ -1,4 +1,6 @@
-"""Entry guidance: the bank angle asked for and flown, the reference that is tracked, and what is left to the target."""
+"""Entry guidance: the bank angle asked for and flown, the reference that is tracked, and what is left to the
+target.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +18,26 @@ def figures(run: Run) -> Iterator[Figure]:
     rows = run.between(until="mortar")
     if not has_signal(run, "guide.range_to_go_km", rows):
         return
-    bank = [Curve("guide.bank_deg", "commanded", colour=VERMILION, dash="dash"), Curve("truth.bank_deg", "flown", colour=BLUE)]
+    bank = [
+        Curve("guide.bank_deg", "commanded", colour=VERMILION, dash="dash"),
+        Curve("truth.bank_deg", "flown", colour=BLUE),
+    ]
     panels = [over_time(run, "bank (deg)", bank, rows, (-185.0, 185.0))]
     if has_signal(run, "truth.rate_p_deg_s", rows):
-        panels.append(over_time(run, "bank rate about\nthe body axis (deg/s)", [Curve("truth.rate_p_deg_s", colour=BLUE)], rows))
+        panels.append(
+            over_time(
+                run,
+                "bank rate about\nthe body axis (deg/s)",
+                [Curve("truth.rate_p_deg_s", colour=BLUE)],
+                rows,
+            )
+        )
     caption = f"{int(np.nan_to_num(run.summary['figures'].get('bank_reversals') or 0.0))} bank reversals."
     yield stacked("bank", "Bank angle", panels, caption, 230)
-    drag = [Curve("guide.reference_drag_m_s2", "reference", colour=GREY, dash="dash"), Curve("nav.drag_m_s2", "measured", colour=BLUE)]
+    drag = [
+        Curve("guide.reference_drag_m_s2", "reference", colour=GREY, dash="dash"),
+        Curve("nav.drag_m_s2", "measured", colour=BLUE),
+    ]
     panels = [
         over_time(run, "drag (m/s²)", drag, rows),
         over_time(run, "range to go (km)", [Curve("guide.range_to_go_km", colour=BLUE)], rows),
@@ -36,5 +51,7 @@ def figures(run: Run) -> Iterator[Figure]:
         )
         if has_signal(run, name, rows)
     ]
-    caption = "Range and crossrange to the aim point of the entry; crossrange is positive when heading right of it."
+    caption = (
+        "Range and crossrange to the aim point of the entry; crossrange is positive when heading right of it."
+    )
     yield stacked("targeting", "Drag against the reference, and the way to go", panels, caption)

@@ -1,4 +1,6 @@
-"""Two flights in one report: their figures side by side, what their scenarios differ in, and every plot of one over the other."""
+"""Two flights in one report: their figures side by side, what their scenarios differ in, and every plot of
+one over the other.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +33,15 @@ def comparison_report(first: Run, second: Run) -> Report:
     ]
     for section in one.sections:
         both: list[Block] = [
-            overlaid(block, of_second[block.key], names) for block in section.blocks if isinstance(block, Figure) and block.key in of_second
+            overlaid(block, of_second[block.key], names)
+            for block in section.blocks
+            if isinstance(block, Figure) and block.key in of_second
         ]
         if both:
             sections.append(Section(f"plots_{section.key}", section.title, both))
     footer = (
-        f"1: {first.folder}, scenario {first.summary['scenario_sha256']}; 2: {second.folder}, scenario {second.summary['scenario_sha256']}"
+        f"1: {first.folder}, scenario {first.summary['scenario_sha256']}; 2: {second.folder}, scenario "
+        f"{second.summary['scenario_sha256']}"
     )
     worst = max((mood(run.summary) for run in (first, second)), key=("good", "warn", "bad").index)
     words = f"1: {verdict(first)}; 2: {verdict(second)}"
@@ -52,7 +57,12 @@ def labels(first: Run, second: Run) -> tuple[str, str]:
 def outcomes(first: Run, second: Run) -> Table:
     """How both ended."""
     rows = [
-        [name, Cell(str(run.summary["outcome"]), mood(run.summary)), f"{run.summary['time_s']:.2f}", run.summary["edl6dof_version"]]
+        [
+            name,
+            Cell(str(run.summary["outcome"]), mood(run.summary)),
+            f"{run.summary['time_s']:.2f}",
+            run.summary["edl6dof_version"],
+        ]
         for name, run in zip(labels(first, second), (first, second), strict=True)
     ]
     return Table(["flight", "outcome", "end (s)>", "edl6dof"], rows)
@@ -72,7 +82,9 @@ def events_table(first: Run, second: Run) -> Table:
     """When the same things happened; of repeated events the first, second, ... are compared."""
     one, two = _numbered(first.events), _numbered(second.events)
     rows = []
-    for key in sorted({**one, **two}, key=lambda key: min(events[key][0] for events in (one, two) if key in events)):
+    for key in sorted(
+        {**one, **two}, key=lambda key: min(events[key][0] for events in (one, two) if key in events)
+    ):
         t1, t2 = (events[key][0] if key in events else None for events in (one, two))
         rows.append([(one.get(key) or two[key])[1], *_numbers(t1, t2)])
     return Table(["event", *(f"{label} (s)>" for label in labels(first, second)), "difference (s)>"], rows)
@@ -90,8 +102,13 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
-    """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and marks are the first's."""
-    panels = [_both(panel, second.panels[k] if k < len(second.panels) else None, names) for k, panel in enumerate(first.panels)]
+    """Figures of one key drawn over each other: the second flight dashed, darker and thinner; limits and
+    marks are the first's.
+    """
+    panels = [
+        _both(panel, second.panels[k] if k < len(second.panels) else None, names)
+        for k, panel in enumerate(first.panels)
+    ]
     return replace(first, panels=panels)
 
 
@@ -100,14 +117,23 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
         return replace(one, title=f"{names[0]} only") if one.heat is not None else one
     mine = [_named(trace, names[0]) for trace in one.coloured()]
     other = [
-        replace(_named(trace, names[1]), dash="dash" if trace.dash == "solid" else "dot", colour=darker(trace.colour), labels=(), width=1.3)
+        replace(
+            _named(trace, names[1]),
+            dash="dash" if trace.dash == "solid" else "dot",
+            colour=darker(trace.colour),
+            labels=(),
+            width=1.3,
+        )
         for trace in two.coloured()
         if not trace.border
     ]
     ranges = [
-        None if axis.range is None or axis.names else widest(axis.range, beside.range) for axis, beside in ((one.x, two.x), (one.y, two.y))
+        None if axis.range is None or axis.names else widest(axis.range, beside.range)
+        for axis, beside in ((one.x, two.x), (one.y, two.y))
     ]
-    x, y = (replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True))
+    x, y = (
+        replace(axis, range=span) if span else axis for axis, span in zip((one.x, one.y), ranges, strict=True)
+    )
     return replace(one, x=x, y=y, traces=[*mine, *other])
 
 

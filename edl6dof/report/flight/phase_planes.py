@@ -1,7 +1,7 @@
 """Phase planes: attitude error against rate, with the zones of the controller that flew.
 
-Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first and third quadrants towards
-the origin.  The borders of the zones follow from the gains of the scenario.
+Error is goal minus actual and rate is actual minus goal, so that a controller at work runs through the first
+and third quadrants towards the origin.  The borders of the zones follow from the gains of the scenario.
 """
 
 from __future__ import annotations
@@ -11,7 +11,20 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    Axis,
+    Figure,
+    Mark,
+    Panel,
+    Trace,
+)
 from edl6dof.report.flight.parts import has_signal
 from edl6dof.runs.run import Run
 
@@ -47,29 +60,48 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     rates = control_rates(run, control)
     panels = []
     for axis, name in enumerate(AXES):
-        if axis > 0 and not any(np.median(np.abs(run[f"control.error_{name}_deg"][rows])) > 0.0 for _, rows in phases):
+        if axis > 0 and not any(
+            np.median(np.abs(run[f"control.error_{name}_deg"][rows])) > 0.0 for _, rows in phases
+        ):
             continue  # damped only: shown in the plane of the two rates below
         traces = [
-            Trace(run[f"control.error_{name}_deg"][rows], rates[axis][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
+            Trace(
+                run[f"control.error_{name}_deg"][rows],
+                rates[axis][rows],
+                phase.replace("_", " "),
+                colour=COLOURS[k % len(COLOURS)],
+            )
             for k, (phase, rows) in enumerate(phases)
         ]
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
         panels.append(_panel(word, traces, *borders(control, gains, axis)))
     if len(panels) == 1:
         panels.append(_damped(control, gains, rates, phases))
-    caption = "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part and the nearest borders, "
+    caption = (
+        "Grey: zone borders of the controller; green: what it steers for. Axes are cut to the flown part "
+        "and the nearest borders, "
+    )
     caption += "which are drawn for the gains at bandwidth 1."
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
 
 
-def _damped(control: str, gains: Mapping[str, Any], rates: Sequence[np.ndarray], phases: Sequence[tuple[str, np.ndarray]]) -> Panel:
-    """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it leaves alone."""
+def _damped(
+    control: str,
+    gains: Mapping[str, Any],
+    rates: Sequence[np.ndarray],
+    phases: Sequence[tuple[str, np.ndarray]],
+) -> Panel:
+    """Yaw against pitch rate of a controller that damps them and follows no angle, with the rates that it
+    leaves alone.
+    """
     traces = [
         Trace(rates[1][rows], rates[2][rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
         for k, (phase, rows) in enumerate(phases)
     ]
-    marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(control, gains, 1)[1] for axis in ("x", "y")]
+    marks = [
+        Mark(axis, mark.at, colour=GREY) for mark in borders(control, gains, 1)[1] for axis in ("x", "y")
+    ]
     x, y = (_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy")
     return Panel(Axis("pitch rate (deg/s)", x), Axis("yaw rate (deg/s)", y), traces, marks=marks)
 
@@ -92,8 +124,8 @@ def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, 
 def control_rates(run: Run, control: str) -> list[np.ndarray]:
     """The rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
 
-    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest into that about the velocity
-    and the swing of the air angles.
+    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest
+    into that about the velocity and the swing of the air angles.
     """
     body = np.stack([run[f"truth.rate_{axis}_deg_s"] for axis in RATES])
     if control not in ("phase_plane", "bank_to_steer"):
@@ -110,12 +142,15 @@ def control_rates(run: Run, control: str) -> list[np.ndarray]:
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers of a flight that diverged
 def path_rate(run: Run) -> np.ndarray:
-    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the telemetry."""
+    """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the
+    telemetry.
+    """
     from scipy.spatial.transform import Rotation
 
     spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
     position, velocity = (
-        np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1) for name, unit in (("r", "m"), ("v", "m_s"))
+        np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1)
+        for name, unit in (("r", "m"), ("v", "m_s"))
     )
     velocity = velocity - np.cross([0.0, 0.0, spin], position)
     # a flight that ended in its first cycle has one row, and no differences
@@ -136,7 +171,9 @@ def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:
 
 def zones(gains: Mapping[str, Any]) -> Border:
     """The four zones of one axis: PID law, parabola, constant rate, and rate limiter."""
-    error = np.concatenate([np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]])
+    error = np.concatenate(
+        [np.linspace(gains["near_deg"], gains["far_deg"], 60), [gains["far_deg"] * 1.0001, 180.0]]
+    )
     wanted = aimed_rate(gains, error)
     line = Trace(_mirrored(error), _mirrored(wanted), "rate aimed for", colour=GREEN, width=2.0, border=True)
     marks = [mark for name in ("near_deg", "far_deg") for mark in _pair("x", gains[name])]
@@ -144,9 +181,11 @@ def zones(gains: Mapping[str, Any]) -> Border:
 
 
 def aimed_rate(gains: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
-    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et al. 2022, section 4.1.
+    """Rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.  Source: Hu et
+    al. 2022, section 4.1.
 
-    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant deceleration.
+    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
+    deceleration.
     """
     inner = gains["proportional"] / gains["derivative"] * gains["near_deg"]
     parabola = np.sqrt(inner**2 + 2.0 * gains["deceleration_deg_s2"] * (error - gains["near_deg"]))
@@ -157,13 +196,22 @@ def switching(gains: Mapping[str, Any]) -> Border:
     """Where the phase-plane law begins to fire, on both sides."""
     rate = np.linspace(-1.1 * gains["rate_limit_deg_s"], gains["rate_limit_deg_s"], 169)
     error = firing_error(gains, rate)
-    lines = [Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0, border=True) for sign in (1.0, -1.0)]
+    lines = [
+        Trace(sign * error, sign * rate, "firing begins", colour=GREEN, width=2.0, border=True)
+        for sign in (1.0, -1.0)
+    ]
     return lines, [*_pair("x", gains["deadband_deg"]), *_pair("y", gains["rate_limit_deg_s"])]
 
 
 def firing_error(gains: Mapping[str, Any], rate: np.ndarray) -> np.ndarray:
-    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source: Hu et al. 2022, section 3."""
-    return gains["deadband_deg"] + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"]) + gains["lead_s"] * rate
+    """Least error (deg) at which the phase-plane law fires towards growing angle, by rate (deg/s).  Source:
+    Hu et al. 2022, section 3.
+    """
+    return (
+        gains["deadband_deg"]
+        + rate * np.abs(rate) / (2.0 * gains["acceleration_deg_s2"])
+        + gains["lead_s"] * rate
+    )
 
 
 def _bank_to_steer(gains: Mapping[str, Any], axis: int) -> Border:

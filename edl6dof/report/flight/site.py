@@ -6,7 +6,19 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.figure import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    Axis,
+    Figure,
+    Panel,
+    Trace,
+)
 from edl6dof.runs.run import Run
 from edl6dof.scenario.landing_ellipse import planned_ellipse
 
@@ -23,13 +35,19 @@ def figures(run: Run) -> Iterator[Figure]:
 def ground_track(run: Run) -> Figure:
     """The whole way over ground, east and north of the landing site; the two axes have different scales."""
     curve = Trace(run[EAST] / 1e3, run[NORTH] / 1e3, "vehicle", colour=BLUE, width=2.2)
-    panel = Panel(_axis("east", "km"), _axis("north", "km"), [curve, _target(1e3), _events(run, 1e3, {"mortar": "parachute"})])
+    panel = Panel(
+        _axis("east", "km"),
+        _axis("north", "km"),
+        [curve, _target(1e3), _events(run, 1e3, {"mortar": "parachute"})],
+    )
     caption = "Axes have different scales. Bank reversals keep the track inside the corridor of crossrange."
     return Figure("ground_track", "Ground track", [panel], caption, height=420)
 
 
 def landing_site(run: Run) -> Figure:
-    """The planned ellipse where the scenario has one, the descent from the parachute on, and the last leg, each to scale."""
+    """The planned ellipse where the scenario has one, the descent from the parachute on, and the last leg,
+    each to scale.
+    """
     descent = run.between("mortar")
     parts = [
         _part(run, "canopy", "canopy", GREY, 1e3),
@@ -41,7 +59,11 @@ def landing_site(run: Run) -> Figure:
     parachute = _events(run, 1e3, {"mortar": "parachute"})
     if planned := list(_planned(run, 1e3)):
         around = Panel(
-            _axis("east", "km"), _axis("north", "km"), [*planned, *allowed, below, _target(1e3)], equal=True, title="planned ellipse"
+            _axis("east", "km"),
+            _axis("north", "km"),
+            [*planned, *allowed, below, _target(1e3)],
+            equal=True,
+            title="planned ellipse",
         )
     left = Panel(
         _axis("east", "km"),
@@ -74,12 +96,16 @@ def _axis(way: str, unit: str) -> Axis:
 
 
 def _target(scale: float) -> Trace:
-    return Trace(np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0, border=True)
+    return Trace(
+        np.zeros(1), np.zeros(1), "target", "points", VERMILION, symbol="cross", width=3.0, border=True
+    )
 
 
 def _circle(radius: float, name: str) -> Trace:
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    return Trace(radius * np.cos(turn), radius * np.sin(turn), name, colour=GREEN, dash="dash", width=1.2, border=True)
+    return Trace(
+        radius * np.cos(turn), radius * np.sin(turn), name, colour=GREEN, dash="dash", width=1.2, border=True
+    )
 
 
 def _planned(run: Run, scale: float) -> Iterator[Trace]:
@@ -87,7 +113,9 @@ def _planned(run: Run, scale: float) -> Iterator[Trace]:
     terrain = run.scenario["terrain"]
     length, width = (float(terrain[f"ellipse_{side}_m"]) for side in ("length", "width"))
     if length > 0.0:
-        east, north = planned_ellipse(length / scale, width / scale, np.radians(terrain["ellipse_azimuth_deg"]))
+        east, north = planned_ellipse(
+            length / scale, width / scale, np.radians(terrain["ellipse_azimuth_deg"])
+        )
         name = f"planned ellipse, {length / 1e3:g} x {width / 1e3:g} km"
         yield Trace(east, north, name, colour=GREY, width=1.0, border=True)
 
@@ -101,7 +129,11 @@ def _part(run: Run, part: str, name: str, colour: str, scale: float) -> Trace:
 
 def _events(run: Run, scale: float, names: dict[str, str]) -> Trace:
     found = [
-        (run.at(EAST, run.when[key]) / scale, run.at(NORTH, run.when[key]) / scale, name) for key, name in names.items() if key in run.when
+        (run.at(EAST, run.when[key]) / scale, run.at(NORTH, run.when[key]) / scale, name)
+        for key, name in names.items()
+        if key in run.when
     ]
     east, north, labels = zip(*found, strict=True) if found else ((), (), ())
-    return Trace(np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False, border=True)
+    return Trace(
+        np.array(east), np.array(north), "events", "points", BLACK, labels=labels, legend=False, border=True
+    )

@@ -1,7 +1,8 @@
 """The way down: overview over time, the entry corridor, and the deployment box.
 
-The borders of the corridor come from the flight itself: its own air density over altitude, drag and load per dynamic pressure over speed
-and constant of the heat-flux law turn a limit on dynamic pressure, load or heat flux into a drag or an altitude at every speed.
+The borders of the corridor come from the flight itself: its own air density over altitude, drag and load per
+dynamic pressure over speed and constant of the heat-flux law turn a limit on dynamic pressure, load or heat
+flux into a drag or an altitude at every speed.
 """
 
 from __future__ import annotations
@@ -12,8 +13,30 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.report.figure import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION, Axis, Band, Dash, Figure, Panel, Trace
-from edl6dof.report.flight.parts import EVENTS, Curve, has_signal, over_time, phase_bands, phase_legend, placed, stacked
+from edl6dof.report.figure import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    Axis,
+    Band,
+    Dash,
+    Figure,
+    Panel,
+    Trace,
+)
+from edl6dof.report.flight.parts import (
+    EVENTS,
+    Curve,
+    has_signal,
+    over_time,
+    phase_bands,
+    phase_legend,
+    placed,
+    stacked,
+)
 from edl6dof.runs.run import Run
 
 G0 = 9.80665
@@ -39,11 +62,16 @@ def figures(run: Run) -> Iterator[Figure]:
 def overview(run: Run) -> Figure:
     """What everyone asks first, over the whole flight."""
     rows = np.ones(len(run.t), bool)
-    height = [Curve("truth.altitude_m", "above the ellipsoid", 1e-3, BLUE), Curve("truth.height_m", "above the ground", 1e-3, BLUE, "dot")]
+    height = [
+        Curve("truth.altitude_m", "above the ellipsoid", 1e-3, BLUE),
+        Curve("truth.height_m", "above the ground", 1e-3, BLUE, "dot"),
+    ]
     panels = [
         over_time(run, "altitude (km)", height, rows),
         over_time(run, "speed (km/s)", [Curve("truth.speed_m_s", "", 1e-3, VERMILION)], rows),
-        over_time(run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows),
+        over_time(
+            run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows
+        ),
         over_time(run, "load (Earth g)", [Curve("truth.load_g0", "", 1.0, PURPLE)], rows),
         over_time(run, "heat flux\n(W/cm²)", [Curve("truth.heat_flux_w_cm2", "", 1.0, ORANGE)], rows),
     ]
@@ -53,7 +81,9 @@ def overview(run: Run) -> Figure:
 
 
 class Entry(NamedTuple):
-    """Entry from the first air to the parachute at ever lower speeds, shape (n,) each; and the atmosphere flown through."""
+    """Entry from the first air to the parachute at ever lower speeds, shape (n,) each; and the atmosphere
+    flown through.
+    """
 
     speed: np.ndarray
     drag: np.ndarray
@@ -74,7 +104,11 @@ class Entry(NamedTuple):
 
 def entry_state(run: Run) -> Entry | None:
     """Drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
-    rows = run.between(until="mortar") & (run["truth.dynamic_pressure_pa"] > THIN_AIR) & (run["truth.height_m"] > 0.0)
+    rows = (
+        run.between(until="mortar")
+        & (run["truth.dynamic_pressure_pa"] > THIN_AIR)
+        & (run["truth.height_m"] > 0.0)
+    )
     if rows.sum() < 50 or not has_signal(run, "truth.heat_flux_w_cm2"):
         return None
     order = np.flatnonzero(rows)
@@ -94,7 +128,9 @@ def entry_state(run: Run) -> Entry | None:
     )  # fmt: skip
 
 
-def aerodynamic_accelerations(run: Run, rows: np.ndarray | slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+def aerodynamic_accelerations(
+    run: Run, rows: np.ndarray | slice = slice(None)
+) -> tuple[np.ndarray, np.ndarray]:
     """Drag and lift acceleration, m/s2, from the aerodynamic force in B and the direction of the air."""
     alpha, beta = (np.radians(run[f"truth.{name}_deg"][rows]) for name in ("alpha", "beta"))
     along = (np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta))
@@ -126,16 +162,34 @@ def borders(run: Run, entry: Entry) -> list[Border]:
     found = []
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
         density = (most / (entry.heat_constant * entry.speed**3)) ** 2
-        found.append(Border(f"heat flux {most:g} W/cm²", 0.5 * density * entry.speed**2 * entry.drag_per_pressure, VERMILION, "dash"))
+        found.append(
+            Border(
+                f"heat flux {most:g} W/cm²",
+                0.5 * density * entry.speed**2 * entry.drag_per_pressure,
+                VERMILION,
+                "dash",
+            )
+        )
     if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
-        found.append(Border(f"dynamic pressure {most / 1e3:g} kPa", most * entry.drag_per_pressure, ORANGE, "dashdot"))
+        found.append(
+            Border(f"dynamic pressure {most / 1e3:g} kPa", most * entry.drag_per_pressure, ORANGE, "dashdot")
+        )
     if (most := limit.get("entry_load_g0")) is not None:
-        found.append(Border(f"load {most:g} g", most * G0 * entry.drag_per_pressure / entry.load_per_pressure, PURPLE, "dot"))
+        found.append(
+            Border(
+                f"load {most:g} g",
+                most * G0 * entry.drag_per_pressure / entry.load_per_pressure,
+                PURPLE,
+                "dot",
+            )
+        )
     return found
 
 
 def equilibrium_glide(entry: Entry) -> np.ndarray:
-    """Drag (m/s2) at which full lift up just holds the flight-path angle, near the ground; NaN above circular speed and without lift."""
+    """Drag (m/s2) at which full lift up just holds the flight-path angle, near the ground; NaN above circular
+    speed and without lift.
+    """
     need = entry.gravity - entry.speed**2 / entry.radius
     return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / entry.lift_to_drag, np.nan)
 
@@ -147,7 +201,16 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
-    return [Trace(np.append(x, x[::-1]), np.append(y, np.full(len(x), edge)), "beyond a limit", "region", VERMILION, border=True)]
+    return [
+        Trace(
+            np.append(x, x[::-1]),
+            np.append(y, np.full(len(x), edge)),
+            "beyond a limit",
+            "region",
+            VERMILION,
+            border=True,
+        )
+    ]
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
@@ -157,15 +220,31 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
     x = entry.speed / 1e3
     traces = forbidden(entry, found, top)
-    traces += [Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash, border=True) for border in found]
-    traces.append(Trace(x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash", border=True))
+    traces += [
+        Trace(x, border.drag, border.name, colour=border.colour, dash=border.dash, border=True)
+        for border in found
+    ]
+    traces.append(
+        Trace(
+            x, equilibrium_glide(entry), "equilibrium glide, lift up", colour=GREEN, dash="dash", border=True
+        )
+    )
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
-        traces.append(Trace(speed, np.where(reference > 0.0, reference, np.nan), "reference", colour=GREY, width=2.2))
+        traces.append(
+            Trace(speed, np.where(reference > 0.0, reference, np.nan), "reference", colour=GREY, width=2.2)
+        )
     traces.append(Trace(speed, aerodynamic_accelerations(run, rows)[0], "flown", colour=BLUE, width=2.2))
-    panel = Panel(Axis("speed in the air (km/s)", (float(x.max()) * 1.03, 0.0)), Axis("drag acceleration (m/s²)", (0.0, top)), traces)
-    caption = "The flight runs from left to right. Borders are limits of the scenario, turned into drag by this flight's own aerodynamics."
+    panel = Panel(
+        Axis("speed in the air (km/s)", (float(x.max()) * 1.03, 0.0)),
+        Axis("drag acceleration (m/s²)", (0.0, top)),
+        traces,
+    )
+    caption = (
+        "The flight runs from left to right. Borders are limits of the scenario, turned into drag by this "
+        "flight's own aerodynamics."
+    )
     return Figure("drag_velocity", "Drag over speed in the corridor", [panel], caption, height=380)
 
 
@@ -177,16 +256,38 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     for border in (*found, Border("equilibrium glide, lift up", equilibrium_glide(entry), GREEN, "dash")):
         density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
         traces.append(
-            Trace(entry.speed / 1e3, entry.altitude(density) / 1e3, border.name, colour=border.colour, dash=border.dash, border=True)
+            Trace(
+                entry.speed / 1e3,
+                entry.altitude(density) / 1e3,
+                border.name,
+                colour=border.colour,
+                dash=border.dash,
+                border=True,
+            )
         )
     flown = run.between()
-    traces.append(Trace(run["truth.airspeed_m_s"][flown] / 1e3, run["truth.altitude_m"][flown] / 1e3, "flown", colour=BLUE, width=2.2))
+    traces.append(
+        Trace(
+            run["truth.airspeed_m_s"][flown] / 1e3,
+            run["truth.altitude_m"][flown] / 1e3,
+            "flown",
+            colour=BLUE,
+            width=2.2,
+        )
+    )
     names = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
     traces.append(placed(run, "truth.airspeed_m_s", "truth.altitude_m", names, (1e-3, 1e-3)))
     widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
     top = float(run["truth.altitude_m"][rows].max()) / 1e3
-    panel = Panel(Axis("speed in the air (km/s)", (widest * 1.03, 0.0)), Axis("altitude (km)", (min(-5.0, 0.0), top)), traces)
-    caption = "The flight runs from left to right; it must stay above the borders of heat flux, dynamic pressure and load."
+    panel = Panel(
+        Axis("speed in the air (km/s)", (widest * 1.03, 0.0)),
+        Axis("altitude (km)", (min(-5.0, 0.0), top)),
+        traces,
+    )
+    caption = (
+        "The flight runs from left to right; it must stay above the borders of heat flux, dynamic pressure "
+        "and load."
+    )
     return Figure("altitude_velocity", "Altitude over speed in the corridor", [panel], caption, height=380)
 
 
@@ -198,12 +299,24 @@ def deployment_box(run: Run) -> Figure:
     rows = (run.t > t0 - 60.0) & (run.t < t0 + 60.0) & (run["truth.mach"] < 1.7 * most[0])
     top = 1.25 * max(most[1], float(run["truth.dynamic_pressure_pa"][rows].max()))
     traces = [
-        Trace(run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows], "flown", colour=BLUE, width=2.2),
-        placed(run, "truth.mach", "truth.dynamic_pressure_pa", {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"}),
+        Trace(
+            run["truth.mach"][rows], run["truth.dynamic_pressure_pa"][rows], "flown", colour=BLUE, width=2.2
+        ),
+        placed(
+            run,
+            "truth.mach",
+            "truth.dynamic_pressure_pa",
+            {"mortar": "mortar fire", "line_stretch": "", "trim_wing": "trim wing"},
+        ),
     ]
-    box = Band(GREEN, (0.0, most[0]), (0.0, most[1]), f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa", 0.14, outline=True)
+    box = Band(
+        GREEN, (0.0, most[0]), (0.0, most[1]), f"Mach ≤ {most[0]:g}, ≤ {most[1]:g} Pa", 0.14, outline=True
+    )
     x = Axis("Mach number", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
-    caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {float(limit['parachute_total_alpha_deg']):g} deg)."
+    caption = (
+        f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed "
+        f"{float(limit['parachute_total_alpha_deg']):g} deg)."
+    )
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)

@@ -1,4 +1,6 @@
-"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration and software."""
+"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration
+and software.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +52,11 @@ def facts(run: Run) -> list[Fact]:
     figures = run.summary["figures"]
     missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
     return [
-        Fact(figure.meaning, f"{value:{form}} {figure.unit.label}".strip(), "bad" if figure.meaning in missed else "plain")
+        Fact(
+            figure.meaning,
+            f"{value:{form}} {figure.unit.label}".strip(),
+            "bad" if figure.meaning in missed else "plain",
+        )
         for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
         if (value := figures.get(figure.name)) is not None
     ]
@@ -72,10 +78,19 @@ def limits(run: Run) -> Table:
         shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
         share = value / float(limit["limit"])
         used = Cell(
-            "-" if math.isnan(share) else f"{100.0 * share:.0f} %", "good" if limit["ok"] else "bad", share if share == share else None
+            "-" if math.isnan(share) else f"{100.0 * share:.0f} %",
+            "good" if limit["ok"] else "bad",
+            share if share == share else None,
         )
         rows.append(
-            [limit["name"], limit["unit"], shown, f"≤ {allowed}", used, Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad")))]
+            [
+                limit["name"],
+                limit["unit"],
+                shown,
+                f"≤ {allowed}",
+                used,
+                Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad"))),
+            ]
         )
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
 
@@ -83,8 +98,13 @@ def limits(run: Run) -> Table:
 def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     found = comparison(run.summary["figures"], run.summary["published"])
-    rows = [[row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])] for row in found]
-    return Table(["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight")
+    rows = [
+        [row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
+        for row in found
+    ]
+    return Table(
+        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
+    )
 
 
 def _sign(bound: str) -> str:

@@ -25,7 +25,14 @@ def drawings(
     wings: Mapping[str, Flight],
 ) -> tuple[Drawing, ...]:
     """Every drawing."""
-    return (*_attitude(nominal), _estimates(nominal), _avoidance(avoided), _formulations(shown, rows), _steps(steps), _wings(wings))
+    return (
+        *_attitude(nominal),
+        _estimates(nominal),
+        _avoidance(avoided),
+        _formulations(shown, rows),
+        _steps(steps),
+        _wings(wings),
+    )
 
 
 def _attitude(flight: Flight) -> list[Drawing]:
@@ -36,8 +43,18 @@ def _attitude(flight: Flight) -> list[Drawing]:
         Drawing(
             f"{name}_{axis}",
             (
-                Panel(f"{axis.title()} angle error", TIME, "error (deg)", (Curve(t, table[f"control.error_{axis}_deg"][before]),)),
-                Panel(f"{axis.title()} rate", TIME, "rate (deg/s)", (Curve(t, table[f"truth.rate_{rate}_deg_s"][before]),)),
+                Panel(
+                    f"{axis.title()} angle error",
+                    TIME,
+                    "error (deg)",
+                    (Curve(t, table[f"control.error_{axis}_deg"][before]),),
+                ),
+                Panel(
+                    f"{axis.title()} rate",
+                    TIME,
+                    "rate (deg/s)",
+                    (Curve(t, table[f"truth.rate_{rate}_deg_s"][before]),),
+                ),
             ),
         )
         for name, axis, rate in _AXES
@@ -68,27 +85,48 @@ def _avoidance(flights: Mapping[str, Flight]) -> Drawing:
         rows = flight.during(HAZARD_AVOIDANCE)
         t = table["t_s"][rows]
         roll.append(Curve(t - t[0], table["control.error_roll_deg"][rows], name))
-        place.append(Curve(t - t[0], table["truth.site_east_m"][rows] - table["truth.site_east_m"][rows][0], name))
+        place.append(
+            Curve(t - t[0], table["truth.site_east_m"][rows] - table["truth.site_east_m"][rows][0], name)
+        )
     after = "time into hazard avoidance (s)"
     return Drawing(
-        "fig7_avoidance", (Panel("Roll error", after, "error (deg)", tuple(roll)), Panel("Way to the east", after, "way (m)", tuple(place)))
+        "fig7_avoidance",
+        (
+            Panel("Roll error", after, "error (deg)", tuple(roll)),
+            Panel("Way to the east", after, "way (m)", tuple(place)),
+        ),
     )
 
 
 def _formulations(shown: Mapping[str, Flight], rows: list[Row]) -> Drawing:
-    """Section 6.2: thrust-direction error from the entry with the largest roll error, and the time to find it over that error."""
+    """Section 6.2: thrust-direction error from the entry with the largest roll error, and the time to find it
+    over that error.
+    """
     curves, dots = [], []
     for name in FORMULATIONS:
         flight, word = shown[name], name.replace("_", " ")
-        curves.append(Curve(flight.telemetry["t_s"] - flight.telemetry["t_s"][0], thrust_error_deg(flight), word))
+        curves.append(
+            Curve(flight.telemetry["t_s"] - flight.telemetry["t_s"][0], thrust_error_deg(flight), word)
+        )
         mine = [row for row in rows if row["experiment"] == "entry" and row["variant"] == name]
         roll, found = (np.array([row[key] for row in mine]) for key in ("roll_deg", "settled_s"))
         dots.append(Curve(np.abs(roll), found, word, "dots"))
     return Drawing(
         "formulations",
         (
-            Panel("Largest roll error", "time after the start (s)", "thrust-direction error (deg)", tuple(curves), x_range=(0.0, 12.0)),
-            Panel("Dispersed entries", "roll error at the start (deg)", "thrust direction found after (s)", tuple(dots)),
+            Panel(
+                "Largest roll error",
+                "time after the start (s)",
+                "thrust-direction error (deg)",
+                tuple(curves),
+                x_range=(0.0, 12.0),
+            ),
+            Panel(
+                "Dispersed entries",
+                "roll error at the start (deg)",
+                "thrust direction found after (s)",
+                tuple(dots),
+            ),
         ),
     )
 

@@ -48,10 +48,14 @@ def all_of(nominal: Flight, rows: list[Row]) -> tuple[Finding, ...]:
 
 
 def _flown(flight: Flight, figure: FigureOfMerit, note: str) -> Finding:
-    """A figure of the flight beside its published value; without its sign where that is how it was published."""
+    """A figure of the flight beside its published value; without its sign where that is how it was
+    published.
+    """
     own, published = flight.metrics.get(figure.name, float("nan")), flight.scenario.published.get(figure.name)
     computed = abs(own) if figure.comparison == "magnitude" else own
-    return Finding(figure.meaning, figure.unit.label, computed, published, _BOUNDS.get(figure.comparison, ""), note)
+    return Finding(
+        figure.meaning, figure.unit.label, computed, published, _BOUNDS.get(figure.comparison, ""), note
+    )
 
 
 def _estimates(flight: Flight) -> tuple[Finding, ...]:
@@ -65,16 +69,23 @@ def _estimates(flight: Flight) -> tuple[Finding, ...]:
 
 
 def _peak(flight: Flight, channel: str, role: str | None = None) -> float:
-    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one role of it."""
+    """Largest magnitude of a channel in the powered descent, from half a second after ignition, or in one
+    role of it.
+    """
     table = flight.telemetry
-    rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & (table["t_s"] < flight.metrics["touchdown_s"])
+    rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & (
+        table["t_s"] < flight.metrics["touchdown_s"]
+    )
     if role is not None:
         rows &= flight.during(role)
     return float(np.max(np.abs(table[channel][rows])))
 
 
 def _entries(rows: list[Row]) -> tuple[Finding, ...]:
-    by = {name: [row for row in rows if row["experiment"] == "entry" and row["variant"] == name] for name in FORMULATIONS}
+    by = {
+        name: [row for row in rows if row["experiment"] == "entry" and row["variant"] == name]
+        for name in FORMULATIONS
+    }
     found = {name: np.array([row["settled_s"] for row in by[name]]) for name in FORMULATIONS}
     landed = 100.0 * np.mean([row["landed"] for name in FORMULATIONS for row in by[name]])
     findings = []
@@ -100,7 +111,9 @@ def _of(rows: Iterable[Row], experiment: str) -> list[tuple[str, Row]]:
 def _steps(rows: list[Row]) -> tuple[Finding, ...]:
     findings = []
     for name, row in _of(rows, "torque step"):
-        findings.append(Finding(f"{STEP_NM:g} N m, {name}: peak", "deg", row["peak_error_deg"], note="sect. 6.2"))
+        findings.append(
+            Finding(f"{STEP_NM:g} N m, {name}: peak", "deg", row["peak_error_deg"], note="sect. 6.2")
+        )
         findings.append(Finding(f"{STEP_NM:g} N m, {name}: settled", "s", row["settled_s"]))
     return tuple(findings)
 

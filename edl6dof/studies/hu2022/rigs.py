@@ -1,4 +1,6 @@
-"""The flights of the study of Hu et al. 2022: the nominal continued from saved states under changed conditions."""
+"""The flights of the study of Hu et al. 2022: the nominal continued from saved states under changed
+conditions.
+"""
 
 from __future__ import annotations
 
@@ -32,14 +34,24 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
     "estimator": (),
     # the integral that settles soonest with the same P and D, in a PID zone wide enough for it
     "integral": (_INTEGRAL, f"{_PITCH_YAW}.integral=0.4", f"{_PITCH_YAW}.near_deg=12"),
-    # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9, lambda 8
-    "equal PID": (_INTEGRAL, f"{_PITCH_YAW}.proportional=16.6", f"{_PITCH_YAW}.integral=11.2", f"{_PITCH_YAW}.derivative=9.9"),
+    # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
+    # lambda 8
+    "equal PID": (
+        _INTEGRAL,
+        f"{_PITCH_YAW}.proportional=16.6",
+        f"{_PITCH_YAW}.integral=11.2",
+        f"{_PITCH_YAW}.derivative=9.9",
+    ),
 }
 #: Time into the hover at which the step comes, and time watched after it, s.
 STEP_AFTER_S, STEP_WATCHED_S = 11.0, 25.0
 
-#: Hazard avoidance towards the east, where D7 pushes from the start: whether it is dead, and what else is changed.
-_EAST = ("flight_software.guidance.powered.terminal.safe_spot_east_m=20", "flight_software.guidance.powered.terminal.safe_spot_north_m=0")
+#: Hazard avoidance towards the east, where D7 pushes from the start: whether it is dead, and what else is
+#: changed.
+_EAST = (
+    "flight_software.guidance.powered.terminal.safe_spot_east_m=20",
+    "flight_software.guidance.powered.terminal.safe_spot_north_m=0",
+)
 _NO_DIAGNOSIS = "flight_software.diagnosis.enabled=false"
 AVOIDANCE: dict[str, tuple[bool, tuple[str, ...]]] = {
     "all sound": (False, ()),
@@ -59,7 +71,9 @@ WING: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Entry:
-    """How the lander hangs when the powered descent begins: roll error, tilt towards an azimuth of the body, body rate."""
+    """How the lander hangs when the powered descent begins: roll error, tilt towards an azimuth of the body,
+    body rate.
+    """
 
     roll_deg: float
     tilt_deg: float
@@ -80,8 +94,12 @@ def state_at(time_s: float) -> State:
     return saved
 
 
-def carry_on(state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0) -> Flight:
-    """Fly on from a state under changed settings, and under a truth of which the flight computer is not told."""
+def carry_on(
+    state: State, changes: Sequence[str] = (), truth: Mapping[str, Any] | None = None, until_s: float = 900.0
+) -> Flight:
+    """Fly on from a state under changed settings, and under a truth of which the flight computer is not
+    told.
+    """
     overrides = [*changes, f"simulation.time_limit_s={until_s}"]
     if truth:
         overrides.append(f"truth={json.dumps(dict(truth))}")
@@ -89,7 +107,9 @@ def carry_on(state: State, changes: Sequence[str] = (), truth: Mapping[str, Any]
 
 
 def draw_entries(count: int, seed: int) -> list[Entry]:
-    """Dispersed starts of the powered descent: any roll up to 120 deg, tilts of 10 to 40 deg, rates of 5 deg/s (1 sigma)."""
+    """Dispersed starts of the powered descent: any roll up to 120 deg, tilts of 10 to 40 deg, rates of 5
+    deg/s (1 sigma).
+    """
     rng = np.random.default_rng(seed)
     return [
         Entry(
@@ -108,8 +128,12 @@ def hung_like(state: State, entry: Entry) -> State:
     nav = fsw["nav"][0]
     axes = (tuple(nav[f"{name}_I"]) for name in ("north", "east", "up", "up"))
     towards = np.radians(entry.towards_deg)
-    tilted = multiply(goal_attitude(*axes), about_axis((0.0, np.cos(towards), np.sin(towards)), np.radians(entry.tilt_deg)))
-    plant["y"][0, ATTITUDE : ATTITUDE + 4] = multiply(tilted, about_axis((1.0, 0.0, 0.0), np.radians(entry.roll_deg)))
+    tilted = multiply(
+        goal_attitude(*axes), about_axis((0.0, np.cos(towards), np.sin(towards)), np.radians(entry.tilt_deg))
+    )
+    plant["y"][0, ATTITUDE : ATTITUDE + 4] = multiply(
+        tilted, about_axis((1.0, 0.0, 0.0), np.radians(entry.roll_deg))
+    )
     rate = np.radians(entry.rate_deg_s)
     plant["y"][0, RATE : RATE + 3] = rate
     plant["fresh"] = 0
@@ -124,7 +148,9 @@ def from_entry(release: State, entry: Entry, formulation: str) -> Flight:
 
 
 def torque_steps(flight: Flight) -> dict[str, Flight]:
-    """The hover with the engine suddenly off the centre of mass, so that it turns the vehicle about z of B."""
+    """The hover with the engine suddenly off the centre of mass, so that it turns the vehicle about z of
+    B.
+    """
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
@@ -132,7 +158,10 @@ def torque_steps(flight: Flight) -> dict[str, Flight]:
     truth = {"vehicle.engine.nozzle_m": [x, y + STEP_NM / thrust, z]}
     hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
     longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
-    return {name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S) for name, changes in AGAINST_STEP.items()}
+    return {
+        name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S)
+        for name, changes in AGAINST_STEP.items()
+    }
 
 
 def avoidance() -> dict[str, Flight]:
@@ -141,7 +170,10 @@ def avoidance() -> dict[str, Flight]:
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     dead = f"faults=[{{thruster: D7, kind: stuck_off, at: {{phase: {phase}}}}}]"
     faults = {True: [dead], False: []}
-    return {name: fly(nominal([*_EAST, *faults[broken], *changes])) for name, (broken, changes) in AVOIDANCE.items()}
+    return {
+        name: fly(nominal([*_EAST, *faults[broken], *changes]))
+        for name, (broken, changes) in AVOIDANCE.items()
+    }
 
 
 def failed_wings() -> dict[str, Flight]:
@@ -153,11 +185,19 @@ def thrust_error_deg(flight: Flight) -> np.ndarray:
     """Angle between thrust axis and commanded thrust direction, by row of telemetry."""
     rows = flight.telemetry
     spin = flight.scenario.planet.rotation_rate_rad_s * rows["t_s"]
-    latitude, longitude = np.radians(rows["truth.latitude_deg"]), np.radians(rows["truth.longitude_deg"]) + spin
+    latitude, longitude = (
+        np.radians(rows["truth.latitude_deg"]),
+        np.radians(rows["truth.longitude_deg"]) + spin,
+    )
     sl, cl, so, co = np.sin(latitude), np.cos(latitude), np.sin(longitude), np.cos(longitude)
     north, east = np.stack([-sl * co, -sl * so, cl]), np.stack([-so, co, np.zeros_like(so)])
     down = -np.stack([cl * co, cl * so, sl])
-    wanted = sum(rows[f"guide.thrust_direction_{name}"] * axis for name, axis in (("north", north), ("east", east), ("down", down)))
+    wanted = sum(
+        rows[f"guide.thrust_direction_{name}"] * axis
+        for name, axis in (("north", north), ("east", east), ("down", down))
+    )
     w, x, y, z = (rows[f"truth.q_I2B_{c}"] for c in "wxyz")
     thrust = -np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)])
-    return np.degrees(np.arctan2(np.linalg.norm(np.cross(thrust, wanted, axis=0), axis=0), np.sum(thrust * wanted, axis=0)))
+    return np.degrees(
+        np.arctan2(np.linalg.norm(np.cross(thrust, wanted, axis=0), axis=0), np.sum(thrust * wanted, axis=0))
+    )

@@ -12,7 +12,8 @@ from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.hu2022.rigs import Entry, from_entry, thrust_error_deg
 
-#: Thrust-direction error below which a commanded direction counts as found, and the time in which it is looked for.
+#: Thrust-direction error below which a commanded direction counts as found, and the time in which it is
+#: looked for.
 FOUND_DEG, WATCHED_S = 3.0, 12.0
 #: Attitude error below which a torque step counts as settled: above the limit cycle of the thrusters.
 SETTLED_DEG = 0.5
@@ -66,7 +67,10 @@ def avoidance_rows(flights: Mapping[str, Flight]) -> list[Row]:
 def wing_rows(flights: Mapping[str, Flight]) -> list[Row]:
     """Total angle of attack at which the parachute opens."""
     return [
-        {**_head("trim wing", name, flight), "parachute_total_alpha_deg": flight.metrics["parachute_total_alpha_deg"]}
+        {
+            **_head("trim wing", name, flight),
+            "parachute_total_alpha_deg": flight.metrics["parachute_total_alpha_deg"],
+        }
         for name, flight in flights.items()
     ]
 
@@ -78,4 +82,10 @@ def last_time(t: np.ndarray, outside: np.ndarray) -> float:
 
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
-    return {"experiment": experiment, "variant": variant, "case": index, "landed": bool(flight.landed), "outcome": flight.outcome}
+    return {
+        "experiment": experiment,
+        "variant": variant,
+        "case": index,
+        "landed": bool(flight.landed),
+        "outcome": flight.outcome,
+    }

@@ -1,9 +1,10 @@
 """Verifies: drag through an exponential atmosphere, speed and peak deceleration.
 
-gravity none | atmosphere exponential | winds none | vehicle one rigid body with constant drag, straight down a planet at rest |
-source: Allen & Eggers, NACA report 1381 (1958), exact for this path: V = V0 exp(-H (rho - rho0) / 2B), B = m / CD A; the greatest
-deceleration is V0^2 / (2 e H) | tolerance 1e-8 of the speed: RK4 at 10 ms over scale heights of 2 s; 1e-6 of the peak,
-which falls between rows 20 ms apart.
+gravity none | atmosphere exponential | winds none | vehicle one rigid body with constant drag, straight down
+a planet at rest |
+source: Allen & Eggers, NACA report 1381 (1958), exact for this path: V = V0 exp(-H (rho - rho0) / 2B), B = m
+/ CD A; the greatest deceleration is V0^2 / (2 e H) | tolerance 1e-8 of the speed: RK4 at 10 ms over scale
+heights of 2 s; 1e-6 of the peak, which falls between rows 20 ms apart.
 """
 
 from __future__ import annotations
@@ -54,11 +55,25 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     return Outcome(
         (
             Result(
-                "speed", "drag and atmosphere", source, float(np.max(np.abs(v / expected - 1.0))), 1e-8, "-", "truncation of RK4 at 10 ms"
+                "speed",
+                "drag and atmosphere",
+                source,
+                float(np.max(np.abs(v / expected - 1.0))),
+                1e-8,
+                "-",
+                "truncation of RK4 at 10 ms",
             ),
             Result(
-                "greatest deceleration", "drag and atmosphere", source, abs(found / peak - 1.0), 1e-6, "-", "parabola through five rows"
+                "greatest deceleration",
+                "drag and atmosphere",
+                source,
+                abs(found / peak - 1.0),
+                1e-6,
+                "-",
+                "parabola through five rows",
             ),
         ),
-        History("Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, {"flown": v, "expected": expected}),
+        History(
+            "Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, {"flown": v, "expected": expected}
+        ),
     )

@@ -1,9 +1,10 @@
-"""Verifies: trim angle and pitch frequency of the capsule with an offset centre of mass, at Mach 2 and Mach 15.
+"""Verifies: trim angle and pitch frequency of the capsule with an offset centre of mass, at Mach 2 and Mach
+15.
 
-gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: moment balance and slope of the
-published coefficients (Phoenix, AIAA 2008-7219) read and interpolated by scipy's PCHIP, linearised pitch equation | tolerance:
-1e-3 deg of trim (a swing of 0.05 deg shifts its middle by its square) and 1e-3 of the frequency (the slope of the moment changes
-by that within the swing).
+gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: moment
+balance and slope of the published coefficients (Phoenix, AIAA 2008-7219) read and interpolated by scipy's
+PCHIP, linearised pitch equation | tolerance: 1e-3 deg of trim (a swing of 0.05 deg shifts its middle by its
+square) and 1e-3 of the frequency (the slope of the moment changes by that within the swing).
 """
 
 from __future__ import annotations
@@ -30,8 +31,27 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         found, middle = fit(t, alpha, complex(0.0, expected))
         trim, off = abs(middle + TRIM_DEG), abs(found.imag / expected - 1.0)
         results += [
-            Result(f"trim angle, Mach {mach:g}", "static moment, CG offset", SOURCE, trim, 1e-3, "deg", "square of the swing"),
-            Result(f"pitch frequency, Mach {mach:g}", "static stability", SOURCE, off, 1e-3, "-", "slope changes within the swing"),
+            Result(
+                f"trim angle, Mach {mach:g}",
+                "static moment, CG offset",
+                SOURCE,
+                trim,
+                1e-3,
+                "deg",
+                "square of the swing",
+            ),
+            Result(
+                f"pitch frequency, Mach {mach:g}",
+                "static stability",
+                SOURCE,
+                off,
+                1e-3,
+                "-",
+                "slope changes within the swing",
+            ),
         ]
     curve = -TRIM_DEG + (alpha[0] + TRIM_DEG) * np.cos(expected * t)
-    return Outcome(tuple(results), History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, {"flown": alpha, "expected": curve}))
+    return Outcome(
+        tuple(results),
+        History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, {"flown": alpha, "expected": curve}),
+    )

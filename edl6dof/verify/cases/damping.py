@@ -1,8 +1,8 @@
 """Verifies: growth and decay of the pitch oscillation by the damping derivative.
 
-gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: linearised pitch equation, the
-envelope grows with sigma = qbar A D^2 Cmq / (4 V Iyy) | tolerance 1e-3 of sigma: curvature of the static moment within
-the swing of 0.05 deg leaks into the envelope.
+gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source:
+linearised pitch equation, the envelope grows with sigma = qbar A D^2 Cmq / (4 V Iyy) | tolerance 1e-3 of
+sigma: curvature of the static moment within the swing of 0.05 deg leaks into the envelope.
 """
 
 from __future__ import annotations
@@ -35,7 +35,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         frequency, unit = stiffness(nominal, MACH)
         sigma = 0.5 * unit * cmq
         found, _ = fit(t, alpha, complex(sigma, frequency))
-        results.append(Result(f"growth rate, Cmq {cmq:+g}", ABOUT, SOURCE, abs(found.real / sigma - 1.0), 1e-3, "-", WHY))
+        results.append(
+            Result(f"growth rate, Cmq {cmq:+g}", ABOUT, SOURCE, abs(found.real / sigma - 1.0), 1e-3, "-", WHY)
+        )
     envelope = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t)
     curves = {"flown": alpha + TRIM_DEG, "envelope expected": envelope}
-    return Outcome(tuple(results), History("Growth by Cmq = +1", "time (s)", "alpha from trim (deg)", t, curves))
+    return Outcome(
+        tuple(results), History("Growth by Cmq = +1", "time (s)", "alpha from trim (deg)", t, curves)
+    )

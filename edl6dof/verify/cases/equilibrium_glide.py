@@ -1,11 +1,13 @@
-"""Verifies: lift, drag and the curvature of the planet together, on a glide from 80 % to 35 % of circular energy.
+"""Verifies: lift, drag and the curvature of the planet together, on a glide from 80 % to 35 % of circular
+energy.
 
-gravity central | atmosphere exponential, 200 m scale height (makes the glide's own approximation good) | winds none | vehicle capsule
-trimmed at alpha = -11 deg beyond Mach 30, where its table is constant | source: Eggers, Allen & Neice, NACA report 1382 (1957): lift
-carries what the centrifugal force does not, L = m (g - V^2/r), and the range is r/2 L/D ln((1 - u1) / (1 - u0)), u = V^2 / g r
-| tolerance 1 %: the glide steepens, which takes 4 H / (r (L/D)^2 u) off the lift (1 to 2.5 %, counted in the expected value);
-the range counts that and the weight along the path; their squares, the slow phugoid from the start and the change of weight with
-altitude remain.
+gravity central | atmosphere exponential, 200 m scale height (makes the glide's own approximation good) |
+winds none | vehicle capsule trimmed at alpha = -11 deg beyond Mach 30, where its table is constant | source:
+Eggers, Allen & Neice, NACA report 1382 (1957): lift carries what the centrifugal force does not, L = m (g -
+V^2/r), and the range is r/2 L/D ln((1 - u1) / (1 - u0)), u = V^2 / g r | tolerance 1 %: the glide steepens,
+which takes 4 H / (r (L/D)^2 u) off the lift (1 to 2.5 %, counted in the expected value); the range counts
+that and the weight along the path; their squares, the slow phugoid from the start and the change of weight
+with altitude remain.
 """
 
 from __future__ import annotations
@@ -29,7 +31,9 @@ _START = 0.8
 def _scene(table: Published) -> tuple[str, ...]:
     speed2 = _START * _G * _R
     short = 4.0 * SCALE / (_R * table.lift_to_drag**2 * _START)
-    density = 2.0 * MASS * _G * (1.0 - _START) * (1.0 - short) / (table.lift * pi / 4.0 * DIAMETER**2 * speed2)
+    density = (
+        2.0 * MASS * _G * (1.0 - _START) * (1.0 - short) / (table.lift * pi / 4.0 * DIAMETER**2 * speed2)
+    )
     slope = -np.degrees(2.0 * SCALE / (_R * table.lift_to_drag * _START))
     return (
         *BARE,
@@ -73,7 +77,15 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     source, why = "Eggers, Allen & Neice, NACA 1382", "second order of the glide's approximation"
     return Outcome(
         (
-            Result("lift against weight", "lift over a curved planet", source, float(np.abs(ratio - 1.0).max()), 1e-2, "-", why),
+            Result(
+                "lift against weight",
+                "lift over a curved planet",
+                source,
+                float(np.abs(ratio - 1.0).max()),
+                1e-2,
+                "-",
+                why,
+            ),
             Result("range", "lift-to-drag ratio", source, abs(flown_range / expected - 1.0), 1e-2, "-", why),
         ),
         History("Equilibrium glide", "time (s)", "lift (m/s2)", t, {"flown": lift, "expected": lift / ratio}),

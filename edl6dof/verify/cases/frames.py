@@ -1,9 +1,9 @@
 """Verifies: every conversion between frames.
 
-gravity none | atmosphere none | winds none | vehicle none | source: scipy Rotation (sequences of elementary turns) for directions and
-attitudes; the normal of the ellipsoid for positions; vectors' angle for great circles | tolerance 1e-13 for directions and
-angles of size one (sideslip reaches 1.5 rad, where its arcsine magnifies rounding 14 times); 2e-8 m for positions near 1e7 m, where
-numbers resolve 2e-9 m.
+gravity none | atmosphere none | winds none | vehicle none | source: scipy Rotation (sequences of elementary
+turns) for directions and attitudes; the normal of the ellipsoid for positions; vectors' angle for great
+circles | tolerance 1e-13 for directions and angles of size one (sideslip reaches 1.5 rad, where its arcsine
+magnifies rounding 14 times); 2e-8 m for positions near 1e7 m, where numbers resolve 2e-9 m.
 """
 
 from __future__ import annotations
@@ -43,20 +43,38 @@ def run(planted: object = ()) -> Outcome:
         lat, lon, height = (float(x) for x in rng.uniform((-1.5, -pi, -1e4), (1.5, pi, 1e7)))
         v = rng.normal(size=3) * 1000.0
         spin = float(rng.uniform(-pi, pi))
-        note("I to F", _gap(kernels.rotate_z(cos(spin), sin(spin), _tuple(v)), Rotation.from_euler("z", spin).inv().apply(v)) / 1e3)
+        note(
+            "I to F",
+            _gap(
+                kernels.rotate_z(cos(spin), sin(spin), _tuple(v)),
+                Rotation.from_euler("z", spin).inv().apply(v),
+            )
+            / 1e3,
+        )
         to_ned = Rotation.from_euler("ZY", (lon, -lat - pi / 2.0))
         _place(note, lat, lon, height, v, to_ned)
         _wind(note, _tuple(v), _tuple(to_ned.apply([0.0, 0.0, -1.0])), rng)
         other_lat, other_lon = (float(x) for x in rng.uniform((-1.5, -pi), (1.5, pi)))
-        arc, azimuth = kernels.great_circle(sin(lat), cos(lat), lon, sin(other_lat), cos(other_lat), other_lon)
-        here, there = (np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a))) for a, b in ((lat, lon), (other_lat, other_lon)))
+        arc, azimuth = kernels.great_circle(
+            sin(lat), cos(lat), lon, sin(other_lat), cos(other_lat), other_lon
+        )
+        here, there = (
+            np.array((cos(a) * cos(b), cos(a) * sin(b), sin(a)))
+            for a, b in ((lat, lon), (other_lat, other_lon))
+        )
         note("great-circle arc", abs(arc - np.arctan2(np.linalg.norm(np.cross(here, there)), here @ there)))
         course = to_ned.inv().apply(there)
         note("great-circle azimuth", abs(kernels.wrap(azimuth - np.arctan2(course[1], course[0]))))
     results = []
     for name, error in worst.items():
-        tolerance, unit, why = (2e-8, "m", "resolution of numbers near 1e7 m") if name in LENGTHS else (1e-13, "-", "a few roundings")
-        results.append(Result(name, "frame conversions", "scipy Rotation, geometry", error, tolerance, unit, why))
+        tolerance, unit, why = (
+            (2e-8, "m", "resolution of numbers near 1e7 m")
+            if name in LENGTHS
+            else (1e-13, "-", "a few roundings")
+        )
+        results.append(
+            Result(name, "frame conversions", "scipy Rotation, geometry", error, tolerance, unit, why)
+        )
     return Outcome(tuple(results))
 
 
@@ -65,7 +83,12 @@ def _place(note: Note, lat: float, lon: float, height: float, v: np.ndarray, to_
     trig = (sin(lat), cos(lat), sin(lon), cos(lon))
     note("F to N", _gap(kernels.fixed_to_ned(*trig, _tuple(v)), to_ned.inv().apply(v)) / 1e3)
     note("N to F", _gap(kernels.ned_to_fixed(*trig, _tuple(v)), to_ned.apply(v)) / 1e3)
-    note("q_F2N", _gap(Rotation.from_quat(kernels.ned_attitude(*trig), scalar_first=True).as_matrix(), to_ned.as_matrix()))
+    note(
+        "q_F2N",
+        _gap(
+            Rotation.from_quat(kernels.ned_attitude(*trig), scalar_first=True).as_matrix(), to_ned.as_matrix()
+        ),
+    )
     up = to_ned.apply([0.0, 0.0, -1.0])
     r = np.array(kernels.from_geodetic(RADIUS, FLATTENING, lat, lon, height))
     foot = r - height * up
@@ -89,12 +112,17 @@ def _wind(note: Note, v: tuple[float, ...], up: tuple[float, ...], rng: np.rando
     y /= np.linalg.norm(y)
     path = Rotation.from_matrix(np.stack([x, y, np.cross(x, y)], axis=1))
     body = path * Rotation.from_euler("XZY", (bank, -beta, alpha))
-    note("attitude from wind angles", _gap(Rotation.from_quat(q, scalar_first=True).as_matrix(), body.as_matrix()))
+    note(
+        "attitude from wind angles",
+        _gap(Rotation.from_quat(q, scalar_first=True).as_matrix(), body.as_matrix()),
+    )
     v_B = _tuple(body.inv().apply(v))
     speed, alpha_back, beta_back = kernels.wind_angles(v_B)
     note("angle of attack", abs(kernels.wrap(alpha_back - alpha)))
     note("sideslip", abs(beta_back - beta))
     note("airspeed", abs(speed / np.linalg.norm(v) - 1.0))
-    note("total angle", abs(kernels.total_angle_of_attack(v_B) - np.arctan2(np.hypot(v_B[1], v_B[2]), v_B[0])))
+    note(
+        "total angle", abs(kernels.total_angle_of_attack(v_B) - np.arctan2(np.hypot(v_B[1], v_B[2]), v_B[0]))
+    )
     axes = (_tuple(column) for column in body.as_matrix().T)
     note("bank", abs(kernels.wrap(kernels.bank_angle(v, up, *axes) - bank)))

@@ -1,8 +1,9 @@
 """Verifies: impulse and propellant of random thruster pulse trains over random steps, through the integrator.
 
-gravity none | atmosphere none | winds none | vehicle one rigid body with propellant, one thruster in line with its centre | source: a
-trapezium for each pulse, F (T + (decay - rise) / 2), or a triangle if it is shorter than the rise; rocket equation for the
-speed | tolerance 1e-10: rounding of 2,000 steps; the speed of 1 m/s is a difference of numbers near it.
+gravity none | atmosphere none | winds none | vehicle one rigid body with propellant, one thruster in line
+with its centre | source: a trapezium for each pulse, F (T + (decay - rise) / 2), or a triangle if it is
+shorter than the rise; rocket equation for the speed | tolerance 1e-10: rounding of 2,000 steps; the speed of
+1 m/s is a difference of numbers near it.
 """
 
 from __future__ import annotations
@@ -69,5 +70,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
             Result("propellant", "pulse impulse", "trapezium for each pulse", off_mass, 1e-10, "-", why),
             Result("speed", "pulse impulse", "trapezium and rocket equation", off_speed, 1e-10, "-", why),
         ),
-        History("Pulse train", "pulse", "speed (m/s)", np.arange(CYCLES), {"flown": np.array(speed), "expected": expected}),
+        History(
+            "Pulse train",
+            "pulse",
+            "speed (m/s)",
+            np.arange(CYCLES),
+            {"flown": np.array(speed), "expected": expected},
+        ),
     )

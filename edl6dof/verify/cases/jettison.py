@@ -1,9 +1,12 @@
-"""Verifies: momentum, angular momentum and common centre of mass over mortar fire, heat-shield jettison and backshell release.
+"""Verifies: momentum, angular momentum and common centre of mass over mortar fire, heat-shield jettison and
+backshell release.
 
-gravity none | atmosphere none | winds none | vehicle Tianwen-1, tumbling at 25 deg/s | source: conservation, summed over all bodies in
-numpy; a part that has left is a point that keeps the spin it left with | tolerance 1e-9 relative to the impulse of the spring:
-rounding only, on a planet of 1 km, where positions resolve 2e-13 m.  After mortar fire the flight goes on through line
-stretch, where the riser pulls vehicle and canopy together: 1e-5 there, RK4 turns a riser of 30 rad/s in steps of 10 ms.
+gravity none | atmosphere none | winds none | vehicle Tianwen-1, tumbling at 25 deg/s | source: conservation,
+summed over all bodies in numpy; a part that has left is a point that keeps the spin it left with | tolerance
+1e-9 relative to the impulse of the spring: rounding only, on a planet of 1 km, where positions resolve 2e-13
+m.  After mortar fire the flight goes on through line
+stretch, where the riser pulls vehicle and canopy together: 1e-5 there, RK4 turns a riser of 30 rad/s in steps
+of 10 ms.
 """
 
 from __future__ import annotations
@@ -46,14 +49,22 @@ def _vehicle(plant: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return y[0:3].copy(), y[3:6].copy(), turn.apply(inertia @ y[10:13])
 
 
-def _sums(bodies: list[tuple[float, np.ndarray, np.ndarray]], spin: np.ndarray, origin: np.ndarray) -> tuple[np.ndarray, ...]:
+def _sums(
+    bodies: list[tuple[float, np.ndarray, np.ndarray]], spin: np.ndarray, origin: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """Mass moment, momentum and angular momentum about ``origin``."""
     moment = sum(m * (r - origin) for m, r, _ in bodies)
-    return moment, sum(m * v for m, _, v in bodies), spin + sum(m * np.cross(r - origin, v) for m, r, v in bodies)
+    return (
+        moment,
+        sum(m * v for m, _, v in bodies),
+        spin + sum(m * np.cross(r - origin, v) for m, r, v in bodies),
+    )
 
 
 def balance(nominal: Scenario, start: State, flight: Flight, part: str, index: int, seconds: float) -> float:
-    """Largest change of the three sums over the impulse that parts the bodies; angular momentum and mass moment per metre and second."""
+    """Largest change of the three sums over the impulse that parts the bodies; angular momentum and mass
+    moment per metre and second.
+    """
     before, after = start.plant[0], flight.plant[0]
     properties = getattr(nominal.vehicle.mass, part)
     r, v, spin = _vehicle(before)
@@ -61,7 +72,11 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, index: i
     first = _sums([(mass, r, v)], spin, origin)
     turn = Rotation.from_quat(before["y"][6:10], scalar_first=True)
     own = turn.apply(np.array(properties.inertia_kg_m2) * before["y"][10:13])
-    gone = (after["y"][16:19], after["y"][19:22]) if index < 0 else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
+    gone = (
+        (after["y"][16:19], after["y"][19:22])
+        if index < 0
+        else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
+    )
     r, v, spin = _vehicle(after)
     second = _sums([(mass - properties.mass_kg, r, v), (properties.mass_kg, *gone)], spin + own, origin)
     impulse = properties.mass_kg * np.linalg.norm(gone[1] - v)
@@ -79,5 +94,15 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         flight = to_the_end(loaded, start)
         error = balance(nominal, start, flight, part, index, seconds)
         why = "rounding" if tolerance < 1e-6 else "line stretch, stiff riser"
-        results.append(Result(f"{name}, {seconds:g} s", "separation and riser", "conservation of momentum", error, tolerance, "-", why))
+        results.append(
+            Result(
+                f"{name}, {seconds:g} s",
+                "separation and riser",
+                "conservation of momentum",
+                error,
+                tolerance,
+                "-",
+                why,
+            )
+        )
     return Outcome(tuple(results))

@@ -1,9 +1,10 @@
 """Verifies: translation under gravity over one whole orbit, against Kepler's equation.
 
-gravity central | atmosphere none | winds none | vehicle one rigid body | source: closed form of the two-body problem (Vallado,
-Fundamentals of Astrodynamics, section 2.2) | tolerance 0.1 mm and 0.1 um/s over 40,000 km of path: the error of RK4 at
-0.1 s, (n h)^4, is below 1e-15 a step; 160,000 additions, each rounded to 5e-10 m, wander by 1e-7 m and drift along the track by
-about 1e-5 m, and Kepler's equation is solved to 1e-13 rad, 1e-6 m.
+gravity central | atmosphere none | winds none | vehicle one rigid body | source: closed form of the two-body
+problem (Vallado, Fundamentals of Astrodynamics, section 2.2) | tolerance 0.1 mm and 0.1 um/s over 40,000 km
+of path: the error of RK4 at 0.1 s, (n h)^4, is below 1e-15 a step; 160,000 additions, each rounded to 5e-10
+m, wander by 1e-7 m and drift along the track by about 1e-5 m, and Kepler's equation is solved to 1e-13 rad,
+1e-6 m.
 """
 
 from __future__ import annotations
@@ -36,7 +37,9 @@ _SCENE = (
 
 
 def orbit(mu: float, r: np.ndarray, v: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Position and velocity at times ``t`` of the orbit that passes ``r``, ``v`` at time 0 at an apsis; each shape (times, 3)."""
+    """Position and velocity at times ``t`` of the orbit that passes ``r``, ``v`` at time 0 at an apsis; each
+    shape (times, 3).
+    """
     radius, speed = np.linalg.norm(r), np.linalg.norm(v)
     axis = 1.0 / (2.0 / radius - speed**2 / mu)
     momentum = np.cross(r, v)
@@ -45,7 +48,9 @@ def orbit(mu: float, r: np.ndarray, v: np.ndarray, t: np.ndarray) -> tuple[np.nd
     p_hat, q_hat = eccentricity / e, np.cross(momentum, eccentricity) / np.linalg.norm(momentum) / e
     n = np.sqrt(mu / axis**3)
     anomaly = np.pi + n * t  # mean anomaly from periapsis: the start is the apoapsis
-    E = newton(lambda x: x - e * np.sin(x) - anomaly, anomaly, lambda x: 1.0 - e * np.cos(x), tol=1e-13, maxiter=50)
+    E = newton(
+        lambda x: x - e * np.sin(x) - anomaly, anomaly, lambda x: 1.0 - e * np.cos(x), tol=1e-13, maxiter=50
+    )
     minor = axis * np.sqrt(1.0 - e * e)
     position = np.outer(axis * (np.cos(E) - e), p_hat) + np.outer(minor * np.sin(E), q_hat)
     rate = n / (1.0 - e * np.cos(E))

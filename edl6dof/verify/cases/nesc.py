@@ -1,8 +1,9 @@
 """NASA NESC 6-DOF check cases 1 to 10 (NASA/TM-2015-218675) on Earth.
 
-gravity central or J2 | atmosphere US76 | winds none, steady or sheared | vehicle sphere, brick | source: simulation 04 of the NESC study,
-row by row in cases 1, 2, 6 and 9, at the end in the others | tolerance: set before the comparison, 0.01 ft, 0.001 ft/s, 1e-4 deg/s,
-1e-3 deg, 1e-6 deg of latitude and longitude; flights, reading and comparison are those of :mod:`edl6dof.verify.nesc_cases`.
+gravity central or J2 | atmosphere US76 | winds none, steady or sheared | vehicle sphere, brick | source:
+simulation 04 of the NESC study, row by row in cases 1, 2, 6 and 9, at the end in the others | tolerance: set
+before the comparison, 0.01 ft, 0.001 ft/s, 1e-4 deg/s, 1e-3 deg, 1e-6 deg of latitude and longitude; flights,
+reading and comparison are those of :mod:`edl6dof.verify.nesc_cases`.
 """
 
 from __future__ import annotations
@@ -39,6 +40,14 @@ def run(planted: Sequence[str] = ()) -> Outcome:
             if quantity in found:
                 about, error = f"case {number}: {quantity}", float(found[quantity])
                 results.append(
-                    Result(about, "whole plant on Earth", SOURCE, error, limit, unit, "set beforehand; room for the constants of US76")
+                    Result(
+                        about,
+                        "whole plant on Earth",
+                        SOURCE,
+                        error,
+                        limit,
+                        unit,
+                        "set beforehand; room for the constants of US76",
+                    )
                 )
     return Outcome(tuple(results))

@@ -1,9 +1,11 @@
-"""Verifies: the swing of vehicle and canopy about each other (pendulum) and of the vehicle about its bridle (wrist mode).
+"""Verifies: the swing of vehicle and canopy about each other (pendulum) and of the vehicle about its bridle
+(wrist mode).
 
-gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open canopy | source: eigenvalues
-of an independent planar two-body model, linearised numerically (:mod:`edl6dof.verify.hanging`) | tolerance 1e-4 of the
-eigenvalue, period and damping together: swings of 2 mrad are linear to 1e-5 and gravity varies by 1e-5 on the way; the differences
-are good to 1e-8.
+gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open
+canopy | source: eigenvalues of an independent planar two-body model, linearised numerically
+(:mod:`edl6dof.verify.hanging`) | tolerance 1e-4 of the
+eigenvalue, period and damping together: swings of 2 mrad are linear to 1e-5 and gravity varies by 1e-5 on the
+way; the differences are good to 1e-8.
 """
 
 from __future__ import annotations
@@ -19,7 +21,11 @@ from edl6dof.verify.scene import SCENARIO
 from edl6dof.verify.swing import fit
 
 SIZE = 2e-3
-ABOUT, SOURCE, WHY = "vehicle, riser and canopy", "eigenvalues of a planar model", "swings of 2 mrad are linear to 1e-5"
+ABOUT, SOURCE, WHY = (
+    "vehicle, riser and canopy",
+    "eigenvalues of a planar model",
+    "swings of 2 mrad are linear to 1e-5",
+)
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
@@ -37,5 +43,12 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         results.append(Result(quantity, ABOUT, SOURCE, abs(found - value) / abs(value), 1e-4, "-", WHY))
     expected = SIZE * np.real(np.exp(value * t))
     return Outcome(
-        tuple(results), History("Wrist mode under the parachute", "time (s)", "tilt (rad)", t, {"flown": tilt, "expected": expected})
+        tuple(results),
+        History(
+            "Wrist mode under the parachute",
+            "time (s)",
+            "tilt (rad)",
+            t,
+            {"flown": tilt, "expected": expected},
+        ),
     )

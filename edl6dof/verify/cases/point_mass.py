@@ -1,8 +1,11 @@
-"""Verifies: the point mass in place of the rigid body: path, bank angle about the velocity, rotation of the planet.
+"""Verifies: the point mass in place of the rigid body: path, bank angle about the velocity, rotation of the
+planet.
 
-gravity central | atmosphere exponential | winds none | vehicle constant drag and lift at a bank angle of 55 deg over a rotating sphere |
-source: the equations of motion in spherical coordinates, Vinh, Busemann & Culp, Hypersonic and Planetary Entry Flight Mechanics (1980),
-section 2-3, integrated by scipy's DOP853 | tolerance 1 mm and 0.01 mm/s over 150 s: RK4 at 10 ms.
+gravity central | atmosphere exponential | winds none | vehicle constant drag and lift at a bank angle of 55
+deg over a rotating sphere |
+source: the equations of motion in spherical coordinates, Vinh, Busemann & Culp, Hypersonic and Planetary
+Entry Flight Mechanics (1980), section 2-3, integrated by scipy's DOP853 | tolerance 1 mm and 0.01 mm/s over
+150 s: RK4 at 10 ms.
 """
 
 from __future__ import annotations
@@ -35,12 +38,17 @@ Rates = Callable[[float, np.ndarray], list[float]]
 
 
 def spherical(scenario: Scenario) -> Rates:
-    """Rates of (radius, longitude, latitude, speed, path angle, heading from east to north), m and rad, at the initial bank angle.
+    """Rates of (radius, longitude, latitude, speed, path angle, heading from east to north), m and rad, at
+    the initial bank angle.
 
     A sinusoidal disturbance of the path rate is added as in Yan, Sun & Guo 2016, eq. 5.
     """
     planet, air, aero = scenario.planet, scenario.atmosphere.exponential, scenario.vehicle.aero.lift_drag
-    spin, mu, disturbance = planet.rotation_rate_rad_s, planet.gravity.mu_m3_s2, scenario.point_mass.disturbance
+    spin, mu, disturbance = (
+        planet.rotation_rate_rad_s,
+        planet.gravity.mu_m3_s2,
+        scenario.point_mass.disturbance,
+    )
     area_per_mass = aero.reference_area_m2 * aero.drag_coefficient / scenario.vehicle.mass.entry_kg
     bank = scenario.initial.wind_angles[0]
 
@@ -84,14 +92,19 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
-    """Fly banked through the atmosphere of a rotating planet; compare place and speed with the spherical equations."""
+    """Fly banked through the atmosphere of a rotating planet; compare place and speed with the spherical
+    equations.
+    """
     nominal, flight = flown(_SCENE, planted)
     rows = flight.telemetry
     radius = nominal.planet.equatorial_radius_m
     times = rows["t_s"][::50]
     r, lon, lat, v, _, _ = integrated(nominal, times)
     place = [rows[f"truth.{name}"][::50] for name in ("altitude_m", "latitude_deg", "longitude_deg")]
-    north, east = (radius * np.radians(place[1] - np.degrees(lat)), radius * np.radians(place[2] - np.degrees(lon)) * np.cos(lat))
+    north, east = (
+        radius * np.radians(place[1] - np.degrees(lat)),
+        radius * np.radians(place[2] - np.degrees(lon)) * np.cos(lat),
+    )
     off = np.sqrt((place[0] + radius - r) ** 2 + north**2 + east**2)
     speed = np.abs(rows["truth.speed_m_s"][::50] - v)
     source, why = "Vinh, Busemann & Culp, section 2-3", "truncation of RK4 at 10 ms"

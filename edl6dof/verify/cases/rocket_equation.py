@@ -1,8 +1,10 @@
 """Verifies: thrust, propellant flow and mass loss of a throttled burn.
 
-gravity none | atmosphere none | winds none | vehicle one rigid body with propellant and a centred engine | source: Tsiolkovsky, exact for
-constant specific impulse whatever the throttle does: dV = Isp g0 ln(m0 / m1) | tolerance 1e-9 of dV: RK4 at 10 ms where the
-thrust is a smooth function, and 1e-7 of a step's dV at the few steps that hold a corner of its rate limit.
+gravity none | atmosphere none | winds none | vehicle one rigid body with propellant and a centred engine |
+source: Tsiolkovsky, exact for
+constant specific impulse whatever the throttle does: dV = Isp g0 ln(m0 / m1) | tolerance 1e-9 of dV: RK4 at
+10 ms where the thrust is a smooth function, and 1e-7 of a step's dV at the few steps that hold a corner of
+its rate limit.
 """
 
 from __future__ import annotations
@@ -12,7 +14,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.verify.outcome import History, Outcome, Result
-from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, VACUUM, WEIGHTLESS, after, scenes, state_of, to_the_end
+from edl6dof.verify.scene import (
+    BARE,
+    ENDLESS,
+    ONE_BODY,
+    VACUUM,
+    WEIGHTLESS,
+    after,
+    scenes,
+    state_of,
+    to_the_end,
+)
 
 G0 = 9.80665
 ISP = 300.0
@@ -62,7 +74,15 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     return Outcome(
         (
             Result("speed against mass", "throttled burn", source, error, 1e-9, "-", why),
-            Result("mass against impulse", "propellant flow", "integral of the thrust", off, 1e-5, "-", "trapezoid over rows 20 ms apart"),
+            Result(
+                "mass against impulse",
+                "propellant flow",
+                "integral of the thrust",
+                off,
+                1e-5,
+                "-",
+                "trapezoid over rows 20 ms apart",
+            ),
         ),
         History("Throttled burn", "time (s)", "speed (m/s)", t, {"flown": v, "expected": expected}),
     )

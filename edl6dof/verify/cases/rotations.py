@@ -1,9 +1,9 @@
 """Verifies: quaternion algebra.
 
-gravity none | atmosphere none | winds none | vehicle none | source: pyquaternion (product, turning, axis-angle), scipy Rotation
-(matrices, rotation vectors, Euler angles), finite difference in time | tolerance 1e-14, a few roundings of numbers of size one;
-1e-11 rad for Euler angles, whose arcsine magnifies rounding near the poles; 1e-13 for angles near half a turn; 1e-9 for the
-difference over 1e-5 s.
+gravity none | atmosphere none | winds none | vehicle none | source: pyquaternion (product, turning,
+axis-angle), scipy Rotation (matrices, rotation vectors, Euler angles), finite difference in time | tolerance
+1e-14, a few roundings of numbers of size one; 1e-11 rad for Euler angles, whose arcsine magnifies rounding
+near the poles; 1e-13 for angles near half a turn; 1e-9 for the difference over 1e-5 s.
 """
 
 from __future__ import annotations
@@ -55,14 +55,31 @@ def run(planted: object = ()) -> Outcome:
         note("rotation vector", _gap(kernels.rotation_vector(q), turn.as_rotvec()))
         axis = np.array(v) / np.linalg.norm(v)
         angle = float(rng.uniform(-3.0, 3.0))
-        note("about an axis", _apart(kernels.about_axis(tuple(axis.tolist()), angle), Quaternion(axis=axis, radians=angle).elements))
-        note("angle between", abs(kernels.angle_between(p, q) - (Rotation.from_quat(p, scalar_first=True).inv() * turn).magnitude()))
+        note(
+            "about an axis",
+            _apart(
+                kernels.about_axis(tuple(axis.tolist()), angle), Quaternion(axis=axis, radians=angle).elements
+            ),
+        )
+        note(
+            "angle between",
+            abs(
+                kernels.angle_between(p, q)
+                - (Rotation.from_quat(p, scalar_first=True).inv() * turn).magnitude()
+            ),
+        )
         yaw, pitch, roll = (float(x) for x in rng.uniform((-3.1, -1.5, -3.1), (3.1, 1.5, 3.1)))
         sequence = Rotation.from_euler("ZYX", (yaw, pitch, roll))
-        note("from Euler 3-2-1", _apart(kernels.from_euler_321(yaw, pitch, roll), sequence.as_quat(scalar_first=True)))
+        note(
+            "from Euler 3-2-1",
+            _apart(kernels.from_euler_321(yaw, pitch, roll), sequence.as_quat(scalar_first=True)),
+        )
         note("Euler 3-2-1", _gap(kernels.euler_321(q), turn.as_euler("ZYX")))
         h = 1e-5
-        late, early = (np.array((other * Quaternion(axis=axis, radians=s * np.linalg.norm(v) * h)).elements) for s in (1, -1))
+        late, early = (
+            np.array((other * Quaternion(axis=axis, radians=s * np.linalg.norm(v) * h)).elements)
+            for s in (1, -1)
+        )
         note("rate", _gap(kernels.rate(q, v), (late - early) / (2.0 * h)))
     results = []
     for name, error in worst.items():

@@ -1,7 +1,8 @@
 """Verifies: precession of a spinning symmetric body, seen from the body and from outside.
 
-gravity none | atmosphere none | winds none | vehicle one rigid body, Iyy = Izz | source: Goldstein, Classical Mechanics, section 5.6:
-the lateral rate turns in the body with p (Ixx - Iyy) / Iyy, the axis turns about the angular momentum with |H| / Iyy | tolerance 1e-8
+gravity none | atmosphere none | winds none | vehicle one rigid body, Iyy = Izz | source: Goldstein, Classical
+Mechanics, section 5.6: the lateral rate turns in the body with p (Ixx - Iyy) / Iyy, the axis turns about the
+angular momentum with |H| / Iyy | tolerance 1e-8
 relative: the phase error of RK4 at 10 ms and 1.2 rad/s is (w h)^4 / 120 = 2e-10.
 """
 

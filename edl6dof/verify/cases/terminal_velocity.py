@@ -1,8 +1,9 @@
 """Verifies: steady descent under the open canopy.
 
-gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open canopy | source: weight of
-both bodies equals drag of both, V = sqrt(2 m g / rho (sum of CD A)) | tolerance 2e-5: gravity changes by 2e-5 over the
-8 km of the descent, and a start 20 % too fast has died out to 1e-7 after 120 s.
+gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open
+canopy | source: weight of both bodies equals drag of both, V = sqrt(2 m g / rho (sum of CD A)) | tolerance
+2e-5: gravity changes by 2e-5 over the 8 km of the descent, and a start 20 % too fast has died out to 1e-7
+after 120 s.
 """
 
 from __future__ import annotations
@@ -27,5 +28,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     error, why = abs(float(speed[-1]) / expected - 1.0), "gravity varies by 2e-5 on the way"
     return Outcome(
         (Result("speed after 120 s", "drag of vehicle and canopy", "weight = drag", error, 2e-5, "-", why),),
-        History("Terminal velocity", "time (s)", "speed (m/s)", t, {"flown": speed, "expected": np.full_like(t, expected)}),
+        History(
+            "Terminal velocity",
+            "time (s)",
+            "speed (m/s)",
+            t,
+            {"flown": speed, "expected": np.full_like(t, expected)},
+        ),
     )

@@ -1,9 +1,11 @@
-"""Verifies: rotation about three unequal axes over 1,000 s, with the flips of the intermediate axis (Dzhanibekov).
+"""Verifies: rotation about three unequal axes over 1,000 s, with the flips of the intermediate axis
+(Dzhanibekov).
 
-gravity none | atmosphere none | winds none | vehicle one rigid body, Ixx > Izz > Iyy, spun about z | source: conservation of energy
-and angular momentum; body rates in Jacobi elliptic functions (Landau & Lifshitz, Mechanics, section 37) by scipy | tolerance: energy
-and momentum 1e-9 relative (RK4 at 10 ms loses 1e-11 over 100,000 steps at 0.5 rad/s), rates 1e-6 of the spin: a relative
-error of 1e-11 in the momentum shifts the time of the last of six flips, near the separatrix, by 1e-7 of a period.
+gravity none | atmosphere none | winds none | vehicle one rigid body, Ixx > Izz > Iyy, spun about z | source:
+conservation of energy and angular momentum; body rates in Jacobi elliptic functions (Landau & Lifshitz,
+Mechanics, section 37) by scipy | tolerance: energy and momentum 1e-9 relative (RK4 at 10 ms loses 1e-11 over
+100,000 steps at 0.5 rad/s), rates 1e-6 of the spin: a relative error of 1e-11 in the momentum shifts the time
+of the last of six flips, near the separatrix, by 1e-7 of a period.
 """
 
 from __future__ import annotations
@@ -41,7 +43,11 @@ def body_rates(inertia: np.ndarray, start: np.ndarray, t: np.ndarray) -> np.ndar
     above, below = momentum2 - energy2 * i1, energy2 * i3 - momentum2
     if momentum2 >= energy2 * i2:
         raise ValueError("the start must lie on the side of the smallest axis")
-    a1, a2, a3 = np.sqrt(below / (i1 * (i3 - i1))), np.sqrt(above / (i2 * (i2 - i1))), np.sqrt(above / (i3 * (i3 - i1)))
+    a1, a2, a3 = (
+        np.sqrt(below / (i1 * (i3 - i1))),
+        np.sqrt(above / (i2 * (i2 - i1))),
+        np.sqrt(above / (i3 * (i3 - i1))),
+    )
     speed = np.sqrt((i2 - i1) * below / (i1 * i2 * i3))
     m = (i3 - i2) * above / ((i2 - i1) * below)
     # the start is at an extreme of the intermediate rate: a quarter period after sn = 0
@@ -64,9 +70,25 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     about = f"torque-free tumbling with {flips} flips"
     return Outcome(
         (
-            Result("rotational energy", about, "conservation", float(np.ptp(energy) / energy[0]), 1e-9, "-", why),
+            Result(
+                "rotational energy", about, "conservation", float(np.ptp(energy) / energy[0]), 1e-9, "-", why
+            ),
             Result("angular momentum in I", about, "conservation", float(drift.max()), 1e-9, "-", why),
-            Result("body rates", about, "Jacobi elliptic functions", off, 1e-6, "-", "time of the flips near the separatrix"),
+            Result(
+                "body rates",
+                about,
+                "Jacobi elliptic functions",
+                off,
+                1e-6,
+                "-",
+                "time of the flips near the separatrix",
+            ),
         ),
-        History("Intermediate-axis flips", "time (s)", "rate about z (rad/s)", t, {"flown": w[:, 2], "expected": expected[:, 2]}),
+        History(
+            "Intermediate-axis flips",
+            "time (s)",
+            "rate about z (rad/s)",
+            t,
+            {"flown": w[:, 2], "expected": expected[:, 2]},
+        ),
     )

@@ -1,9 +1,10 @@
 """Verifies: the U.S. Standard Atmosphere 1976.
 
-gravity none | atmosphere us76 | winds none | vehicle none | source: published table (NOAA-S/T 76-1562): temperature and density
-against geopotential altitude as shipped (csv, up to 84 km), pressure at the layer bases of its table 4 | tolerance: half a unit of the
-last printed digit, which is what a table can prove: 0.005 K (csv: two decimals), 5e-6 of six-digit densities and seven-digit
-pressures.
+gravity none | atmosphere us76 | winds none | vehicle none | source: published table (NOAA-S/T 76-1562):
+temperature and density against geopotential altitude as shipped (csv, up to 84 km), pressure at the layer
+bases of its table 4 | tolerance: half a unit of the
+last printed digit, which is what a table can prove: 0.005 K (csv: two decimals), 5e-6 of six-digit densities
+and seven-digit pressures.
 """
 
 from __future__ import annotations
@@ -22,7 +23,15 @@ from edl6dof.verify.scene import scenes
 _CSV = Path(edl6dof.__file__).parent / "data" / "atmosphere" / "USStandardAtmosphere1976.csv"
 _EARTH = 6356766.0
 #: Pressure (Pa) at the base of the layers, geopotential altitude in m.
-BASES = ((0, 101325.0), (11e3, 22632.06), (20e3, 5474.889), (32e3, 868.0187), (47e3, 110.9063), (51e3, 66.93887), (71e3, 3.956420))
+BASES = (
+    (0, 101325.0),
+    (11e3, 22632.06),
+    (20e3, 5474.889),
+    (32e3, 868.0187),
+    (47e3, 110.9063),
+    (51e3, 66.93887),
+    (71e3, 3.956420),
+)
 
 
 def run(planted: Sequence[str] = ()) -> Outcome:
@@ -32,7 +41,12 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     case = records.build_case(loaded.truth, tables)[0]
 
     def at(height: float) -> tuple[float, float, float, float]:
-        return air(case["atmosphere"], case["planet"]["gas"], tables[0]["atmosphere"], _EARTH * height / (_EARTH - height))
+        return air(
+            case["atmosphere"],
+            case["planet"]["gas"],
+            tables[0]["atmosphere"],
+            _EARTH * height / (_EARTH - height),
+        )
 
     rows = np.genfromtxt(_CSV, delimiter=",", skip_header=2)
     rows = rows[(rows[:, 0] >= 0.0) & (rows[:, 0] <= 84500.0)]
@@ -47,5 +61,11 @@ def run(planted: Sequence[str] = ()) -> Outcome:
             Result("density", "US76", source, dense, 5e-6, "-", "six digits printed"),
             Result("pressure at layer bases", "US76", source, pressed, 5e-6, "-", "seven digits printed"),
         ),
-        History("US76", "geopotential altitude (km)", "density (kg/m3)", rows[:, 0] / 1e3, {"flown": got[:, 0], "expected": rows[:, 2]}),
+        History(
+            "US76",
+            "geopotential altitude (km)",
+            "density (kg/m3)",
+            rows[:, 0] / 1e3,
+            {"flown": got[:, 0], "expected": rows[:, 2]},
+        ),
     )

@@ -30,16 +30,29 @@ initial:
 
 def environment(**more: str) -> dict[str, str]:
     """The caller's environment with the package on the path and no terminal settings."""
-    kept = {key: value for key, value in os.environ.items() if key not in ("COLUMNS", "FORCE_COLOR", "NO_COLOR", "TERM")}
+    kept = {
+        key: value
+        for key, value in os.environ.items()
+        if key not in ("COLUMNS", "FORCE_COLOR", "NO_COLOR", "TERM")
+    }
     return {**kept, "PYTHONPATH": str(ROOT), **more}
 
 
 def spawn(words: list[str], cwd: Path, **more: str) -> subprocess.Popen[str]:
     """Start the program."""
-    return subprocess.Popen([*PROGRAM, *words], cwd=cwd, env=environment(**more), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        [*PROGRAM, *words],
+        cwd=cwd,
+        env=environment(**more),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
 
 
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str) -> tuple[int, str, str]:
+def run(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *words: str
+) -> tuple[int, str, str]:
     """Exit status, stdout and stderr of one command."""
     monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
     monkeypatch.setenv("COLUMNS", "80")

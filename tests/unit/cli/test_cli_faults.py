@@ -10,7 +10,18 @@ from cli_run import run, spawn
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory):
     target = tmp_path_factory.mktemp("faults") / "matrix"
-    words = ["faults", "tianwen1", "--thrusters", "D7,P1", "--phases", "hazard_avoidance", "--kinds", "all", "--out", str(target)]
+    words = [
+        "faults",
+        "tianwen1",
+        "--thrusters",
+        "D7,P1",
+        "--phases",
+        "hazard_avoidance",
+        "--kinds",
+        "all",
+        "--out",
+        str(target),
+    ]
     program = spawn(words, target.parent)
     out, err = program.communicate(timeout=600)
     return program.returncode, out, err, target
@@ -20,15 +31,25 @@ def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
     code, out, err, target = flown
     assert code == 0, err
     assert "6 flights landed within limits" in out
-    assert sorted(path.name for path in target.iterdir()) == ["faults.parquet", "manifest.json", "summary.json"]
+    assert sorted(path.name for path in target.iterdir()) == [
+        "faults.parquet",
+        "manifest.json",
+        "summary.json",
+    ]
 
 
 def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):
     rows = pq.read_table(flown[3] / "faults.parquet").to_pylist()
-    assert {(row["thruster"], row["kind"]) for row in rows} == {(t, k) for t in ("D7", "P1") for k in ("stuck_off", "stuck_on", "degraded")}
+    assert {(row["thruster"], row["kind"]) for row in rows} == {
+        (t, k) for t in ("D7", "P1") for k in ("stuck_off", "stuck_on", "degraded")
+    }
     d7 = next(row for row in rows if row["thruster"] == "D7" and row["kind"] == "stuck_off")
     assert d7["named"] == "D7" and d7["named_kind"] == "stuck off" and 0.1 < d7["time_to_detect_s"] < 1.5
-    assert d7["peak_attitude_error_deg"] < 20.0 and d7["landing_distance_m"] < 10000.0 and d7["false_alarms"] == 0.0
+    assert (
+        d7["peak_attitude_error_deg"] < 20.0
+        and d7["landing_distance_m"] < 10000.0
+        and d7["false_alarms"] == 0.0
+    )
 
 
 def test_summary_counts_what_the_rows_say(flown):

@@ -73,11 +73,19 @@ def test_overwriting_needs_force(here, capsys, monkeypatch):
     Path("runs/drop/notes.txt").write_text("mine")
     code, out, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)
     assert (code, out) == (2, "")
-    assert err == "runs/drop: holds notes.txt, which edl6dof did not write; it is not replaced, even with --force\n"
+    assert err == (
+        "runs/drop: holds notes.txt, which edl6dof did not write; it is not replaced, even with --force\n"
+    )
     assert Path("runs/drop/notes.txt").read_text() == "mine"
     Path("runs/drop/notes.txt").unlink()
     assert run(capsys, monkeypatch, "fly", "drop.yaml", "--force", *QUICK)[0] == 1
-    assert sorted(os.listdir("runs/drop")) == ["events.json", "manifest.json", "scenario.yaml", "summary.json", "telemetry.parquet"]
+    assert sorted(os.listdir("runs/drop")) == [
+        "events.json",
+        "manifest.json",
+        "scenario.yaml",
+        "summary.json",
+        "telemetry.parquet",
+    ]
     assert not hidden(here / "runs")
 
 
@@ -117,7 +125,10 @@ def test_save_state_needs_a_time(time, here, capsys, monkeypatch):
 def test_saved_state_is_continued(here, capsys, monkeypatch):
     code, _, err = run(capsys, monkeypatch, "fly", "drop.yaml", "--save-state", "0.2", "-q", *QUICK)
     assert (code, err) == (1, "")
-    assert run(capsys, monkeypatch, "fly", "--from", "runs/drop/state.npz", "--out", "again", "-q", *QUICK)[0] == 1
+    assert (
+        run(capsys, monkeypatch, "fly", "--from", "runs/drop/state.npz", "--out", "again", "-q", *QUICK)[0]
+        == 1
+    )
     first, again = (json.loads(Path(name, "summary.json").read_text()) for name in ("runs/drop", "again"))
     assert again["time_s"] == first["time_s"]
 

@@ -11,7 +11,17 @@ from cli_run import environment, run
 
 from edl6dof import cli
 
-HEAVY = ("numpy", "scipy", "numba", "yaml", "pyarrow", "rerun", "rich.progress", "edl6dof.config.base", "edl6dof.sim")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "numba",
+    "yaml",
+    "pyarrow",
+    "rerun",
+    "rich.progress",
+    "edl6dof.config.base",
+    "edl6dof.sim",
+)
 #: What a flight has no use for; numba itself loads scipy.linalg.
 UNUSED_BY_A_FLIGHT = (
     *("scipy.optimize", "scipy.interpolate", "scipy.stats", "lxml", "rerun", "matplotlib", "plotly", "dask"),
@@ -29,22 +39,41 @@ finally:
 """
 
 
-LIGHT = (["--help"], ["fly", "--help"], ["version"], ["--version"], ["no-such-command"], ["fly", "--no-such-option"])
+LIGHT = (
+    ["--help"],
+    ["fly", "--help"],
+    ["version"],
+    ["--version"],
+    ["no-such-command"],
+    ["fly", "--no-such-option"],
+)
 
 
 @pytest.mark.parametrize("words", LIGHT)
 def test_light_commands_import_nothing_heavy(words, tmp_path):
     done = subprocess.run(
-        [sys.executable, "-c", IMPORTS, *words], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=30
+        [sys.executable, "-c", IMPORTS, *words],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        cwd=tmp_path,
+        timeout=30,
     )
     assert done.stderr.splitlines()[-1] == "[]", done.stderr
 
 
 def test_help_does_not_import_pydantic(tmp_path):
     """Typer loads pydantic when it parses a command's arguments; for the help alone nobody needs it."""
-    code = IMPORTS.replace("name in sys.modules]", "name in sys.modules] + ['pydantic'] * ('pydantic' in sys.modules)")
+    code = IMPORTS.replace(
+        "name in sys.modules]", ("name in sys.modules] + ['pydantic'] * ('pydantic' in sys.modules)")
+    )
     done = subprocess.run(
-        [sys.executable, "-c", code, "--help"], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=30
+        [sys.executable, "-c", code, "--help"],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        cwd=tmp_path,
+        timeout=30,
     )
     assert done.stderr.splitlines()[-1] == "[]"
 
@@ -54,7 +83,12 @@ def test_a_flight_without_replay_imports_only_what_it_flies_with(tmp_path):
     code = IMPORTS.replace(repr(HEAVY), repr(UNUSED_BY_A_FLIGHT))
     words = ["fly", "tianwen1", "--no-replay", "--quiet", "--set", "simulation.time_limit_s=5"]
     done = subprocess.run(
-        [sys.executable, "-c", code, *words], capture_output=True, text=True, env=environment(), cwd=tmp_path, timeout=300
+        [sys.executable, "-c", code, *words],
+        capture_output=True,
+        text=True,
+        env=environment(),
+        cwd=tmp_path,
+        timeout=300,
     )
     assert done.stdout.startswith("tianwen1: time limit"), done.stderr
     assert done.stderr.splitlines()[-1] == "[]", done.stderr
@@ -64,7 +98,9 @@ def test_help_names_every_command(capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "--help")
     assert code == 0
     lines = out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
-    assert [line.split()[0] for line in lines] == [command.name or command.callback.__name__ for command in cli.app.registered_commands]
+    assert [line.split()[0] for line in lines] == [
+        command.name or command.callback.__name__ for command in cli.app.registered_commands
+    ]
     assert not [line for line in lines if line.endswith("...")], "the summary of a command fits on its line"
 
 
@@ -74,7 +110,9 @@ def test_no_command_shows_the_help(capsys, monkeypatch):
     assert "Commands:" in out + err
 
 
-@pytest.mark.parametrize("words", [["flly"], ["fly", "--colour"], ["fly", "a", "b"], ["check"], ["fly", "--save-state", "soon"]])
+@pytest.mark.parametrize(
+    "words", [["flly"], ["fly", "--colour"], ["fly", "a", "b"], ["check"], ["fly", "--save-state", "soon"]]
+)
 def test_wrong_usage_is_status_2(words, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     code, out, err = run(capsys, monkeypatch, *words)

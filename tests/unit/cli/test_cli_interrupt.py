@@ -16,7 +16,16 @@ from edl6dof.runs import folder as run_folder
 from edl6dof.runs.folder import atomic_folder
 
 #: About ten seconds of computing, in chunks of a fraction of a second.
-SLOW = ["fly", "tianwen1", "--set", "simulation.step_s=0.0002", "--set", "simulation.log_every=1000", "--no-replay", "-q"]
+SLOW = [
+    "fly",
+    "tianwen1",
+    "--set",
+    "simulation.step_s=0.0002",
+    "--set",
+    "simulation.log_every=1000",
+    "--no-replay",
+    "-q",
+]
 
 
 def wait_for_hidden(folder: Path, process) -> None:

@@ -13,7 +13,8 @@ from edl6dof.app.without import without
 
 LINUX = Path("/proc/self/status").exists()
 BUDGET_B = 400e6
-#: Largest resident memory of this program since it began, kB; ``getrusage`` would count what the process was before, a copy of its parent.
+#: Largest resident memory of this program since it began, kB; ``getrusage`` would count what the process was
+#: before, a copy of its parent.
 PEAK = """
 from edl6dof.cli import main
 try:

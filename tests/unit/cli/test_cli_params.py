@@ -32,7 +32,13 @@ def test_every_parameter_is_legible_on_80_columns(capsys, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "path", ["vehicle.rcs.thrusters", "vehicle.rcs.thrusters[]", "vehicle.rcs.thrusters.0", "vehicle.rcs.thrusters[].thrust_n"]
+    "path",
+    [
+        "vehicle.rcs.thrusters",
+        "vehicle.rcs.thrusters[]",
+        "vehicle.rcs.thrusters.0",
+        "vehicle.rcs.thrusters[].thrust_n",
+    ],
 )
 def test_list_items_are_found_by_any_spelling(path, capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "params", path)
@@ -106,7 +112,13 @@ def test_schema_accepts_shipped_vehicles(path):
 
 def test_schema_refuses_what_the_program_refuses():
     good = yaml.load(SHIPPED[0].read_text(encoding="utf-8"), _Core)
-    for bad in ({"seed": -1}, {"seed": "1"}, {"simulatoin": {}}, {"simulation": {"step_s": 1.0}}, {"wind": {"model": "gale"}}):
+    for bad in (
+        {"seed": -1},
+        {"seed": "1"},
+        {"simulatoin": {}},
+        {"simulation": {"step_s": 1.0}},
+        {"wind": {"model": "gale"}},
+    ):
         assert list(faults({**good, **bad}, SCHEMA)), bad
     assert list(faults({key: value for key, value in good.items() if key != "initial"}, SCHEMA))
 
@@ -120,7 +132,11 @@ def test_schema_describes_units_for_editors():
 def faults(value: Any, schema: dict[str, Any], path: str = "") -> Any:
     """The part of JSON schema draft 7 that pydantic writes; yields the paths that are refused."""
     if "$ref" in schema:
-        yield from faults(value, SCHEMA["definitions" if "definitions" in SCHEMA else "$defs"][schema["$ref"].split("/")[-1]], path)
+        yield from faults(
+            value,
+            SCHEMA["definitions" if "definitions" in SCHEMA else "$defs"][schema["$ref"].split("/")[-1]],
+            path,
+        )
         return
     if "anyOf" in schema:
         tried = [list(faults(value, option, path)) for option in schema["anyOf"]]
@@ -138,7 +154,9 @@ def faults(value: Any, schema: dict[str, Any], path: str = "") -> Any:
         "null": type(None),
     }
     kind = schema.get("type")
-    if kind and (not isinstance(value, kinds[kind]) or isinstance(value, bool) and kind in ("integer", "number")):
+    if kind and (
+        not isinstance(value, kinds[kind]) or isinstance(value, bool) and kind in ("integer", "number")
+    ):
         yield f"{path}: not {kind}"
         return
     if ("enum" in schema and value not in schema["enum"]) or ("const" in schema and value != schema["const"]):

@@ -1,4 +1,6 @@
-"""A user's own law in a file outside the package: it flies, its mistakes are named in one line, and editing it is never overlooked."""
+"""A user's own law in a file outside the package: it flies, its mistakes are named in one line, and editing
+it is never overlooked.
+"""
 
 import json
 import re
@@ -56,7 +58,8 @@ def plugins_of_this_process(monkeypatch):
     jit.outside_sources[:] = before
 
 
-# ---- mistakes ------------------------------------------------------------------------------------------------------------------
+# ---- mistakes
+# ------------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -65,8 +68,16 @@ def plugins_of_this_process(monkeypatch):
         ("missing.py", None, "is no such file"),
         ("law.txt", LAW, "must be a Python file"),
         ("law.py", LAW.replace("return 0.5", "return 0.5)"), "cannot be imported: SyntaxError: unmatched"),
-        ("law.py", LAW.replace("edl6dof.jit", "edl6dof.jet"), "cannot be imported: ModuleNotFoundError.*line 3"),
-        ("law.py", LAW.replace("entry_law", "entry law"), "must say FAMILY = one of entry_law, reversal, .*got 'entry law'"),
+        (
+            "law.py",
+            LAW.replace("edl6dof.jit", "edl6dof.jet"),
+            "cannot be imported: ModuleNotFoundError.*line 3",
+        ),
+        (
+            "law.py",
+            LAW.replace("entry_law", "entry law"),
+            ("must say FAMILY = one of entry_law, reversal, .*got 'entry law'"),
+        ),
         ("law.py", LAW.replace("MEMBER =", "LAW ="), r"must define MEMBER = Member\(...\)"),
         (
             "law.py",
@@ -115,7 +126,10 @@ def test_plugins_cannot_be_set_on_the_command_line():
 
 def cli(*arguments, cache=None):
     """The command line in a fresh process: (exit status, standard output, standard error)."""
-    code = f"import sys; sys.argv = ['edl6dof', *{[str(a) for a in arguments]!r}]; from edl6dof.cli import main; main()"
+    code = (
+        f"import sys; sys.argv = ['edl6dof', *{[str(a) for a in arguments]!r}]; from edl6dof.cli import "
+        "main; main()"
+    )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     return run.returncode, run.stdout, run.stderr
 
@@ -138,7 +152,8 @@ def test_kernel_that_does_not_fit_is_refused_before_the_simulator_is_compiled(tm
     assert re.search(message, error)
 
 
-# ---- cache ---------------------------------------------------------------------------------------------------------------------
+# ---- cache
+# ---------------------------------------------------------------------------------------------------------------------
 
 
 def stamp(file):
@@ -185,13 +200,20 @@ SIDE = LAW.replace("guide(onboard, nav, mem, out)", "side(onboard, nav, mem, out
 
 
 def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, monkeypatch):
-    """A reversal logic in a process of its own each time: result, and whether numba took it from the cache."""
+    """A reversal logic in a process of its own each time: result, and whether numba took it from the
+    cache.
+    """
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     law, found = tmp_path / "law.py", []
     scenario = scenario_with(tmp_path, "law.py")
     for side in (1.0, 1.0, -1.0):
         law.write_text(SIDE.replace("entry_law", "reversal").replace("return 0.5", f"return {side}"))
-        run = subprocess.run([sys.executable, "-c", STEER.format(scenario=str(scenario))], capture_output=True, text=True, timeout=300)
+        run = subprocess.run(
+            [sys.executable, "-c", STEER.format(scenario=str(scenario))],
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
         assert run.returncode == 0, run.stderr
         bank, hits = run.stdout.split()
         found.append((float(bank), int(hits)))
@@ -208,7 +230,8 @@ def test_plugin_of_a_shipped_or_extended_scenario_is_found(tmp_path, extends):
     assert status == 0, error
 
 
-# ---- the example ---------------------------------------------------------------------------------------------------------------
+# ---- the example
+# ---------------------------------------------------------------------------------------------------------------
 
 
 def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):
@@ -221,6 +244,8 @@ def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):
     figures = summary.get("metrics", summary.get("figures"))
     assert figures["parachute_miss_m"] < 10e3
     assert figures["parachute_mach"] == pytest.approx(1.8, abs=0.05)
-    again, _, error = cli("fly", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "again", "--no-replay", "--quiet")
+    again, _, error = cli(
+        "fly", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "again", "--no-replay", "--quiet"
+    )
     assert again == 0, error
     assert (tmp_path / "again" / "summary.json").read_text().count("parachute_miss_m") == 1

@@ -57,7 +57,9 @@ class Toy(Params):
     logging: bool = param(True, "write telemetry")
     stop_s: float | None = param(None, "stop time", gt=0)
     window_s: tuple[float, float] = param((0.0, 10.0), "first and last time")
-    guidance: Annotated[Apollo | Predictor, Field(discriminator="law")] = param(None, "guidance", factory=Apollo)
+    guidance: Annotated[Apollo | Predictor, Field(discriminator="law")] = param(
+        None, "guidance", factory=Apollo
+    )
     rate_hz: Annotated[float, Field(gt=0)] | Literal["auto"] = param("auto", "sampling", record=False)
     limit_deg: float | list[float] | None = param(None, "limit, or one for each phase", record=False)
     gains: dict[str, float] = param(None, "free gains", factory=dict)

@@ -75,7 +75,9 @@ def test_mistakes_in_an_included_file_name_that_file(tmp_path, package):
     scenario = write(tmp_path, "scenarios/a.yaml", "\n\n\nvehicle: capsule\nsed: 1\n")
     with pytest.raises(ConfigError) as caught:
         validate(Toy, read_document(scenario))
-    places = {problem.path: (problem.file.rsplit("/", 1)[-1], problem.line) for problem in caught.value.problems}
+    places = {
+        problem.path: (problem.file.rsplit("/", 1)[-1], problem.line) for problem in caught.value.problems
+    }
     assert places == {"vehicle.mass.entry_mass_kg": ("capsule.yaml", 2), "sed": ("a.yaml", 5)}
 
 

@@ -23,11 +23,15 @@ TRICKY = LEAST + (
     "guidance: {law: predictor, step_s: 0.30000000000000004}\n"
     "plugin: {list: [{a: []}, {}, 3, null, true, [1, [2]]], none: null, empty: {}, text: 'true'}\n"
 )
-LONG = LEAST.replace("vehicle: {", "vehicle: {chute: {drag_table: [" + ", ".join(f"[{i}, 0.{i}]" for i in range(40)) + "]}, ")
+LONG = LEAST.replace(
+    "vehicle: {", "vehicle: {chute: {drag_table: [" + ", ".join(f"[{i}, 0.{i}]" for i in range(40)) + "]}, "
+)
 WIDE = LEAST + "plugin: {numbers: [" + ", ".join(f"{i}.125" for i in range(60)) + "]}\n"
 
 
-@pytest.mark.parametrize("text", [GOOD, LEAST, TRICKY, LONG, WIDE], ids=["good", "least", "tricky", "long table", "wide list"])
+@pytest.mark.parametrize(
+    "text", [GOOD, LEAST, TRICKY, LONG, WIDE], ids=["good", "least", "tricky", "long table", "wide list"]
+)
 def test_a_resolved_scenario_reads_back_as_an_equal_model(text):
     read = document(text)
     toy = validate(Toy, read)
@@ -51,7 +55,9 @@ def test_marks_of_the_file_win_and_declared_ones_hold_only_for_the_default():
     text = LEAST.replace("1.0", "1.0, fuel_fraction: 0.25")
     assert "fuel_fraction: 0.25  # [P] S1 table 2" in dump_resolved(load(text))
     path = "vehicle.mass.fuel_fraction"
-    assert "fuel_fraction: 0.25  # [E] guess" in dump_resolved(load(text), [], {path: "estimate"}, {path: "guess"})
+    assert "fuel_fraction: 0.25  # [E] guess" in dump_resolved(
+        load(text), [], {path: "estimate"}, {path: "guess"}
+    )
     assert "fuel_fraction: 0.5\n" in dump_resolved(load(text.replace("0.25", "0.5")))
 
 
@@ -105,6 +111,9 @@ def test_a_default_outside_its_own_bounds_is_refused():
 
 
 def test_reading_a_configuration_does_not_import_numpy():
-    modules = ", ".join(f"edl6dof.config.{name}" for name in ("source", "validate", "overrides", "reference", "schema", "dump"))
+    modules = ", ".join(
+        f"edl6dof.config.{name}"
+        for name in ("source", "validate", "overrides", "reference", "schema", "dump")
+    )
     code = f"import sys, {modules}; sys.exit('numpy' in sys.modules or 'numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -33,7 +33,13 @@ def test_values_follow_the_rules_of_the_files():
 
 
 def test_defaults_that_the_file_leaves_out_can_be_set():
-    settings = ("vehicle.chute.deploy_mach=2", "guidance.gain=3", "gains.new=1", "window_s.1=20", "plugin.any.thing=x")
+    settings = (
+        "vehicle.chute.deploy_mach=2",
+        "guidance.gain=3",
+        "gains.new=1",
+        "window_s.1=20",
+        "plugin.any.thing=x",
+    )
     toy = changed(*settings, text=LEAST)
     assert toy.vehicle.chute.deploy_mach == 2.0
     assert toy.vehicle.chute.drag_table == ((0.0, 0.6), (2.0, 0.5))

@@ -159,7 +159,8 @@ def test_broken_text_is_a_problem_with_its_line(name, loader):
     (problem,) = caught.value.problems
     assert words in problem.message
     assert problem.file == "toy.yaml"
-    assert problem.line == line or name in ("unclosed quote", "unclosed list")  # the two parsers stop at different lines
+    # the two parsers stop at different lines
+    assert problem.line == line or name in ("unclosed quote", "unclosed list")
     assert "\n" not in str(caught.value)
 
 

@@ -31,13 +31,22 @@ TOP = {
     "sed: 1": ("sed", "unknown key; did you mean 'seed'?"),
     "window_m: [0, 1]": ("window_m", "unknown key; did you mean 'window_s'? (only the unit suffix differs)"),
     "window: [0, 1]": ("window", "unknown key; did you mean 'window_s'? (only the unit suffix differs)"),
-    "stop_s: '12'": ("stop_s", "must be a number in s or null (got '12'); write the number without quotes or underscores"),
-    "stop_s: 1_000": ("stop_s", "must be a number in s or null (got '1_000'); write the number without quotes or underscores"),
+    "stop_s: '12'": (
+        "stop_s",
+        ("must be a number in s or null (got '12'); write the number without quotes or underscores"),
+    ),
+    "stop_s: 1_000": (
+        "stop_s",
+        ("must be a number in s or null (got '1_000'); write the number without quotes or underscores"),
+    ),
     "stop_s: true": ("stop_s", "must be a number in s or null (got true)"),
     "stop_s: [1]": ("stop_s", "must be a number in s or null (got [1])"),
     "stop_s: 0": ("stop_s", "must be > 0 s (got 0)"),
     "seed: 1.5": ("seed", "must be a whole number (got 1.5)"),
-    "seed: 100000000000000000000": ("seed", "must be >= 0 and <= 9223372036854775807 (got 100000000000000000000)"),
+    "seed: 100000000000000000000": (
+        "seed",
+        ("must be >= 0 and <= 9223372036854775807 (got 100000000000000000000)"),
+    ),
     "seed: -1": ("seed", "must be >= 0 (got -1)"),
     "seed:": ("seed", "must be a whole number (got nothing)"),
     "logging: on": ("logging", "must be true or false (got 'on')"),
@@ -52,8 +61,14 @@ TOP = {
     "window_s: 3": ("window_s", "must be a list of 2 numbers in s (got 3)"),
     "window_s: [1, x]": ("window_s.1", "must be a number in s (got 'x')"),
     "window_s: [2, 1]": ("", "window_s: the first time must be before the last"),
-    "guidance: {law: apolo}": ("guidance.law", "unknown name; did you mean 'apollo'? (got 'apolo'; allowed apollo, predictor)"),
-    "guidance: {gain: 1}": ("guidance", "needs the key 'law', which says which kind it is (allowed apollo, predictor)"),
+    "guidance: {law: apolo}": (
+        "guidance.law",
+        ("unknown name; did you mean 'apollo'? (got 'apolo'; allowed apollo, predictor)"),
+    ),
+    "guidance: {gain: 1}": (
+        "guidance",
+        ("needs the key 'law', which says which kind it is (allowed apollo, predictor)"),
+    ),
     "guidance: {law: predictor, gain: 1}": ("guidance.gain", "unknown key; allowed: law, step_s"),
     "guidance: {law: predictor, step_s: 0}": ("guidance.step_s", "must be > 0 s (got 0)"),
     "guidance: apollo": ("guidance", "must be a mapping of keys (got 'apollo')"),
@@ -116,7 +131,8 @@ def test_nested_mistakes_are_named_by_their_dotted_path(line):
 
 def test_all_problems_are_reported_at_once_in_the_order_of_the_lines():
     found = problems(
-        "sed: 1\nmethod: hun\nvehicle:\n  mass:\n    entry_mass_kg: x\n    cg_m: [1]\n  rcs:\n    thrusters:\n    - {name: 3}\n"
+        "sed: 1\nmethod: hun\nvehicle:\n  mass:\n    entry_mass_kg: x\n    cg_m: [1]\n  rcs:\n    "
+        "thrusters:\n    - {name: 3}\n"
     )
     assert [(problem.line, problem.column, problem.path) for problem in found] == [
         (1, 1, "sed"),
@@ -151,11 +167,19 @@ def test_a_document_made_in_memory_needs_no_marks():
 def test_no_message_shows_pydantic_words():
     everything = [problem.message for line in TOP for problem in problems(f"{line}\n{LEAST}")]
     everything += [problem.message for line in VEHICLE for problem in problems(line + "\n")]
-    assert not [text for text in everything if "Input should" in text or "pydantic" in text or "Extra inputs" in text]
+    assert not [
+        text for text in everything if "Input should" in text or "pydantic" in text or "Extra inputs" in text
+    ]
 
 
 def test_decimal_fractions_keep_their_bits():
-    for number in ("0.1", "1.7976931348623157e308", "5e-324", "123456789.12345678", "2.2250738585072014e-308"):
+    for number in (
+        "0.1",
+        "1.7976931348623157e308",
+        "5e-324",
+        "123456789.12345678",
+        "2.2250738585072014e-308",
+    ):
         assert load(f"gains: {{a: {number}}}\n{LEAST}").gains["a"] == float(number)
 
 

@@ -48,8 +48,14 @@ CRAFT = Craft.model_validate_json('{"jets": [{"name": "a"}, {"name": "b", "direc
 CHANGES = {
     "number": ([(("body", "mass_kg"), 12.5)], '{"body": {"mass_kg": 12.5}, "jets": JETS}'),
     "whole number for a broken one": ([(("body", "mass_kg"), 12)], '{"body": {"mass_kg": 12}, "jets": JETS}'),
-    "element": ([(("body", "centre_m", 2), 0.3), (("body", "centre_m", 0), -1)], '{"body": {"centre_m": [-1, 0, 0.3]}, "jets": JETS}'),
-    "all elements": ([(("body", "centre_m"), [1, 2.0, 3.0])], '{"body": {"centre_m": [1, 2, 3]}, "jets": JETS}'),
+    "element": (
+        [(("body", "centre_m", 2), 0.3), (("body", "centre_m", 0), -1)],
+        '{"body": {"centre_m": [-1, 0, 0.3]}, "jets": JETS}',
+    ),
+    "all elements": (
+        [(("body", "centre_m"), [1, 2.0, 3.0])],
+        '{"body": {"centre_m": [1, 2, 3]}, "jets": JETS}',
+    ),
     "switch and count": (
         [(("body", "sloshes"), True), (("body", "engines"), 3)],
         '{"body": {"sloshes": true, "engines": 3}, "jets": JETS}',
@@ -59,7 +65,10 @@ CHANGES = {
         [(("body", "fuel_kg"), 20.0), (("body", "mass_kg"), 30.0)],
         '{"body": {"fuel_kg": 20, "mass_kg": 30}, "jets": JETS}',
     ),
-    "item": ([(("jets", 1, "thrust_n"), 4.0)], '{"jets": [{"name": "a"}, {"name": "b", "direction": [0, 3, 4], "thrust_n": 4}]}'),
+    "item": (
+        [(("jets", 1, "thrust_n"), 4.0)],
+        '{"jets": [{"name": "a"}, {"name": "b", "direction": [0, 3, 4], "thrust_n": 4}]}',
+    ),
 }
 JETS = '[{"name": "a"}, {"name": "b", "direction": [0, 3, 4]}]'
 
@@ -86,7 +95,8 @@ def test_patched_model_equals_the_validated_one(changes, text):
         [(("body",), 1.0)],
         [(("jets", 2, "thrust_n"), 1.0)],
         [(("jets", 0, "name"), "c")],
-        [(("jets", 0, "direction", 0), 2.0)],  # brought to length one, which patching the normal form would not repeat
+        # brought to length one, which patching the normal form would not repeat
+        [(("jets", 0, "direction", 0), 2.0)],
     ],
 )
 def test_what_patching_cannot_judge_goes_the_long_way(changes):
@@ -116,7 +126,9 @@ def test_checks_before_validation_go_the_long_way():
 def test_refilled_record_equals_a_filled_one():
     before, after = np.zeros(1, dtype_of(Body)), np.zeros(1, dtype_of(Body))
     fill(before[0], CRAFT.body)
-    changed = patched(CRAFT.body, [(("mass_kg",), 3.0), (("centre_m", 1), 0.2), (("engines",), 0), (("sloshes",), True)])
+    changed = patched(
+        CRAFT.body, [(("mass_kg",), 3.0), (("centre_m", 1), 0.2), (("engines",), 0), (("sloshes",), True)]
+    )
     refill(before[0], changed, CRAFT.body)
     fill(after[0], changed)
     assert before.tobytes() == after.tobytes()

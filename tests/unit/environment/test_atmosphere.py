@@ -1,4 +1,6 @@
-"""Air: the table against its file, hydrostatics of the extension, US76 against publications, perturbation statistics."""
+"""Air: the table against its file, hydrostatics of the extension, US76 against publications, perturbation
+statistics.
+"""
 
 import csv
 from math import exp, sqrt
@@ -9,7 +11,13 @@ import pytest
 
 import edl6dof
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air, fill_atmosphere, fill_atmosphere_table
+from edl6dof.environment.atmosphere import (
+    ATMOSPHERE,
+    AtmosphereParams,
+    air,
+    fill_atmosphere,
+    fill_atmosphere_table,
+)
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.gas import GAS
 
@@ -99,8 +107,8 @@ def test_altitude_that_is_not_a_number_gives_no_number():
     assert np.isnan(air(atm, gas, table, np.nan)[0])
 
 
-# NESC check case 6, Atmos_06_sim_04.csv (NASA/TM-2015-218675): altitude ft, speed of sound ft/s, density slug/ft3,
-# pressure lbf/ft2, temperature deg R at 0, 14.8 and 30 s.
+# NESC check case 6, Atmos_06_sim_04.csv (NASA/TM-2015-218675): altitude ft, speed of sound ft/s, density
+# slug/ft3, pressure lbf/ft2, temperature deg R at 0, 14.8 and 30 s.
 NESC = [
     (30000.0, 994.849493459, 8.90685451211e-4, 629.673709538, 411.838873082),
     (26532.7363672, 1009.63364063, 0.0010098441865, 735.289613103, 424.170240962),
@@ -117,13 +125,15 @@ def test_us76_agrees_with_the_nesc_columns(row):
     atm, gas, table = build(model="us76", table="")
     rho, p, t, a = air(atm, gas, table, altitude * foot)
     assert rho == pytest.approx(density * slug / foot**3, rel=1e-6)
-    # SIM 4's pressure is its rho T times 287.05578, while its own speed of sound implies 287.05282 (standard: 287.05287).
+    # SIM 4's pressure is its rho T times 287.05578, while its own speed of sound implies 287.05282 (standard:
+    # 287.05287).
     assert p == pytest.approx(pressure * pound_force / foot**2, rel=1e-5)
     assert t == pytest.approx(rankine / 1.8, rel=1e-6)
     assert a == pytest.approx(sound * foot, rel=1e-6)
 
 
-# U.S. Standard Atmosphere 1976: geopotential altitude m, temperature K and pressure Pa at the base of each layer, as printed.
+# U.S. Standard Atmosphere 1976: geopotential altitude m, temperature K and pressure Pa at the base of each
+# layer, as printed.
 PUBLISHED = [
     (0.0, 288.15, 101325.0),
     (11000.0, 216.65, 22632.0),
@@ -144,7 +154,9 @@ def test_us76_agrees_with_the_publication(row):
 
 
 def test_us76_agrees_with_the_printed_table():
-    """The csv counts geopotential altitude (its last lapse ends at 84.85 km), the kernel geometric altitude."""
+    """The csv counts geopotential altitude (its last lapse ends at 84.85 km), the kernel geometric
+    altitude.
+    """
     atm, gas, table = build(model="us76", table="")
     with (DATA / "USStandardAtmosphere1976.csv").open() as file:
         rows = [tuple(map(float, row)) for row in list(csv.reader(file))[2:]]

@@ -10,14 +10,23 @@ from pydantic import ValidationError
 from scipy.special import factorial, lpmv
 
 import edl6dof
-from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity, fill_terms, gravity_F, read_coefficients
+from edl6dof.environment.gravity import (
+    GRAVITY,
+    GravityParams,
+    fill_gravity,
+    fill_terms,
+    gravity_F,
+    read_coefficients,
+)
 from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
 
 PLANETS = Path(edl6dof.__file__).parent / "data" / "planets"
 
 
 def planet(name: str) -> PlanetParams:
-    return PlanetParams.model_validate_json(json.dumps(yaml.safe_load((PLANETS / f"{name}.yaml").read_text())))
+    return PlanetParams.model_validate_json(
+        json.dumps(yaml.safe_load((PLANETS / f"{name}.yaml").read_text()))
+    )
 
 
 def record(**changes) -> np.void:
@@ -34,7 +43,9 @@ def points(count: int, seed: int = 1) -> np.ndarray:
 
 
 def potential_beyond_centre(p: np.ndarray, degree: int) -> float:
-    """U - mu/r in spherical coordinates, with scipy's Legendre functions (their Condon-Shortley sign removed)."""
+    """U - mu/r in spherical coordinates, with scipy's Legendre functions (their Condon-Shortley sign
+    removed).
+    """
     radius, mu, C, S = read_coefficients("gmm3_degree12_sha.tab")
     r, lon = np.linalg.norm(p), np.arctan2(p[1], p[0])
     total = 0.0
@@ -42,7 +53,9 @@ def potential_beyond_centre(p: np.ndarray, degree: int) -> float:
         m = np.arange(n + 1)
         norm = np.sqrt(np.where(m == 0, 1, 2) * (2 * n + 1) * factorial(n - m) / factorial(n + m))
         legendre = (-1.0) ** m * lpmv(m, n, p[2] / r) * norm
-        total += (radius / r) ** n * np.sum(legendre * (C[n, m] * np.cos(m * lon) + S[n, m] * np.sin(m * lon)))
+        total += (radius / r) ** n * np.sum(
+            legendre * (C[n, m] * np.cos(m * lon) + S[n, m] * np.sin(m * lon))
+        )
     return mu / r * total
 
 
@@ -53,7 +66,9 @@ def gradient(p: np.ndarray, degree: int) -> np.ndarray:
         e = np.zeros(3)
         e[axis] = 1.0
         slope = [
-            (potential_beyond_centre(p + h * e, degree) - potential_beyond_centre(p - h * e, degree)) / (2 * h) for h in (1000.0, 2000.0)
+            (potential_beyond_centre(p + h * e, degree) - potential_beyond_centre(p - h * e, degree))
+            / (2 * h)
+            for h in (1000.0, 2000.0)
         ]
         out[axis] = (4 * slope[0] - slope[1]) / 3
     return out
@@ -111,7 +126,9 @@ def test_turning_field_and_point_together_turns_the_acceleration():
 def test_regular_at_the_poles(model, side):
     g = record(model=model, degree=12)
     at = np.array(gravity_F(g, 0.0, 0.0, side * 3.376e6))
-    beside = np.array([gravity_F(g, dx, dy, side * 3.376e6) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]).mean(axis=0)
+    beside = np.array(
+        [gravity_F(g, dx, dy, side * 3.376e6) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    ).mean(axis=0)
     assert np.all(np.isfinite(at))
     assert np.allclose(at, beside, atol=1e-11)
 
@@ -124,7 +141,9 @@ def test_null_model_and_central_model():
 
 
 def test_earth_file_gives_the_nesc_local_gravity():
-    """Columns altitudeMsl_ft, localGravity_ft_s2 of NESC Atmos_06_sim_04.csv (NASA/TM-2015-218675), at the equator."""
+    """Columns altitudeMsl_ft, localGravity_ft_s2 of NESC Atmos_06_sim_04.csv (NASA/TM-2015-218675), at the
+    equator.
+    """
     earth = np.zeros(1, PLANET)[0]
     fill_planet(earth, planet("earth"))
     for altitude_ft, g_ft in ((30000.0, 32.1065359519), (16284.443772, 32.14867306827697)):

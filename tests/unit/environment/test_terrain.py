@@ -1,11 +1,21 @@
-"""Ground: landers' elevations, fit to the site, slopes against finite differences, the plane and the null model."""
+"""Ground: landers' elevations, fit to the site, slopes against finite differences, the plane and the null
+model.
+"""
 
 from math import atan, cos, degrees, radians
 
 import numpy as np
 import pytest
 
-from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, TerrainParams, fill_terrain, fill_terrain_grid, ground, mola
+from edl6dof.environment.terrain import (
+    TERRAIN,
+    TERRAIN_GRID,
+    TerrainParams,
+    fill_terrain,
+    fill_terrain_grid,
+    ground,
+    mola,
+)
 
 GRID = np.zeros(1, TERRAIN_GRID)[0]
 fill_terrain_grid(GRID)
@@ -42,23 +52,34 @@ def test_map_is_fitted_to_the_site():
 @pytest.mark.parametrize("turn", [0.0, 2 * np.pi, -2 * np.pi])
 def test_longitude_wraps_and_the_map_is_continuous(turn):
     terrain = build()
-    assert ground(terrain, GRID, 0.2, 3.0 + turn)[0] == pytest.approx(ground(terrain, GRID, 0.2, 3.0)[0], abs=1e-6)
+    assert ground(terrain, GRID, 0.2, 3.0 + turn)[0] == pytest.approx(
+        ground(terrain, GRID, 0.2, 3.0)[0], abs=1e-6
+    )
     seam = np.pi + turn
-    assert ground(terrain, GRID, 0.2, seam - 1e-9)[0] == pytest.approx(ground(terrain, GRID, 0.2, seam + 1e-9)[0], abs=1e-2)
+    assert ground(terrain, GRID, 0.2, seam - 1e-9)[0] == pytest.approx(
+        ground(terrain, GRID, 0.2, seam + 1e-9)[0], abs=1e-2
+    )
     assert np.all(np.isfinite(ground(terrain, GRID, np.pi / 2, turn)))
     assert np.all(np.isfinite(ground(terrain, GRID, -np.pi / 2, turn)))
 
 
-@pytest.mark.parametrize("given", [{}, {"slope_deg": 5.0, "slope_azimuth_deg": 200.0}, {"model": "plane", "slope_deg": 3.0}])
+@pytest.mark.parametrize(
+    "given", [{}, {"slope_deg": 5.0, "slope_azimuth_deg": 200.0}, {"model": "plane", "slope_deg": 3.0}]
+)
 @pytest.mark.parametrize("offset", [(0.00011, 0.00007), (0.003, -0.004)])
 def test_slopes_are_the_gradient(given, offset):
     terrain = build(**given)
     lat, lon = SITE[0] + offset[0], SITE[1] + offset[1]
     _, north, east = ground(terrain, GRID, lat, lon)
     d, radius = 1e-6, 3389500.0
-    by_north = (ground(terrain, GRID, lat + d, lon)[0] - ground(terrain, GRID, lat - d, lon)[0]) / (2 * d * radius)
-    by_east = (ground(terrain, GRID, lat, lon + d)[0] - ground(terrain, GRID, lat, lon - d)[0]) / (2 * d * radius * cos(lat))
-    # The tilt is a plane in site-centred metres and the map is planetocentric: both differ from this metric by about 1 %.
+    by_north = (ground(terrain, GRID, lat + d, lon)[0] - ground(terrain, GRID, lat - d, lon)[0]) / (
+        2 * d * radius
+    )
+    by_east = (ground(terrain, GRID, lat, lon + d)[0] - ground(terrain, GRID, lat, lon - d)[0]) / (
+        2 * d * radius * cos(lat)
+    )
+    # The tilt is a plane in site-centred metres and the map is planetocentric: both differ from this metric
+    # by about 1 %.
     assert (north, east) == pytest.approx((by_north, by_east), rel=0.012, abs=2e-5)
 
 
@@ -69,8 +90,12 @@ def test_plane_falls_downhill_and_stops_at_its_radius():
     assert degrees(atan(-east)) == pytest.approx(10.0, rel=1e-12)
     assert north == pytest.approx(0.0, abs=1e-15)
     metre = 1.0 / (3389500.0 * cos(SITE[0]))
-    assert ground(terrain, GRID, SITE[0], SITE[1] + 1000 * metre)[0] == pytest.approx(100.0 - 176.327, abs=1e-3)
-    assert ground(terrain, GRID, SITE[0], SITE[1] + 1e5 * metre)[0] == pytest.approx(100.0 - 2 * 176.327, abs=1e-3)
+    assert ground(terrain, GRID, SITE[0], SITE[1] + 1000 * metre)[0] == pytest.approx(
+        100.0 - 176.327, abs=1e-3
+    )
+    assert ground(terrain, GRID, SITE[0], SITE[1] + 1e5 * metre)[0] == pytest.approx(
+        100.0 - 2 * 176.327, abs=1e-3
+    )
 
 
 def test_none_and_not_a_number():

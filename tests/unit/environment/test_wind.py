@@ -1,4 +1,6 @@
-"""Wind: the table against its file, the simple models, the discrete gust and the statistics of the random gust."""
+"""Wind: the table against its file, the simple models, the discrete gust and the statistics of the random
+gust.
+"""
 
 from math import exp, pi, sqrt
 from pathlib import Path
@@ -10,7 +12,15 @@ from pydantic import ValidationError
 import edl6dof
 from edl6dof.environment.atmosphere import AtmosphereParams, fill_atmosphere_table
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
-from edl6dof.environment.wind import WIND, GustParams, WindParams, fill_wind, gust_altitudes, gust_coordinate, wind
+from edl6dof.environment.wind import (
+    WIND,
+    GustParams,
+    WindParams,
+    fill_wind,
+    gust_altitudes,
+    gust_coordinate,
+    wind,
+)
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 
@@ -18,7 +28,9 @@ DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 def shared(**given) -> np.void:
     table = np.zeros(1, ATMOSPHERE_TABLE)[0]
     scenario = edl6dof.load("tianwen1").scenario
-    fill_atmosphere_table(table, AtmosphereParams(**{"table": scenario.atmosphere.table, **given}), scenario.planet)
+    fill_atmosphere_table(
+        table, AtmosphereParams(**{"table": scenario.atmosphere.table, **given}), scenario.planet
+    )
     return table
 
 
@@ -47,7 +59,11 @@ def test_table_is_smooth():
 def test_constant_shear_none():
     table = shared()
     foot = 0.3048
-    assert wind(build(model="constant", east_m_s=20 * foot, north_m_s=-1.0), table, 5e3) == (20 * foot, -1.0, 0.0)
+    assert wind(build(model="constant", east_m_s=20 * foot, north_m_s=-1.0), table, 5e3) == (
+        20 * foot,
+        -1.0,
+        0.0,
+    )
     # NESC check case 8: wind of 0.003 h - 20 ft/s.
     shear = build(model="shear", east_m_s=-20 * foot, east_shear=0.003)
     assert wind(shear, table, 30000 * foot)[0] == pytest.approx(70 * foot, rel=1e-12)
@@ -55,7 +71,13 @@ def test_constant_shear_none():
 
 
 def test_discrete_gust_is_one_minus_cosine():
-    gust = {"enabled": True, "amplitude_m_s": 20.0, "altitude_m": 5e3, "half_length_m": 150.0, "azimuth_deg": 90.0}
+    gust = {
+        "enabled": True,
+        "amplitude_m_s": 20.0,
+        "altitude_m": 5e3,
+        "half_length_m": 150.0,
+        "azimuth_deg": 90.0,
+    }
     w, table = build(model="none", discrete_gust=gust), shared()
     assert wind(w, table, 5e3) == pytest.approx((20.0, 0.0, 0.0), abs=1e-12)
     assert wind(w, table, 5075.0)[0] == pytest.approx(10.0, rel=1e-12)
@@ -82,7 +104,9 @@ def test_disabled_gust_is_zero_and_bit_identical():
 
 
 def test_gust_statistics_and_determinism():
-    """Sigma at 0, 10 and 20 km, correlation 1/e over one scale length near the ground, independent components."""
+    """Sigma at 0, 10 and 20 km, correlation 1/e over one scale length near the ground, independent
+    components.
+    """
     table = shared()
     params = WindParams(model="none", gust={"enabled": True})
     w = np.zeros(1, WIND)[0]
@@ -96,7 +120,9 @@ def test_gust_statistics_and_determinism():
     assert seen[:, (0, 2, 3), 0].std(axis=0) == pytest.approx((3.0, 5.5, 8.0), rel=tolerance)
     assert seen[:, (0, 2, 3), 1].std(axis=0) == pytest.approx((3.0, 5.5, 8.0), rel=tolerance)
     assert seen[:, (0, 2, 3), 2].std(axis=0) == pytest.approx((1.5, 2.75, 4.0), rel=tolerance)
-    assert np.corrcoef(seen[:, 0, 0], seen[:, 1, 0])[0, 1] == pytest.approx(exp(-1.0), abs=4 * 0.87 / sqrt(count) + 0.03)
+    assert np.corrcoef(seen[:, 0, 0], seen[:, 1, 0])[0, 1] == pytest.approx(
+        exp(-1.0), abs=4 * 0.87 / sqrt(count) + 0.03
+    )
     assert abs(np.corrcoef(seen[:, 0, 0], seen[:, 0, 1])[0, 1]) < 4 / sqrt(count)
     again = build(11, count - 1, model="none", gust={"enabled": True})
     assert again["gust_up"].tobytes() == w["gust_up"].tobytes()

@@ -1,4 +1,6 @@
-"""Share of a measured cycle in which each thruster should have given thrust, against sampling in time; and the measured wrench."""
+"""Share of a measured cycle in which each thruster should have given thrust, against sampling in time; and
+the measured wrench.
+"""
 
 import numpy as np
 import pytest
@@ -21,7 +23,10 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
         if k > 0:
             expect(effect, 5, t - delay - CYCLE, t - delay, lag, memory)
             inside = t - delay - CYCLE + CYCLE * (np.arange(4000) + 0.5) / 4000
-            sampled = [np.mean([any(a + lag <= s < b + lag for a, b in own) for s in inside]) for own in zip(*history, strict=True)]
+            sampled = [
+                np.mean([any(a + lag <= s < b + lag for a, b in own) for s in inside])
+                for own in zip(*history, strict=True)
+            ]
             assert memory["share"][:5] == pytest.approx(sampled, abs=1e-3)
             assert memory["wrench"] == pytest.approx(memory["share"][:5] @ effect[:5], abs=1e-9)
         opens = t + rng.uniform(0.0, 0.02, 5)
@@ -39,4 +44,6 @@ def test_readings_arrive_so_many_cycles_late_and_unchanged(delay):
         plant["y"][RATE : RATE + 3], plant["velocity_gain"] = (k, -k, 2 * k), (3 * k, k, 0)
         read_imu(params, plant, readings, sensed)
         then = max(k - delay, 0)
-        assert sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then
+        assert (
+            sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then
+        )

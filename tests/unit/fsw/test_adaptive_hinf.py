@@ -1,4 +1,6 @@
-"""Adaptive H-infinity drag-velocity tracking: every part against finite differences, scipy's Riccati solver and integrated flights."""
+"""Adaptive H-infinity drag-velocity tracking: every part against finite differences, scipy's Riccati solver
+and integrated flights.
+"""
 
 from math import asin, cos, exp, inf, radians, sin, sqrt
 
@@ -11,7 +13,13 @@ from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import AdaptiveHinfParams
 from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import DRAG_VELOCITY, integrate_range, path_sine, profile_drag, profile_range
+from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
+    DRAG_VELOCITY,
+    integrate_range,
+    path_sine,
+    profile_drag,
+    profile_range,
+)
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling, corridor
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.scenario.schema import load_scenario
@@ -22,27 +30,40 @@ GRAVITY = MU / RADIUS**2
 A, B, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
 
 
-# ---- drag dynamics with parameters ---------------------------------------------------------------------------------------------
+# ---- drag dynamics with parameters
+# ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("altitude, speed, gamma_deg", [(40e3, 5000.0, -12.0), (20e3, 2500.0, -8.0), (10e3, 800.0, -15.0)])
+@pytest.mark.parametrize(
+    "altitude, speed, gamma_deg", [(40e3, 5000.0, -12.0), (20e3, 2500.0, -8.0), (10e3, 800.0, -15.0)]
+)
 @pytest.mark.parametrize("u", [0.12, -0.2])
 def test_uncertain_drag_dynamics_hold_along_an_integrated_flight(altitude, speed, gamma_deg, u):
-    """Lu & Bayard eq. 12 with a changing C_D and an unmodelled density rate; five-point differences of the integrated drag."""
+    """Lu & Bayard eq. 12 with a changing C_D and an unmodelled density rate; five-point differences of the
+    integrated drag.
+    """
     gamma, size, frequency = radians(gamma_deg), 0.01, 0.3
 
     def drag_at(t, h, v):
-        density = 0.00078 * exp(-(h - 31.8e3) / SCALE_HEIGHT + size / frequency * sin(frequency * t))  # delta = size cos(frequency t)
+        # delta = size cos(frequency t)
+        density = 0.00078 * exp(-(h - 31.8e3) / SCALE_HEIGHT + size / frequency * sin(frequency * t))
         return 0.5 * density * v**2 / 120.0 * (1.0 + 0.002 * t + 1e-4 * t * t)
 
     def rates(t, s):
         h, v, g = s
         drag = drag_at(t, h, v)
-        return [v * sin(g), -drag - GRAVITY * sin(g), drag * u / v + (v / (RADIUS + h) - GRAVITY / v) * cos(g)]
+        return [
+            v * sin(g),
+            -drag - GRAVITY * sin(g),
+            drag * u / v + (v / (RADIUS + h) - GRAVITY / v) * cos(g),
+        ]
 
     step = 0.25
     m2, m1, p1, p2 = (
-        drag_at(k * step, *solve_ivp(rates, (0.0, k * step), [altitude, speed, gamma], rtol=1e-12, atol=1e-9).y[:2, -1])
+        drag_at(
+            k * step,
+            *solve_ivp(rates, (0.0, k * step), [altitude, speed, gamma], rtol=1e-12, atol=1e-9).y[:2, -1],
+        )
         for k in (-2, -1, 1, 2)
     )
     drag = drag_at(0.0, altitude, speed)
@@ -52,13 +73,21 @@ def test_uncertain_drag_dynamics_hold_along_an_integrated_flight(altitude, speed
     free, unknown, per_u = uncertain_drag(drag, first, speed, GRAVITY, RADIUS, SCALE_HEIGHT)
     unknown = np.array(unknown) + [0.0, 0.0, 0.0, per_u * u, 0.0]
     rate = 0.002
-    theta = [rate, 2e-4 - rate**2, 1.0 - RADIUS / (RADIUS + altitude) * cos(gamma) ** 2, 1.0 - cos(gamma), sin(gamma) ** 2]
+    theta = [
+        rate,
+        2e-4 - rate**2,
+        1.0 - RADIUS / (RADIUS + altitude) * cos(gamma) ** 2,
+        1.0 - cos(gamma),
+        sin(gamma) ** 2,
+    ]
     potential = GRAVITY * SCALE_HEIGHT
-    w = drag**2 / speed * (speed**2 - 4.0 * potential) / (speed**2 + 2.0 * potential) * size  # delta' is zero at t = 0
+    # delta' is zero at t = 0
+    w = drag**2 / speed * (speed**2 - 4.0 * potential) / (speed**2 + 2.0 * potential) * size
     assert second == pytest.approx(-free - unknown @ theta + w + per_u * u, rel=1e-5)
 
 
-# ---- Riccati equation and feedback ---------------------------------------------------------------------------------------------
+# ---- Riccati equation and feedback
+# ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gain, weight", [(2.0, 1.0), (100.0, 2500.0), (60.0, 2500.0), (1.001, 1.0)])
@@ -80,7 +109,9 @@ def test_feedback_keeps_the_gain_from_disturbance_to_error_below_lambda(gain, we
     assert max(response) <= gain
     p11, p12, p22 = riccati(gain, weight)
     p = np.array([[p11, p12], [p12, p22]])
-    assert p @ closed + closed.T @ p + p @ B @ B.T @ p / gain**2 + C.T @ C == pytest.approx(np.zeros((2, 2)), abs=1e-9 * p22)
+    assert p @ closed + closed.T @ p + p @ B @ B.T @ p / gain**2 + C.T @ C == pytest.approx(
+        np.zeros((2, 2)), abs=1e-9 * p22
+    )
 
 
 def test_a_gain_that_the_riccati_equation_cannot_give_is_refused():
@@ -101,7 +132,8 @@ def test_adaptation_stays_in_its_box_and_goes_down_the_gradient():
     assert (high - low) @ q @ (high - low) == pytest.approx(1.0)
 
 
-# ---- corridor and profile ------------------------------------------------------------------------------------------------------
+# ---- corridor and profile
+# ------------------------------------------------------------------------------------------------------
 
 
 def test_corridor_bounds_are_those_of_heat_load_pressure_and_lift(onboard):
@@ -112,11 +144,15 @@ def test_corridor_bounds_are_those_of_heat_load_pressure_and_lift(onboard):
         heat, load, pressure, glide = corridor(record, speed)
         per_pascal = vehicle["drag_area"] / vehicle["entry_mass"]
         density = 2.0 * heat / (per_pascal * speed**2)
-        assert 1.9027e-4 * sqrt(density / limits["nose_radius"]) * speed**3 == pytest.approx(limits["heat_rate"])
+        assert 1.9027e-4 * sqrt(density / limits["nose_radius"]) * speed**3 == pytest.approx(
+            limits["heat_rate"]
+        )
         assert np.hypot(load, vehicle["lift_to_drag"] * load) == pytest.approx(limits["load"])
         assert pressure / per_pascal == pytest.approx(limits["dynamic_pressure"])
         lift = vehicle["lift_to_drag"] * glide  # level flight: lift and centrifugal force carry the weight
-        assert lift + speed**2 / record["planet"]["equatorial_radius"] == pytest.approx(max(gravity, speed**2 / 3396190.0), rel=1e-4)
+        assert lift + speed**2 / record["planet"]["equatorial_radius"] == pytest.approx(
+            max(gravity, speed**2 / 3396190.0), rel=1e-4
+        )
         assert ceiling(record, speed) == pytest.approx(0.9 * min(heat, load, pressure))
     vehicle["lift_to_drag"] = 0.0
     assert corridor(record, 1000.0)[3] == inf
@@ -126,7 +162,9 @@ def test_corridor_bounds_are_those_of_heat_load_pressure_and_lift(onboard):
 def planned(onboard, scenario):
     """Onboard record with the drag-velocity profile laid along the reference of the scenario."""
     initial = scenario.initial
-    ENTRY_LAWS.member("adaptive_hinf").plan(onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle))
+    ENTRY_LAWS.member("adaptive_hinf").plan(
+        onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle)
+    )
     return onboard, onboard[0]["plan"]["adaptive_hinf"]
 
 
@@ -143,7 +181,9 @@ def test_profile_joins_its_segments_and_lies_in_the_corridor(planned):
     reference = onboard[0]["reference"]
     start = onboard[0]["guidance"]["entry"]["adaptive_hinf"]["start_drag"]
     rising = slice(-1, -20, -1)  # from entry interface down
-    assert profile["range"][-1] == pytest.approx(np.interp(start, reference["drag"][rising], reference["range"][rising]), rel=0.01)
+    assert profile["range"][-1] == pytest.approx(
+        np.interp(start, reference["drag"][rising], reference["range"][rising]), rel=0.01
+    )
 
 
 def test_a_load_limit_presses_the_profile_down_and_the_range_is_kept(planned, scenario):
@@ -152,7 +192,9 @@ def test_a_load_limit_presses_the_profile_down_and_the_range_is_kept(planned, sc
     peak = max(profile_drag(before, v)[0] for v in np.linspace(before["final"], before["start"], 200))
     onboard["guidance"]["entry"]["limits"]["load"] = 0.95 * peak
     initial = scenario.initial
-    ENTRY_LAWS.member("adaptive_hinf").plan(onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle))
+    ENTRY_LAWS.member("adaptive_hinf").plan(
+        onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle)
+    )
     lowered = max(profile_drag(profile, v)[0] for v in np.linspace(profile["final"], profile["start"], 200))
     assert lowered < 0.97 * peak
     assert profile["range"][-1] == pytest.approx(before["range"][-1], rel=1e-3)
@@ -167,7 +209,9 @@ def exponential(onboard):
 
 @pytest.mark.parametrize("first", [4200.0, 3000.0])
 def test_range_prediction_is_that_of_a_flight_held_on_the_profile(planned, first):
-    """A point mass with whatever lift it takes to follow the profile, integrated by scipy from ``first`` to the end."""
+    """A point mass with whatever lift it takes to follow the profile, integrated by scipy from ``first`` to
+    the end.
+    """
     onboard, profile = planned
     exponential(onboard)
     integrate_range(onboard[0], profile)
@@ -181,11 +225,22 @@ def test_range_prediction_is_that_of_a_flight_held_on_the_profile(planned, first
         g = mu / r**2
         drag = per_density * 0.0158 * exp(-h / 9354.0) * v * v
         goal, slope, curvature = profile_drag(profile, v)
-        rate, a, b = drag_dynamics(drag, v, gamma, r, g, drag, 9354.0)  # lift equal to drag: cos(bank) is L/D upwards
+        # lift equal to drag: cos(bank) is L/D upwards
+        rate, a, b = drag_dynamics(drag, v, gamma, r, g, drag, 9354.0)
         speed_rate = -drag - g * sin(gamma)
-        wanted = curvature * speed_rate**2 + slope * -rate + 0.8 * (slope * speed_rate - rate) + 0.16 * (goal - drag)
+        wanted = (
+            curvature * speed_rate**2
+            + slope * -rate
+            + 0.8 * (slope * speed_rate - rate)
+            + 0.16 * (goal - drag)
+        )
         up = (wanted - b) / a
-        return [v * sin(gamma), speed_rate, drag * up / v + (v / r - g / v) * cos(gamma), v * cos(gamma) * radius / r]
+        return [
+            v * sin(gamma),
+            speed_rate,
+            drag * up / v + (v / r - g / v) * cos(gamma),
+            v * cos(gamma) * radius / r,
+        ]
 
     goal, slope, _ = profile_drag(profile, first)
     height = -9354.0 * np.log(goal / (per_density * 0.0158 * first**2))
@@ -195,7 +250,9 @@ def test_range_prediction_is_that_of_a_flight_held_on_the_profile(planned, first
         return s[1] - float(profile["final"])
 
     slow.terminal = True
-    flown = solve_ivp(rates, (0.0, 900.0), [height, first, gamma, 0.0], events=slow, rtol=1e-8, atol=1e-6, max_step=0.2)
+    flown = solve_ivp(
+        rates, (0.0, 900.0), [height, first, gamma, 0.0], events=slow, rtol=1e-8, atol=1e-6, max_step=0.2
+    )
     assert flown.t_events[0].size == 1
     assert profile_range(profile, first) == pytest.approx(flown.y[3, -1], rel=0.01)
 
@@ -210,7 +267,8 @@ def test_range_goes_with_the_inverse_of_drag(planned):
     assert profile_range(more, 3500.0) == pytest.approx(profile_range(profile, 3500.0) / 1.1, rel=0.02)
 
 
-# ---- closed loop ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop
+# ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("density_factor", [0.9, 1.0, 1.1])
@@ -230,4 +288,5 @@ def test_law_flies_a_point_mass_to_the_parachute_target(density_factor):
     memory = flight.fsw["entry"]["law"]["adaptive_hinf"][0]
     assert np.all((memory["theta"] >= memory["low"]) & (memory["theta"] <= memory["high"]))
     middle = 0.5 * (memory["low"] + memory["high"])
-    assert np.any(np.abs(memory["theta"] - middle) > 0.01 * (memory["high"] - memory["low"]))  # it has learnt something
+    # it has learnt something
+    assert np.any(np.abs(memory["theta"] - middle) > 0.01 * (memory["high"] - memory["low"]))

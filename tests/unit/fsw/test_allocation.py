@@ -1,4 +1,6 @@
-"""Thruster allocation against scipy's bounded least squares, and the Tianwen-1 layout against linear programming."""
+"""Thruster allocation against scipy's bounded least squares, and the Tianwen-1 layout against linear
+programming.
+"""
 
 from itertools import combinations, product
 
@@ -55,13 +57,18 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
 
 
 def weights(p, translating):
-    force = 1.0 / (p["least_squares"]["force_scale"] if translating else p["least_squares"]["stray_force_scale"])
+    force = 1.0 / (
+        p["least_squares"]["force_scale"] if translating else p["least_squares"]["stray_force_scale"]
+    )
     return np.array([0.0, force, force] + 3 * [1.0 / p["torque_scale"]])
 
 
 def cost(p, effect, thrust, demand, duty, translating=False):
     """What the docstring says is minimised: |W (B u - d)|^2 + c u."""
-    return np.sum((weights(p, translating) * (effect @ duty - demand)) ** 2) + p["least_squares"]["use_cost"] * thrust @ duty / 250.0
+    return (
+        np.sum((weights(p, translating) * (effect @ duty - demand)) ** 2)
+        + p["least_squares"]["use_cost"] * thrust @ duty / 250.0
+    )
 
 
 def best_cost(p, effect, thrust, demand, translating=False):
@@ -69,7 +76,9 @@ def best_cost(p, effect, thrust, demand, translating=False):
 
 
 def best_duty(p, effect, thrust, demand, translating=False):
-    """Least cost over 0 <= u <= 1 by scipy; the linear cost enters as rows s (u + M) with 2 M s^2 = c and M large."""
+    """Least cost over 0 <= u <= 1 by scipy; the linear cost enters as rows s (u + M) with 2 M s^2 = c and M
+    large.
+    """
     big = 1e4
     w = weights(p, translating)
     s = np.sqrt(p["least_squares"]["use_cost"] * thrust / 250.0 / (2.0 * big))
@@ -84,7 +93,9 @@ def random_demand(rng, size=300.0):
 
 
 @pytest.mark.parametrize("translating", [False, True])
-def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_layouts(shared_onboard, translating):
+def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_layouts(
+    shared_onboard, translating
+):
     rng = np.random.default_rng(3)
     p = exact()
     for _ in range(25):
@@ -95,22 +106,38 @@ def test_converged_allocation_is_the_bounded_least_squares_optimum_on_random_lay
         effect = wrenches(thrusters, count, (0.1, 0.0, -0.1))
         thrust = thrusters["thrust"][:count]
         best = best_cost(p, effect, thrust, demand, translating)
-        assert cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best * (1.0 + 1e-3) + 1e-7
+        assert (
+            cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best * (1.0 + 1e-3) + 1e-7
+        )
 
 
 @pytest.mark.parametrize("translating", [False, True])
-def test_one_control_cycle_from_cold_delivers_the_torque_of_the_optimum_with_the_flown_settings(shared_onboard, translating):
-    """A few steps find the torque; what is left to gain is propellant, less than a sixth of one 250 N thruster at 100 N m."""
+def test_one_control_cycle_from_cold_delivers_the_torque_of_the_optimum_with_the_flown_settings(
+    shared_onboard, translating
+):
+    """A few steps find the torque; what is left to gain is propellant, less than a sixth of one 250 N
+    thruster at 100 N m.
+    """
     rng = np.random.default_rng(4)
     vehicle = shared_onboard[0]["vehicle"]
-    p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    p, count, centre = (
+        shared_onboard[0]["allocation"],
+        vehicle["n_thrusters"],
+        vehicle["configuration"][LANDER]["centre"],
+    )
     effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
     keep = vehicle["thrusters"]["group"][:count] != THRUSTER_GROUPS.index("axial")
     for _ in range(40):
         demand = random_demand(rng, 100.0)
-        memory = solve(p, vehicle["thrusters"], count, centre, demand, allowed=0b1101, translating=translating)
+        memory = solve(
+            p, vehicle["thrusters"], count, centre, demand, allowed=0b1101, translating=translating
+        )
         best = best_cost(p, effect[:, keep], thrust[keep], demand, translating)
-        assert best - 1e-7 <= cost(p, effect, thrust, demand, memory["duty"][:count], translating) <= best + 0.045**2
+        assert (
+            best - 1e-7
+            <= cost(p, effect, thrust, demand, memory["duty"][:count], translating)
+            <= best + 0.045**2
+        )
         assert np.all(np.abs(demand[3:] - effect[3:] @ memory["duty"][:count]) < 2.0)
 
 
@@ -121,7 +148,14 @@ def test_demand_beyond_all_authority_saturates_valves_at_the_bounds_and_never_pa
     memory = np.zeros(1, ALLOCATOR)[0]
     at_bound = 0
     for _ in range(60):
-        solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, random_demand(rng, 5000.0), memory=memory)
+        solve(
+            shared_onboard[0]["allocation"],
+            vehicle["thrusters"],
+            count,
+            centre,
+            random_demand(rng, 5000.0),
+            memory=memory,
+        )
         assert np.all((memory["duty"] >= 0.0) & (memory["duty"] <= 1.0))
         at_bound += np.sum(memory["duty"] == 1.0)
     assert at_bound > 60
@@ -136,8 +170,20 @@ def test_undelivered_is_demand_minus_what_the_duties_produce_also_from_a_warm_st
     for step in range(60):
         demand = random_demand(rng, 10.0 ** rng.uniform(0.0, 3.5))
         allowed = [ALL, 0b1101, 0b1000][step % 3]
-        solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, demand, allowed, step % 2 == 0, 1, memory)
-        assert np.allclose(memory["undelivered"], demand - effect @ memory["duty"][:count], rtol=0.0, atol=1e-9 * 5000.0)
+        solve(
+            shared_onboard[0]["allocation"],
+            vehicle["thrusters"],
+            count,
+            centre,
+            demand,
+            allowed,
+            step % 2 == 0,
+            1,
+            memory,
+        )
+        assert np.allclose(
+            memory["undelivered"], demand - effect @ memory["duty"][:count], rtol=0.0, atol=1e-9 * 5000.0
+        )
         outside = [(allowed >> g) & 1 == 0 for g in vehicle["thrusters"]["group"][:count]]
         assert np.all(memory["duty"][:count][outside] == 0.0)
 
@@ -153,7 +199,9 @@ def test_small_torque_demand_fires_the_fine_thrusters_alone_and_a_large_one_does
         for share, alone in ((0.4, True), (3.0, False)):
             demand = np.zeros(6)
             demand[3 + axis] = sign * share * authority
-            duty = solve(shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, demand, 0b1101)["duty"][:count]
+            duty = solve(
+                shared_onboard[0]["allocation"], vehicle["thrusters"], count, centre, demand, 0b1101
+            )["duty"][:count]
             assert np.any(duty[fine] > 0.0)
             assert np.all(duty[~fine] == 0.0) == alone
             delivered = sign * effect[3 + axis] @ duty
@@ -204,7 +252,11 @@ def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboar
     """Propellant over a sequence of unrelated demands, against the optimum of each by scipy."""
     rng = np.random.default_rng(8)
     vehicle = shared_onboard[0]["vehicle"]
-    p, count, centre = shared_onboard[0]["allocation"], vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
+    p, count, centre = (
+        shared_onboard[0]["allocation"],
+        vehicle["n_thrusters"],
+        vehicle["configuration"][LANDER]["centre"],
+    )
     effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
     keep = vehicle["thrusters"]["group"][:count] != THRUSTER_GROUPS.index("axial")
     memory, used, least = np.zeros(1, ALLOCATOR)[0], 0.0, 0.0
@@ -217,7 +269,9 @@ def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboar
 
 
 def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard):
-    """A diagnosis that sets the believed thrust to zero must close the valve that was open the cycle before."""
+    """A diagnosis that sets the believed thrust to zero must close the valve that was open the cycle
+    before.
+    """
     vehicle = shared_onboard.copy()[0]["vehicle"]
     count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
     demand = np.array([0.0, 0.0, 0.0, 400.0, 0.0, 0.0])
@@ -229,7 +283,8 @@ def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard)
     assert memory["duty"][used] == 0.0
 
 
-# ---- the Tianwen-1 layout ------------------------------------------------------------------------------------------------------
+# ---- the Tianwen-1 layout
+# ------------------------------------------------------------------------------------------------------
 
 
 def torques(onboard, configuration, failed=None, groups=THRUSTER_GROUPS):
@@ -241,7 +296,9 @@ def torques(onboard, configuration, failed=None, groups=THRUSTER_GROUPS):
 
 
 def authority_along(columns, direction):
-    """Largest s with T u = s d, 0 <= u <= 1, by linear programming; zero when the direction cannot be produced."""
+    """Largest s with T u = s d, 0 <= u <= 1, by linear programming; zero when the direction cannot be
+    produced.
+    """
     count = columns.shape[1]
     answer = linprog(
         [*np.zeros(count), -1.0],
@@ -255,7 +312,8 @@ def authority_along(columns, direction):
 
 
 def inscribed_radius(columns):
-    """Radius of the largest ball about zero inside {T u, 0 <= u <= 1}: least support over the facet normals of the zonotope.
+    """Radius of the largest ball about zero inside {T u, 0 <= u <= 1}: least support over the facet normals
+    of the zonotope.
 
     The facets of a zonotope are spanned by pairs of its generators, so this is exact over all directions.
     """
@@ -275,7 +333,9 @@ def directions():
 
 
 def test_zonotope_radius_and_linear_programme_agree(shared_onboard):
-    """The two proofs of controllability are independent of each other; on random directions radius <= authority."""
+    """The two proofs of controllability are independent of each other; on random directions radius <=
+    authority.
+    """
     columns = torques(shared_onboard, LANDER)
     rng = np.random.default_rng(7)
     d = rng.normal(size=(300, 3))
@@ -284,7 +344,8 @@ def test_zonotope_radius_and_linear_programme_agree(shared_onboard):
     along = np.array([authority_along(columns, v) for v in d[:60]])
     assert np.all(along >= radius * (1 - 1e-9))
     assert np.min(np.sum(np.maximum(d @ columns, 0.0), axis=1)) >= radius * (1 - 1e-9)
-    only_roll = columns[:, :8]  # horizontal thrusters alone do not give every direction with any size of pitch
+    # horizontal thrusters alone do not give every direction with any size of pitch
+    only_roll = columns[:, :8]
     assert inscribed_radius(only_roll) < radius
     assert inscribed_radius(np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0]]).T) == 0.0
 
@@ -301,21 +362,33 @@ def test_torque_in_every_direction_with_any_single_thruster_of_22_failed(shared_
             assert authority_along(columns, d) > 50.0, (failed, d)
 
 
-def test_each_phase_keeps_three_axis_torque_with_its_own_thruster_groups_after_one_failure(shared_onboard, scenario):
+def test_each_phase_keeps_three_axis_torque_with_its_own_thruster_groups_after_one_failure(
+    shared_onboard, scenario
+):
     """S1 section 6.3: a fault in any single RCS does not influence the success of landing."""
     lost = []
     for phase in scenario.mission.phases:
         if not phase.thrusters:
             continue
-        index = ENTRY if phase.name in ("trim_aoa", "lift") else UNDER_CHUTE if phase.name == "parachute" else LANDER
+        index = (
+            ENTRY
+            if phase.name in ("trim_aoa", "lift")
+            else UNDER_CHUTE
+            if phase.name == "parachute"
+            else LANDER
+        )
         for failed in range(22):
             if inscribed_radius(torques(shared_onboard, index, failed, phase.thrusters)) < 5.0:
                 lost.append((phase.name, scenario.vehicle.rcs.thrusters[failed].name))
     assert lost == []
 
 
-def test_horizontal_thrusters_have_a_roll_arm_above_one_metre_and_one_failure_leaves_more_than_250_newton_metres(shared_onboard):
-    """S1 section 6.3: two act together in one direction; one failed gives more than 250 N m in the roll channel."""
+def test_horizontal_thrusters_have_a_roll_arm_above_one_metre_and_one_failure_leaves_more_than_250_newton_metres(
+    shared_onboard,
+):
+    """S1 section 6.3: two act together in one direction; one failed gives more than 250 N m in the roll
+    channel.
+    """
     vehicle = shared_onboard[0]["vehicle"]
     centre = vehicle["configuration"][LANDER]["centre"]
     horizontal = vehicle["thrusters"][:22][vehicle["thrusters"]["group"][:22] == 0]
@@ -325,7 +398,9 @@ def test_horizontal_thrusters_have_a_roll_arm_above_one_metre_and_one_failure_le
         assert jet["direction"][0] == 0.0
         assert abs(roll) > 250.0
         assert abs(roll) / jet["thrust"] > 1.0
-    about_axis = np.cross(horizontal["position"], horizontal["thrust"][:, None] * horizontal["direction"])[:, 0]
+    about_axis = np.cross(horizontal["position"], horizontal["thrust"][:, None] * horizontal["direction"])[
+        :, 0
+    ]
     for direction in ((0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)):
         pair = np.all(horizontal["direction"] == direction, axis=1)
         assert np.sum(pair) == 2
@@ -338,7 +413,9 @@ def test_four_axial_thrusters_push_along_the_engine_axis_and_balance_about_it(sh
     assert len(axial) == 4
     assert np.all(axial["direction"] == (-1.0, 0.0, 0.0))  # engine thrust is along -x of B
     assert np.sum(axial["thrust"]) == 1000.0
-    assert np.allclose(np.sum(np.cross(axial["position"], axial["thrust"][:, None] * axial["direction"]), axis=0), 0.0)
+    assert np.allclose(
+        np.sum(np.cross(axial["position"], axial["thrust"][:, None] * axial["direction"]), axis=0), 0.0
+    )
 
 
 def test_sixteen_of_250_newton_and_six_of_25_newton(shared_onboard):

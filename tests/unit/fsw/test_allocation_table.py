@@ -1,4 +1,6 @@
-"""What every method of allocation owes its caller, and what the table does by the book (Hu et al. 2022, section 4.3)."""
+"""What every method of allocation owes its caller, and what the table does by the book (Hu et al. 2022,
+section 4.3).
+"""
 
 import numpy as np
 import pytest
@@ -21,7 +23,18 @@ def solve(shared_onboard):
         memory, healthy = np.zeros(1, ALLOCATOR)[0], np.ones(32, "i8")
         healthy[list(dead)] = 0
         effects(vehicle["thrusters"], count, centre, memory["effect"])
-        allocate(method, params, vehicle["thrusters"], count, healthy, allowed, translating, boosting, np.asarray(demand, float), memory)
+        allocate(
+            method,
+            params,
+            vehicle["thrusters"],
+            count,
+            healthy,
+            allowed,
+            translating,
+            boosting,
+            np.asarray(demand, float),
+            memory,
+        )
         return memory, vehicle["thrusters"]["group"][:count], count
 
     return run
@@ -56,7 +69,11 @@ def test_table_gives_small_demands_to_the_fine_thrusters_and_large_ones_to_the_o
     for size, expected in ((10.0, {FINE}), (150.0, {ATTITUDE}), (320.0, {ATTITUDE, FINE})):
         memory, group, count = solve(TABLE, [0, 0, 0, 0, size, 0])
         pitching = memory["effect"][:count, 4] > 20.0
-        working = {int(g) for g, duty in zip(group[pitching], memory["duty"][:count][pitching], strict=True) if duty > 0.1}
+        working = {
+            int(g)
+            for g, duty in zip(group[pitching], memory["duty"][:count][pitching], strict=True)
+            if duty > 0.1
+        }
         assert working - {HORIZONTAL} == expected
 
 

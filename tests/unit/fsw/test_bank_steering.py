@@ -1,4 +1,6 @@
-"""The stage all entry laws share: limits, side, heading alignment, levelling, rate of the commanded bank angle."""
+"""The stage all entry laws share: limits, side, heading alignment, levelling, rate of the commanded bank
+angle.
+"""
 
 from math import atan2, cos, pi, radians, sin
 
@@ -62,14 +64,17 @@ def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to(onboard, s
 
 
 def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target(onboard, settings):
-    """Point mass turning at constant lateral acceleration, its side from the logic: the miss ends inside the final corridor."""
+    """Point mass turning at constant lateral acceleration, its side from the logic: the miss ends inside the
+    final corridor.
+    """
     corridor(settings, 1000.0, 1.0, 4e-4)
     for start in (-12e3, -2e3, 0.0, 9e3):
         steer = Steering(onboard)
         x, y, heading, speed, dt = 0.0, start, 0.0, 4500.0, 0.5
         goal = 600e3
         while goal - x > 5e3:
-            crossrange = (goal - x) * sin(heading) + y * cos(heading)  # of the track at the target, right positive
+            # of the track at the target, right positive
+            crossrange = (goal - x) * sin(heading) + y * cos(heading)
             sign = np.sign(steer(1.0, crossrange, max(speed, 601.0)))
             heading += sign * 5.0 / speed * dt
             x, y = x + speed * cos(heading) * dt, y + speed * sin(heading) * dt
@@ -78,7 +83,9 @@ def test_corridor_narrows_with_speed_and_brings_a_turning_vehicle_to_the_target(
         assert 1 <= steer.memory["count"] <= 12
 
 
-@pytest.mark.parametrize("wanted_deg, commanded_deg", [(0.0, 15.0), (14.0, 15.0), (60.0, 60.0), (106.0, 105.0), (180.0, 105.0)])
+@pytest.mark.parametrize(
+    "wanted_deg, commanded_deg", [(0.0, 15.0), (14.0, 15.0), (60.0, 60.0), (106.0, 105.0), (180.0, 105.0)]
+)
 def test_magnitude_stays_within_the_limits_of_all_laws(onboard, settings, wanted_deg, commanded_deg):
     assert Steering(onboard)(radians(wanted_deg), -1.0, 3000.0) == pytest.approx(radians(commanded_deg))
 
@@ -90,7 +97,9 @@ def test_own_sign_follows_the_law_and_ignores_crossrange(onboard, settings):
 
 
 def test_command_turns_at_the_rate_limit_through_lift_up(onboard, settings):
-    """From 100 deg right to 100 deg left in 10 s at 20 deg/s, by way of zero, never past the larger of both ends."""
+    """From 100 deg right to 100 deg left in 10 s at 20 deg/s, by way of zero, never past the larger of both
+    ends.
+    """
     settings["bank_rate"] = radians(20.0)
     corridor(settings, 1000.0, 0.0, 0.0)
     steer = Steering(onboard)

@@ -1,4 +1,6 @@
-"""Check-out of thrusters from the gyro response: against rigid-body rate changes, and in flight with a dead thruster."""
+"""Check-out of thrusters from the gyro response: against rigid-body rate changes, and in flight with a dead
+thruster.
+"""
 
 from math import radians
 
@@ -46,7 +48,10 @@ def test_pulses_are_those_asked_for_one_thruster_at_a_time():
     flight = edl6dof.fly("tianwen1", SHORT)
     table = flight.telemetry
     begin = table["t_s"] < 0.45
-    impulse = {name: np.trapezoid(table[f"rcs.{name}"][begin], table["t_s"][begin]) for name in flight.scenario.thruster_names}
+    impulse = {
+        name: np.trapezoid(table[f"rcs.{name}"][begin], table["t_s"][begin])
+        for name in flight.scenario.thruster_names
+    }
     assert impulse["D1"] == pytest.approx(0.08, abs=0.03)
     assert impulse["D2"] == pytest.approx(0.08, abs=0.03)
     assert np.all(table["rcs.D1"][begin] * table["rcs.D2"][begin] == 0.0)

@@ -34,7 +34,8 @@ def inertia(onboard, configuration):
     return np.array(onboard[0]["vehicle"]["configuration"][configuration]["inertia"])
 
 
-# ---- bank to steer (S1 section 4) -------------------------------------------------------------------------------------------------
+# ---- bank to steer (S1 section 4)
+# -------------------------------------------------------------------------------------------------
 
 
 def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
@@ -51,12 +52,18 @@ def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
 
 def commanded(bank_deg=0.0, alpha_deg=-10.0):
     guide = np.zeros(1, GUIDE)[0]
-    guide["bank"], guide["alpha"], guide["thrust_direction_N"] = radians(bank_deg), radians(alpha_deg), (0.0, 0.0, -1.0)
+    guide["bank"], guide["alpha"], guide["thrust_direction_N"] = (
+        radians(bank_deg),
+        radians(alpha_deg),
+        (0.0, 0.0, -1.0),
+    )
     return guide
 
 
 def test_bank_torque_turns_the_vehicle_about_the_velocity(onboard):
-    torque = demand("bank_to_steer", onboard, flying(alpha_deg=-12.0, beta_deg=3.0), commanded(60.0, -12.0), memory(ENTRY))
+    torque = demand(
+        "bank_to_steer", onboard, flying(alpha_deg=-12.0, beta_deg=3.0), commanded(60.0, -12.0), memory(ENTRY)
+    )
     turning = torque / inertia(onboard, ENTRY)
     velocity_B = flying(-12.0, 3.0)
     q = Quaternion(velocity_B["q_I2B"])
@@ -76,10 +83,13 @@ def test_angle_loops_of_attack_and_sideslip_close_beyond_ten_degrees_only(onboar
     p = onboard[0]["control"]["bank_to_steer"]
     outside = np.sign(error_deg) * max(abs(error_deg) - degrees(p["angle_limit"]), 0.0)
     torque = demand("bank_to_steer", onboard, flying(alpha_deg=-10.0 + error_deg), commanded(), memory(ENTRY))
-    assert torque[1] == pytest.approx(-p["angle_gain"] * radians(outside) * inertia(onboard, ENTRY)[1], abs=1e-6)
+    assert torque[1] == pytest.approx(
+        -p["angle_gain"] * radians(outside) * inertia(onboard, ENTRY)[1], abs=1e-6
+    )
     torque = demand("bank_to_steer", onboard, flying(beta_deg=error_deg), commanded(), memory(ENTRY))
     about = Quaternion(flying(beta_deg=error_deg)["q_I2B"]).rotate(torque / inertia(onboard, ENTRY))
-    assert about[2] == pytest.approx(p["angle_gain"] * radians(outside), abs=1e-9)  # about z of V, to the right
+    # about z of V, to the right
+    assert about[2] == pytest.approx(p["angle_gain"] * radians(outside), abs=1e-9)
 
 
 @pytest.mark.parametrize("wing", [0, 1])
@@ -90,7 +100,9 @@ def test_rate_of_the_angle_of_attack_decays_with_the_damping_gain(onboard, wing)
     rate, start, fsw = radians(6.0), radians(6.0), memory(ENTRY)
     fsw["wing_out"] = wing
     for _ in range(round(0.5 / DT)):
-        torque = demand("bank_to_steer", onboard, flying(0.0 if wing else -10.0, rate=(0.0, rate, 0.0)), commanded(), fsw)
+        torque = demand(
+            "bank_to_steer", onboard, flying(0.0 if wing else -10.0, rate=(0.0, rate, 0.0)), commanded(), fsw
+        )
         rate += DT * torque[1] / inertia(onboard, ENTRY)[1]
     dead = p["rate_deadband"]
     assert rate - dead == pytest.approx((start - dead) * exp(-0.5 * gain), rel=0.03)
@@ -98,14 +110,22 @@ def test_rate_of_the_angle_of_attack_decays_with_the_damping_gain(onboard, wing)
 
 @pytest.mark.parametrize("integrates", [True, False])
 def test_integral_takes_out_the_bank_error_of_an_aerodynamic_bank_moment(onboard, integrates):
-    """100 N m about the velocity: without the integral the error stays at moment / (inertia P), with it next to nothing is left."""
-    zone, moment, roll_inertia = onboard[0]["control"]["bank_to_steer"]["bank"], 100.0, inertia(onboard, ENTRY)[0]
+    """100 N m about the velocity: without the integral the error stays at moment / (inertia P), with it next
+    to nothing is left.
+    """
+    zone, moment, roll_inertia = (
+        onboard[0]["control"]["bank_to_steer"]["bank"],
+        100.0,
+        inertia(onboard, ENTRY)[0],
+    )
     if not integrates:
         zone["integral"] = 0.0
     bank, rate, fsw = 0.0, 0.0, memory(ENTRY)
     for _ in range(round(12.0 / DT)):
         nav = flying(0.0, bank_deg=degrees(bank), rate=(rate, 0.0, 0.0))
-        rate += DT * (demand("bank_to_steer", onboard, nav, commanded(0.0, 0.0), fsw)[0] + moment) / roll_inertia
+        rate += (
+            DT * (demand("bank_to_steer", onboard, nav, commanded(0.0, 0.0), fsw)[0] + moment) / roll_inertia
+        )
         bank += DT * rate
     expected = 0.0 if integrates else degrees(moment / (roll_inertia * zone["proportional"]))
     assert degrees(bank) == pytest.approx(expected, abs=0.05)
@@ -125,7 +145,8 @@ def test_wing_that_does_not_report_itself_open_has_its_angle_of_attack_closed_af
     assert demand("bank_to_steer", onboard, nav, commanded(), fsw)[1] > 50.0
 
 
-# ---- rate damping under the parachute (S1 section 5) -----------------------------------------------------------------------------------
+# ---- rate damping under the parachute (S1 section 5)
+# -----------------------------------------------------------------------------------
 
 
 def hanging(roll_deg=0.0, rate=(0.0, 0.0, 0.0), t=0.0):
@@ -141,26 +162,37 @@ def test_nothing_is_done_for_thirteen_seconds_and_small_rates_are_left_alone_aft
     p = onboard[0]["control"]["rate_damping"]
     swinging = np.radians([0.0, 9.0, -9.0])
     assert p["rest"] == 13.0
-    assert demand("rate_damping", onboard, hanging(50.0, swinging, 12.9), commanded(), memory(ENTRY, 0.0)) == pytest.approx(0.0)
+    assert demand(
+        "rate_damping", onboard, hanging(50.0, swinging, 12.9), commanded(), memory(ENTRY, 0.0)
+    ) == pytest.approx(0.0)
     torque = demand("rate_damping", onboard, hanging(50.0, swinging, 13.1), commanded(), memory(ENTRY, 0.0))
     beyond = np.radians(9.0) - p["rate_deadband"]
-    assert torque[1:] == pytest.approx(np.array([-1.0, 1.0]) * p["damping"] * beyond * inertia(onboard, ENTRY)[1:])
+    assert torque[1:] == pytest.approx(
+        np.array([-1.0, 1.0]) * p["damping"] * beyond * inertia(onboard, ENTRY)[1:]
+    )
     quiet = 0.99 * np.array([0.0, p["rate_deadband"], -p["rate_deadband"]])
-    assert demand("rate_damping", onboard, hanging(0.0, quiet, 20.0), commanded(), memory(ENTRY, 0.0)) == pytest.approx(0.0, abs=1e-9)
+    assert demand(
+        "rate_damping", onboard, hanging(0.0, quiet, 20.0), commanded(), memory(ENTRY, 0.0)
+    ) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_roll_under_the_parachute_takes_the_time_of_its_rate(onboard):
     zone = onboard[0]["control"]["rate_damping"]["roll"]
     error, rate, fsw, t = radians(40.0), 0.0, memory(ENTRY, -100.0), 0.0
     while error > zone["near"]:
-        torque = demand("rate_damping", onboard, hanging(degrees(error), (rate, 0.0, 0.0), t), commanded(), fsw)
+        torque = demand(
+            "rate_damping", onboard, hanging(degrees(error), (rate, 0.0, 0.0), t), commanded(), fsw
+        )
         rate += DT * torque[0] / inertia(onboard, ENTRY)[0]
         error -= DT * rate
         t += DT
-    assert t == pytest.approx((radians(40.0) - zone["near"]) / zone["rate"] + 1.0 / zone["rate_gain"], rel=0.03)
+    assert t == pytest.approx(
+        (radians(40.0) - zone["near"]) / zone["rate"] + 1.0 / zone["rate_gain"], rel=0.03
+    )
 
 
-# ---- thrust vector (S1 section 6) -------------------------------------------------------------------------------------------------
+# ---- thrust vector (S1 section 6)
+# -------------------------------------------------------------------------------------------------
 
 
 def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):
@@ -183,12 +215,17 @@ def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):
 
 
 @pytest.mark.parametrize("towards_deg", [0.0, 30.0, 117.0])
-def test_decoupled_slew_moves_the_thrust_axis_along_one_great_circle_whatever_the_roll_error(onboard, towards_deg):
-    """Eq. 8: pitch and yaw are driven as one rotation; the thrust never leaves the plane of its first and its wanted direction."""
+def test_decoupled_slew_moves_the_thrust_axis_along_one_great_circle_whatever_the_roll_error(
+    onboard, towards_deg
+):
+    """Eq. 8: pitch and yaw are driven as one rotation; the thrust never leaves the plane of its first and its
+    wanted direction.
+    """
     tilt = np.array([0.0, np.cos(radians(towards_deg)), np.sin(radians(towards_deg))])
     axes, errors = slewed(onboard, tilt, DECOUPLED, roll_deg=70.0, duration=14.0)
     normal = np.cross(axes[0], UP) / np.linalg.norm(np.cross(axes[0], UP))
-    assert np.max(np.abs(np.degrees(axes @ normal))) < 3.0  # of 60: the rate loop lags while the body rolls under the command
+    # of 60: the rate loop lags while the body rolls under the command
+    assert np.max(np.abs(np.degrees(axes @ normal))) < 3.0
     assert np.linalg.norm(errors[-1]) < radians(1.0)
 
 
@@ -219,6 +256,8 @@ def test_bandwidth_of_a_phase_scales_the_natural_frequency(onboard):
     full = demand("thrust_vector", onboard, small, commanded(), memory(LANDER))[0]
     damped = demand("thrust_vector", onboard, hanging(rate=(0.01, 0.0, 0.0)), commanded(), memory(LANDER))[0]
     onboard[0]["mission"]["phases"][0]["bandwidth"] = 0.5
-    assert demand("thrust_vector", onboard, small, commanded(), memory(LANDER))[0] == pytest.approx(0.25 * full)
+    assert demand("thrust_vector", onboard, small, commanded(), memory(LANDER))[0] == pytest.approx(
+        0.25 * full
+    )
     slower = demand("thrust_vector", onboard, hanging(rate=(0.01, 0.0, 0.0)), commanded(), memory(LANDER))[0]
     assert slower == pytest.approx(0.5 * damped)

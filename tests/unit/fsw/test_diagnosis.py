@@ -1,7 +1,8 @@
-"""Thruster diagnosis on made-up residuals: signatures written out by numpy, noise and disturbances of known size.
+"""Thruster diagnosis on made-up residuals: signatures written out by numpy, noise and disturbances of known
+size.
 
-The vehicle is the Tianwen-1 lander's set of 22 thrusters.  Valves follow a random schedule, the residual is what the fault leaves by its
-definition, and the kernels see only the schedule and the residual.
+The vehicle is the Tianwen-1 lander's set of 22 thrusters.  Valves follow a random schedule, the residual is
+what the fault leaves by its definition, and the kernels see only the schedule and the residual.
 """
 
 import numpy as np
@@ -37,11 +38,17 @@ class Watch:
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory = np.zeros(1, DIAGNOSIS)
         self.memory["probe"]["suspect"] = NOBODY
-        self.activity, self.healthy, self.isolate = np.zeros(1, ACTIVITY), np.ones(32, "i8"), np.zeros(32, "i8")
+        self.activity, self.healthy, self.isolate = (
+            np.zeros(1, ACTIVITY),
+            np.ones(32, "i8"),
+            np.zeros(32, "i8"),
+        )
         self.t, self.asked = 0.0, np.zeros(32)
 
     def cycle(self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None):
-        """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the share ``use`` of cycles."""
+        """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the
+        share ``use`` of cycles.
+        """
         firing = self.rng.random(32) < use
         if who is not None:
             firing[: len(NAMES)] &= who
@@ -63,7 +70,10 @@ class Watch:
     @property
     def found(self):
         memory = self.memory[0]
-        return [(NAMES[slot["thruster"]], FINDINGS[int(slot["kind"])]) for slot in memory["found"][: memory["n_found"]]]
+        return [
+            (NAMES[slot["thruster"]], FINDINGS[int(slot["kind"])])
+            for slot in memory["found"][: memory["n_found"]]
+        ]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -73,7 +83,8 @@ def test_every_thruster_is_named_with_its_fault(effect, name, kind, loss):
     if kind == "degraded" and name.startswith("F"):
         pytest.skip("12 N is what the residual of a sound vehicle is allowed")
     fine = np.array([other.startswith("F") for other in NAMES])
-    who = fine if name.startswith("F") else ~fine  # 25 N are within the tolerance of the models while 250 N thrusters fire
+    # 25 N are within the tolerance of the models while 250 N thrusters fire
+    who = fine if name.startswith("F") else ~fine
     watch = Watch(effect, seed=NAMES.index(name))
     for _ in range(100):
         watch.cycle(who=who)
@@ -101,7 +112,9 @@ def test_dead_thruster_is_named_after_a_few_cycles_of_use(effect):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_coloured_disturbance_as_large_as_the_thrusters_accuses_nobody(effect, seed):
-    """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under their load."""
+    """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under
+    their load.
+    """
     watch, slow = Watch(effect, seed), np.zeros(6)
     for _ in range(2500):
         slow += -slow * DT / 1.0 + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, [0, 250, 250, 0, 250, 250])
@@ -117,7 +130,9 @@ def test_sound_vehicle_is_left_alone_for_an_hour(effect):
 
 
 def test_thruster_stuck_on_since_before_anyone_looked_is_found_by_shutting_it_off(effect):
-    """Nothing is fired, and the thrust is there from the first cycle after a restart: part of the slow disturbance."""
+    """Nothing is fired, and the thrust is there from the first cycle after a restart: part of the slow
+    disturbance.
+    """
     for i in range(20):
         watch = Watch(effect, i)
         restart_residual(watch.memory[0]["residual"])
@@ -153,7 +168,9 @@ def test_confidence_is_a_probability_and_reaches_the_threshold_at_the_verdict(ef
 
 
 def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effect):
-    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the limit of large residuals."""
+    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
+    limit of large residuals.
+    """
     rng, sums = np.random.default_rng(1), np.zeros(1, SUMS)[0]
     signature, residual = rng.normal(size=40), 1e4 * rng.normal(size=40)
     residual += 3e4 * signature
@@ -164,7 +181,9 @@ def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effect):
     def most_likely(error):
         return -0.5 * 2 * len(error) * np.log(np.mean(error**2))
 
-    assert evidence(sums, size) == pytest.approx(most_likely(residual - size * signature) - most_likely(residual), rel=1e-6)
+    assert evidence(sums, size) == pytest.approx(
+        most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
+    )
 
 
 def test_slow_part_is_the_late_mean_by_numpy():

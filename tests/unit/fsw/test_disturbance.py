@@ -1,4 +1,6 @@
-"""Disturbance torque and force estimators against the exponential, the rigid body and the continuous observers of the paper."""
+"""Disturbance torque and force estimators against the exponential, the rigid body and the continuous
+observers of the paper.
+"""
 
 from math import exp
 
@@ -25,7 +27,9 @@ def spin(applied, disturbance, w0, times):
     def motion(t, w):
         return np.linalg.solve(J, applied(t) + disturbance(t) - np.cross(w, J @ w))
 
-    return solve_ivp(motion, (times[0], times[-1]), w0, t_eval=times, rtol=1e-10, atol=1e-12, max_step=0.05).y.T
+    return solve_ivp(
+        motion, (times[0], times[-1]), w0, t_eval=times, rtol=1e-10, atol=1e-12, max_step=0.05
+    ).y.T
 
 
 def run_estimator(p, rates, applied, dt):
@@ -39,7 +43,9 @@ def run_estimator(p, rates, applied, dt):
 
 def torque_from(p, inertia, w, applied, dt, memory):
     """Torque estimate after one more sample of the rate, of a body that does not accelerate."""
-    estimate(p, inertia, 1000.0, tuple(w), (0.0, 0.0, 0.0), np.concatenate([np.zeros(3), applied]), dt, memory)
+    estimate(
+        p, inertia, 1000.0, tuple(w), (0.0, 0.0, 0.0), np.concatenate([np.zeros(3), applied]), dt, memory
+    )
     return tuple(memory["torque"])
 
 
@@ -52,19 +58,25 @@ def force_from(p, mass, gain, applied, dt, memory):
 @pytest.mark.parametrize("pole", [0.5, 1.5, 8.0])
 @pytest.mark.parametrize("dt", [0.01, 0.04, 0.2])
 def test_step_response_is_the_exponential_of_the_pole_at_every_rate(pole, dt):
-    """From rest about a principal axis there is no gyroscopic torque, so the samples lie on 1 - exp(-lambda t) exactly."""
+    """From rest about a principal axis there is no gyroscopic torque, so the samples lie on 1 - exp(-lambda
+    t) exactly.
+    """
     torque = 100.0
     memory = np.zeros(1, DISTURBANCE)[0]
     p = settings(torque_pole_rad_s=pole)
     for k in range(60):
         t = k * dt
-        found = torque_from(p, (700.0, 400.0, 500.0, 0.0, 0.0, 0.0), (torque * t / 700.0, 0.0, 0.0), np.zeros(3), dt, memory)
+        found = torque_from(
+            p, (700.0, 400.0, 500.0, 0.0, 0.0, 0.0), (torque * t / 700.0, 0.0, 0.0), np.zeros(3), dt, memory
+        )
         assert found[0] == pytest.approx(torque * (1.0 - exp(-pole * t)), rel=1e-9, abs=1e-9)
         assert found[1:] == (0.0, 0.0)
 
 
 def test_constant_torque_on_a_tumbling_body_is_found_on_all_axes_up_to_the_sampling():
-    """Full tensor and gyroscopic coupling.  The rest is the curvature of the gyroscopic torque within a cycle: second order in dt."""
+    """Full tensor and gyroscopic coupling.  The rest is the curvature of the gyroscopic torque within a
+    cycle: second order in dt.
+    """
     d = np.array([90.0, -60.0, 30.0])
     worst = []
     for dt in (0.04, 0.02, 0.01):
@@ -91,13 +103,17 @@ def test_own_thrusters_are_not_taken_for_a_disturbance():
 
     rates = [np.zeros(3)]
     for k in range(len(times) - 1):
-        rates.append(spin(lambda t, k=k: applied[k], lambda t: np.zeros(3), rates[-1], np.array([0.0, dt]))[-1])
+        rates.append(
+            spin(lambda t, k=k: applied[k], lambda t: np.zeros(3), rates[-1], np.array([0.0, dt]))[-1]
+        )
     found = run_estimator(settings(), np.array(rates), applied, dt)
     assert np.max(np.abs(found)) < 3.0  # of 250 N m applied; what is left is the sampled gyroscopic torque
 
 
 def test_estimate_follows_the_continuous_observer_of_the_paper():
-    """S1 eq. 9, d = xi + lambda J w and xi' = -lambda (-w x J w + T + d), integrated by scipy for a varying disturbance."""
+    """S1 eq. 9, d = xi + lambda J w and xi' = -lambda (-w x J w + T + d), integrated by scipy for a varying
+    disturbance.
+    """
     pole, dt = 1.5, 0.02
     times = np.arange(0.0, 10.0, dt)
 
@@ -114,7 +130,9 @@ def test_estimate_follows_the_continuous_observer_of_the_paper():
         return np.concatenate([w_dot, -pole * (-np.cross(w, J @ w) + applied(t) + seen)])
 
     w0 = np.array([0.1, -0.1, 0.05])
-    answer = solve_ivp(both, (0, times[-1]), np.concatenate([w0, -pole * J @ w0]), t_eval=times, rtol=1e-10, atol=1e-10).y.T
+    answer = solve_ivp(
+        both, (0, times[-1]), np.concatenate([w0, -pole * J @ w0]), t_eval=times, rtol=1e-10, atol=1e-10
+    ).y.T
     continuous = answer[:, 3:] + pole * answer[:, :3] @ J
     mean = np.array([applied(t + dt / 2) for t in times])
     found = run_estimator(settings(torque_pole_rad_s=pole), answer[:, :3], mean, dt)
@@ -137,7 +155,11 @@ def test_estimate_is_limited_and_recovers():
 
 def test_first_sample_only_sets_the_memory():
     memory = np.zeros(1, DISTURBANCE)[0]
-    assert torque_from(settings(), SIX, (0.5, 0.2, -0.3), np.array([10.0, 0.0, 0.0]), 0.04, memory) == (0.0, 0.0, 0.0)
+    assert torque_from(settings(), SIX, (0.5, 0.2, -0.3), np.array([10.0, 0.0, 0.0]), 0.04, memory) == (
+        0.0,
+        0.0,
+        0.0,
+    )
     assert memory["force"].tolist() == [0.0, 0.0, 0.0]
 
 
@@ -152,7 +174,9 @@ def test_force_step_response_is_the_exponential_of_its_pole_at_every_rate(pole, 
 
 
 def test_force_estimate_follows_the_continuous_observer_of_the_paper():
-    """S1 eqs. 10-12, F = eta + lambda_v m v_d and eta' = -lambda_v (F + F_c), integrated by scipy for a varying force."""
+    """S1 eqs. 10-12, F = eta + lambda_v m v_d and eta' = -lambda_v (F + F_c), integrated by scipy for a
+    varying force.
+    """
     pole, dt, mass = 4.0, 0.02, 900.0
     times = np.arange(0.0, 8.0, dt)
 
@@ -170,13 +194,17 @@ def test_force_estimate_follows_the_continuous_observer_of_the_paper():
     memory, found = np.zeros(1, DISTURBANCE)[0], []
     for k, t in enumerate(times):
         applied = np.array([0.0, 0.0, commanded(t - dt / 2)])
-        found.append(force_from(settings(force_pole_rad_s=pole), mass, (0.0, 0.0, v[k]), applied, dt, memory)[2])
+        found.append(
+            force_from(settings(force_pole_rad_s=pole), mass, (0.0, 0.0, v[k]), applied, dt, memory)[2]
+        )
     assert np.max(np.abs(np.array(found) - (eta + pole * mass * v))) < 1.0
     assert np.max(np.abs(found)) > 100.0
 
 
 def test_torque_step_is_known_to_five_percent_within_half_a_second_as_flown():
-    """100 N m appear at an arbitrary time, the readings are a base cycle old, thrusters pulse meanwhile; flown pole and rate."""
+    """100 N m appear at an arbitrary time, the readings are a base cycle old, thrusters pulse meanwhile;
+    flown pole and rate.
+    """
     dt, delay, onset = 0.04, 0.02, 0.213
     rng = np.random.default_rng(4)
     pulses = rng.choice([-180.0, 0.0, 180.0], (40, 3))

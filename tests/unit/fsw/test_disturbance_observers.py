@@ -1,4 +1,6 @@
-"""The observers of dob_sliding, ftc_dob and pd_dob on plants whose disturbance is known, at fast and slow guidance rates."""
+"""The observers of dob_sliding, ftc_dob and pd_dob on plants whose disturbance is known, at fast and slow
+guidance rates.
+"""
 
 from math import atan, cos, exp, sin
 
@@ -21,11 +23,13 @@ def params(model, **changes):
     return record[0]
 
 
-# ---- linear observer of the lumped disturbance ---------------------------------------------------------------------------------
+# ---- linear observer of the lumped disturbance
+# ---------------------------------------------------------------------------------
 
 
 def surface_after(disturbance, dt, seconds, tau):
-    """Fly s' = d + v_fb with v_fb = -d^ - k_s s held between samples; returns the estimate and the surface at the end.
+    """Fly s' = d + v_fb with v_fb = -d^ - k_s s held between samples; returns the estimate and the surface at
+    the end.
 
     The drag error is taken as s / k_e with no rate, so that the surface of the law is s itself.
     """
@@ -51,7 +55,9 @@ def test_constant_disturbance_is_found_and_the_surface_dies_out_at_any_rate(dt, 
 
 
 def test_estimate_follows_a_ramp_by_the_time_of_its_filter_and_half_a_sample():
-    """Error of a first-order filter on a ramp: slope times tau; the mean of a past interval adds half of it, sampling the other half."""
+    """Error of a first-order filter on a ramp: slope times tau; the mean of a past interval adds half of it,
+    sampling the other half.
+    """
     estimate, _ = surface_after(lambda t: 0.05 * t, 0.02, 20.0, 0.5)
     assert estimate == pytest.approx(0.05 * (20.0 - 0.02 - 0.5), abs=0.05 * 0.03)
 
@@ -77,11 +83,14 @@ def test_eta_grows_with_the_surface_only():
     assert memory["eta"] == pytest.approx(0.02)
 
 
-# ---- observer of the flight-path rate ------------------------------------------------------------------------------------------
+# ---- observer of the flight-path rate
+# ------------------------------------------------------------------------------------------
 
 
 def path_estimates(gain, dt, disturbance, seconds=10.0):
-    """Feed the observer a flight path with known disturbance, exactly integrated; returns times and estimates."""
+    """Feed the observer a flight path with known disturbance, exactly integrated; returns times and
+    estimates.
+    """
     p, memory, nav = params(PathObserverParams, gain=gain), np.zeros(1, PATH_OBSERVER)[0], np.zeros(1, NAV)[0]
     nav["speed"], nav["radius"], nav["gravity"], nav["bank"] = 4000.0, 3.42e6, 3.66, 1.1
     lift, times, found, gamma = 12.0, [], [], -0.2
@@ -105,11 +114,14 @@ def test_error_of_a_constant_disturbance_decays_as_the_source_says_whatever_the_
 def test_sine_is_followed_with_the_lag_of_a_first_order_filter():
     t, estimate = path_estimates(20.0, 0.02, lambda x: 0.01 * sin(x), 20.0)
     late = t > 5.0
-    assert estimate[late] == pytest.approx(0.01 * cos(atan(1.0 / 20.0)) * np.sin(t[late] - atan(1.0 / 20.0)), abs=1e-5)
+    assert estimate[late] == pytest.approx(
+        0.01 * cos(atan(1.0 / 20.0)) * np.sin(t[late] - atan(1.0 / 20.0)), abs=1e-5
+    )
     assert np.max(np.abs(estimate[late] - 0.01 * np.sin(t[late]))) < 0.07 * 0.01
 
 
-# ---- finite time and drag dynamics ---------------------------------------------------------------------------------------------
+# ---- finite time and drag dynamics
+# ---------------------------------------------------------------------------------------------
 
 
 def test_power_keeps_the_sign_and_is_stronger_than_linear_near_zero():
@@ -119,7 +131,9 @@ def test_power_keeps_the_sign_and_is_stronger_than_linear_near_zero():
 
 
 def test_double_integrator_reaches_zero_in_finite_time():
-    """Lemma 2: with alpha_2 = 2 alpha_1/(1 + alpha_1) both states vanish in finite time; linear feedback of the same gains only decays."""
+    """Lemma 2: with alpha_2 = 2 alpha_1/(1 + alpha_1) both states vanish in finite time; linear feedback of
+    the same gains only decays.
+    """
     sizes = {}
     for name, exponent in (("finite", 0.6), ("linear", 1.0)):
         x, v, dt = 1.0, 0.0, 1e-3
@@ -131,25 +145,43 @@ def test_double_integrator_reaches_zero_in_finite_time():
     assert sizes["linear"] > 100.0 * sizes["finite"]
 
 
-@pytest.mark.parametrize("drag, v, gamma, r", [(2.0, 6000.0, -0.25, 3.46e6), (90.0, 4000.0, -0.12, 3.41e6), (15.0, 900.0, -0.2, 3.4e6)])
+@pytest.mark.parametrize(
+    "drag, v, gamma, r",
+    [(2.0, 6000.0, -0.25, 3.46e6), (90.0, 4000.0, -0.12, 3.41e6), (15.0, 900.0, -0.2, 3.4e6)],
+)
 def test_what_the_prints_have_otherwise_is_what_the_docstring_says(drag, v, gamma, r):
-    """Zheng & Cui eqs. 13-14 and Yan, Sun & Guo eq. 14, with and without the corrections, against the derived dynamics."""
+    """Zheng & Cui eqs. 13-14 and Yan, Sun & Guo eq. 14, with and without the corrections, against the derived
+    dynamics.
+    """
     g, h, s, c = 4.283e13 / r**2, 9354.0, sin(gamma), cos(gamma)
     rate, _, free = drag_dynamics(drag, v, gamma, r, g, 0.24 * drag, h)
     slowing, turning = drag + g * s, g - v * v / r
     assert rate == pytest.approx(-drag * v * s / h - 2.0 * drag * slowing / v, rel=1e-12)
-    assert rate != pytest.approx((-2.0 * drag * slowing / v) / (1.0 + v * s / h), rel=0.1)  # eq. 14 as printed, solved for D'
-    shared = -rate * v * s / h + drag * slowing * s / h + drag * c * c * turning / h - 2.0 * drag * slowing**2 / v**2
+    # eq. 14 as printed, solved for D'
+    assert rate != pytest.approx((-2.0 * drag * slowing / v) / (1.0 + v * s / h), rel=0.1)
+    shared = (
+        -rate * v * s / h
+        + drag * slowing * s / h
+        + drag * c * c * turning / h
+        - 2.0 * drag * slowing**2 / v**2
+    )
     shared += -2.0 * drag * rate / v + 2.0 * drag * g * c * c * turning / v**2
     height = 4.0 * drag * g * s * s / r
     assert free == pytest.approx(shared + height - 2.0 * rate * slowing / v, rel=1e-9)
-    assert free != pytest.approx(shared + height + 2.0 * rate * slowing / v**2, rel=1e-3)  # eq. 13 of Zheng & Cui as printed
-    assert free != pytest.approx(shared - 2.0 * rate * slowing / v, rel=1e-9)  # eq. 14 of Yan, Sun & Guo as printed
+    # eq. 13 of Zheng & Cui as printed
+    assert free != pytest.approx(shared + height + 2.0 * rate * slowing / v**2, rel=1e-3)
+    # eq. 14 of Yan, Sun & Guo as printed
+    assert free != pytest.approx(shared - 2.0 * rate * slowing / v, rel=1e-9)
 
 
 def test_drag_dynamics_are_those_of_a_flown_trajectory():
-    """First and second derivative of the accelerometer's drag in a flight of the simulator, by finite differences of its telemetry."""
-    flight = edl6dof.fly("zheng2015", ["mission={goal: time, phases: []}", "simulation.time_limit_s=140", "initial.bank_deg=60"])
+    """First and second derivative of the accelerometer's drag in a flight of the simulator, by finite
+    differences of its telemetry.
+    """
+    flight = edl6dof.fly(
+        "zheng2015",
+        ["mission={goal: time, phases: []}", "simulation.time_limit_s=140", "initial.bank_deg=60"],
+    )
     rows = flight.telemetry
     t, drag = rows["t_s"], rows["nav.drag_m_s2"]
     radius = 3394500.0 + rows["truth.altitude_m"]

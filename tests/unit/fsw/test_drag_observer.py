@@ -45,7 +45,9 @@ def test_steady_perturbation_is_found_without_error():
 
 
 def entry(lift_to_drag, density, bank):
-    """Wu et al. eqs. 1-3, 7-8 with their numbers, integrated by scipy; returns state, drag and drag rate as functions of time."""
+    """Wu et al. eqs. 1-3, 7-8 with their numbers, integrated by scipy; returns state, drag and drag rate as
+    functions of time.
+    """
 
     def drag_of(r, v):
         return 0.5 * density * np.exp(-(r - RADIUS - 31.8e3) / SCALE_HEIGHT) * v**2 / BALLISTIC
@@ -59,7 +61,9 @@ def entry(lift_to_drag, density, bank):
             lift_to_drag * drag * cos(bank) / v + (v / r - g / v) * cos(gamma),
         ]
 
-    flown = solve_ivp(rates, (0.0, 60.0), [RADIUS + 60e3, 5700.0, radians(-14.0)], dense_output=True, rtol=1e-10, atol=1e-8).sol
+    flown = solve_ivp(
+        rates, (0.0, 60.0), [RADIUS + 60e3, 5700.0, radians(-14.0)], dense_output=True, rtol=1e-10, atol=1e-8
+    ).sol
 
     def drag_at(t):
         r, v, _ = flown(t)
@@ -70,7 +74,9 @@ def entry(lift_to_drag, density, bank):
 
 @pytest.mark.parametrize("lift_to_drag, density", [(0.24, 0.00078), (0.216, 0.0009), (0.264, 0.00066)])
 def test_estimates_converge_within_0_6_s_from_a_wrong_start(lift_to_drag, density):
-    """Wu, Cui & Cui 2013, Fig. 3: sampled at 10 Hz, from a drag 20 % off and no drag rate, L/D off by 3 sigma."""
+    """Wu, Cui & Cui 2013, Fig. 3: sampled at 10 Hz, from a drag 20 % off and no drag rate, L/D off by 3
+    sigma.
+    """
     bank = radians(60.0)
     flown, drag_at, rate_at = entry(lift_to_drag, density, bank)
     memory = np.zeros(1, OBSERVER)[0]

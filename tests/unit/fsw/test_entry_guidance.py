@@ -20,7 +20,8 @@ SCALE_HEIGHT, DENSITY = 9354.0, 0.0158
 BALLISTIC, LIFT_TO_DRAG = 90.0, 0.18  # kg/m2
 
 
-# ---- drag dynamics -------------------------------------------------------------------------------------------------------------
+# ---- drag dynamics
+# -------------------------------------------------------------------------------------------------------------
 
 
 def motion(cos_bank):
@@ -44,10 +45,13 @@ def drag_at(r, v):
 
 
 @pytest.mark.parametrize(
-    "altitude, speed, gamma_deg", [(60e3, 4800.0, -11.0), (35e3, 3800.0, -8.0), (15e3, 1200.0, -14.0), (25e3, 2500.0, 3.0)]
+    "altitude, speed, gamma_deg",
+    [(60e3, 4800.0, -11.0), (35e3, 3800.0, -8.0), (15e3, 1200.0, -14.0), (25e3, 2500.0, 3.0)],
 )
 def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed, gamma_deg):
-    """D' and, from two bank angles, the free and the bank part of D''; five-point differences of the integrated drag."""
+    """D' and, from two bank angles, the free and the bank part of D''; five-point differences of the
+    integrated drag.
+    """
     r, gamma = RADIUS + altitude, radians(gamma_deg)
     h = 0.5
     first, second = {}, {}
@@ -55,7 +59,9 @@ def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed,
         values = []
         for side in (-1.0, 1.0):
             steps = side * h * np.array([1.0, 2.0])
-            out = solve_ivp(motion(cos_bank), (0.0, steps[-1]), [r, speed, gamma], t_eval=steps, rtol=1e-12, atol=1e-10)
+            out = solve_ivp(
+                motion(cos_bank), (0.0, steps[-1]), [r, speed, gamma], t_eval=steps, rtol=1e-12, atol=1e-10
+            )
             values.append(drag_at(out.y[0], out.y[1]))
         (m1, m2), (p1, p2), zero = values[0], values[1], drag_at(r, speed)
         first[cos_bank] = (8.0 * (p1 - m1) - (p2 - m2)) / (12.0 * h)
@@ -69,7 +75,8 @@ def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed,
     assert a < 0.0  # lift up lowers drag
 
 
-# ---- range update --------------------------------------------------------------------------------------------------------------
+# ---- range update
+# --------------------------------------------------------------------------------------------------------------
 
 
 def table(first=450.0, last=4900.0):
@@ -131,7 +138,8 @@ def test_longer_range_wants_less_drag():
     assert range_scale(reference, 3500.0, 0.95 * nominal, 0.0, 0.4) > 0.005
 
 
-# ---- geometry ------------------------------------------------------------------------------------------------------------------
+# ---- geometry
+# ------------------------------------------------------------------------------------------------------------------
 
 
 def point(lat, lon):
@@ -154,12 +162,15 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
         along = cos(nav["azimuth"]) * np.cross(here, east) + sin(nav["azimuth"]) * east
         left = np.cross(here, along)
         distance, crossrange = to_target(onboard[0], nav)
-        assert distance == pytest.approx(radius * atan2(np.linalg.norm(np.cross(here, target)), here @ target), abs=1e-3)
+        assert distance == pytest.approx(
+            radius * atan2(np.linalg.norm(np.cross(here, target)), here @ target), abs=1e-3
+        )
         # target on the left of the track: the velocity points to its right
         assert crossrange == pytest.approx(radius * np.arcsin(target @ left), abs=1e-3)
 
 
-# ---- reference trajectory ------------------------------------------------------------------------------------------------------
+# ---- reference trajectory
+# ------------------------------------------------------------------------------------------------------
 
 
 def airframe(vehicle, mach):
@@ -167,11 +178,14 @@ def airframe(vehicle, mach):
     table, x, log = vehicle["airframe"], np.log(mach), np.log(mach_nodes())
     if mach < table["wing_mach"]:
         return vehicle["drag_area"] * np.interp(x, log, table["drag_with_wing"]), 0.0
-    return vehicle["drag_area"] * np.interp(x, log, table["drag"]), vehicle["lift_to_drag"] * np.interp(x, log, table["lift"])
+    return vehicle["drag_area"] * np.interp(x, log, table["drag"]), vehicle["lift_to_drag"] * np.interp(
+        x, log, table["lift"]
+    )
 
 
 def independent_flight(onboard, start, bank, align, final):
-    """Planar Cartesian flight about the same planet with the same density table, by scipy, at a bank angle or a function of speed.
+    """Planar Cartesian flight about the same planet with the same density table, by scipy, at a bank angle or
+    a function of speed.
 
     Returns arc length, time and altitude at the end.
     """
@@ -218,7 +232,9 @@ ENTRY_STATE = (125e3, 4800.0, radians(-11.6))
 
 
 def segments(onboard, fast_deg, slow_deg, align=640.0):
-    """Set the open-loop bank profile; returns the same profile as a function of speed, written out independently."""
+    """Set the open-loop bank profile; returns the same profile as a function of speed, written out
+    independently.
+    """
     entry = onboard[0]["guidance"]["entry"]
     entry["align_speed"] = align
     profile = entry["reference_bank"]
@@ -227,7 +243,9 @@ def segments(onboard, fast_deg, slow_deg, align=640.0):
     return lambda speed: radians(np.interp(speed, [1500.0, 3500.0], [slow_deg, fast_deg]))
 
 
-@pytest.mark.parametrize("fast_deg, slow_deg", [(10.0, 10.0), (57.0, 57.0), (90.0, 90.0), (75.0, 50.0), (40.0, 95.0)])
+@pytest.mark.parametrize(
+    "fast_deg, slow_deg", [(10.0, 10.0), (57.0, 57.0), (90.0, 90.0), (75.0, 50.0), (40.0, 95.0)]
+)
 def test_reference_flight_is_the_independently_integrated_one(onboard, fast_deg, slow_deg):
     history = np.zeros((STEPS, 5))
     bank = segments(onboard, fast_deg, slow_deg)
@@ -244,9 +262,17 @@ def test_shifted_bank_profile_hits_the_range(onboard, target_km, fast_deg, slow_
     history = np.zeros((STEPS, 5))
     profile = segments(onboard, fast_deg, slow_deg)
     shift = solve_shift(onboard[0], ENTRY_STATE, 1e3 * target_km, 420.0, 0.1, history)
-    low, high = (independent_flight(onboard, ENTRY_STATE, b, 640.0, 420.0)[0] for b in (radians(119.0), radians(1.0)))
+    low, high = (
+        independent_flight(onboard, ENTRY_STATE, b, 640.0, 420.0)[0] for b in (radians(119.0), radians(1.0))
+    )
     if low < 1e3 * target_km < high:
-        distance = independent_flight(onboard, ENTRY_STATE, lambda v: np.arccos(np.clip(cos(profile(v)) + shift, -0.5, 1.0)), 640.0, 420.0)
+        distance = independent_flight(
+            onboard,
+            ENTRY_STATE,
+            lambda v: np.arccos(np.clip(cos(profile(v)) + shift, -0.5, 1.0)),
+            640.0,
+            420.0,
+        )
         assert distance[0] == pytest.approx(1e3 * target_km, abs=150.0)
     else:
         bank = reference_bank(onboard[0], shift, 2500.0)
@@ -278,15 +304,22 @@ def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):
     assert mu / radius**2 * 60e3 < 0.05 * 0.5 * 3000.0**2
     predicted = np.gradient(t["drag"], u) * (-t["drag"] * speed / u)
     fast = (u > 2000.0)[middle]
-    assert predicted[middle][fast] == pytest.approx(t["drag_rate"][middle][fast], abs=0.05 * np.max(np.abs(t["drag_rate"])))
+    assert predicted[middle][fast] == pytest.approx(
+        t["drag_rate"][middle][fast], abs=0.05 * np.max(np.abs(t["drag_rate"]))
+    )
 
 
-# ---- the law in a closed loop --------------------------------------------------------------------------------------------------
+# ---- the law in a closed loop
+# --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("density_factor, range_error_km", [(1.0, 0.0), (1.1, 0.0), (0.92, 0.0), (1.0, 8.0), (1.0, -8.0)])
+@pytest.mark.parametrize(
+    "density_factor, range_error_km", [(1.0, 0.0), (1.1, 0.0), (0.92, 0.0), (1.0, 8.0), (1.0, -8.0)]
+)
 def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_factor, range_error_km):
-    """Three degrees of freedom in the plane with the believed tables times a factor; bank as commanded once a second."""
+    """Three degrees of freedom in the plane with the believed tables times a factor; bank as commanded once a
+    second.
+    """
     record = onboard[0]
     planet, vehicle, air, site = record["planet"], record["vehicle"], record["atmosphere"], record["site"]
     site["aim_latitude"], site["aim_longitude"] = 0.0, 0.0
@@ -307,7 +340,12 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
         area, lift_to_drag = airframe(vehicle, mach)
         drag = 0.5 * density * v**2 * area / vehicle["entry_mass"]
         if k % 5 == 0:
-            nav["t"], nav["latitude"], nav["longitude"], nav["azimuth"] = k * dt, 0.0, -(total - s) / radius, pi / 2
+            nav["t"], nav["latitude"], nav["longitude"], nav["azimuth"] = (
+                k * dt,
+                0.0,
+                -(total - s) / radius,
+                pi / 2,
+            )
             nav["speed"], nav["flight_path_angle"], nav["radius"], nav["altitude"] = v, gamma, r, r - radius
             nav["drag"], nav["gravity"], nav["energy"] = drag, g, 0.5 * v * v + mu * (1.0 / radius - 1.0 / r)
             nav["mach"], nav["specific_force_B"] = mach, (-drag, 0.0, lift_to_drag * drag)
@@ -342,7 +380,11 @@ def test_drag_tracking_flies_a_point_mass_to_the_aim_range(onboard, density_fact
 
 def independent_start(record):
     """Entry interface of the reference: highest energy node, at 125 km."""
-    top = record["reference"]["first"] + record["reference"]["spacing"] * (len(record["reference"]["drag"]) - 1)
+    top = record["reference"]["first"] + record["reference"]["spacing"] * (
+        len(record["reference"]["drag"]) - 1
+    )
     planet = record["planet"]
-    potential = planet["mu"] * (1.0 / planet["equatorial_radius"] - 1.0 / (planet["equatorial_radius"] + 125e3))
+    potential = planet["mu"] * (
+        1.0 / planet["equatorial_radius"] - 1.0 / (planet["equatorial_radius"] + 125e3)
+    )
     return 125e3, sqrt(top**2 - 2.0 * potential), radians(-11.581)

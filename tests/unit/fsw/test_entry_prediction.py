@@ -1,4 +1,6 @@
-"""The onboard prediction against Vinh's equations in spherical coordinates, and the believed airframe and air data against the flight."""
+"""The onboard prediction against Vinh's equations in spherical coordinates, and the believed airframe and air
+data against the flight.
+"""
 
 from math import acos, asin, atan2, cos, degrees, exp, radians, sin, sqrt
 
@@ -11,7 +13,13 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.npc import MEMORY as NPC_MEMORY
 from edl6dof.fsw.guidance.entry.laws.npc import miss_of, solve
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
-from edl6dof.fsw.guidance.entry.prediction.airframe import FIRST_MACH, LAST_MACH, NODES, believed_aero, mach_nodes
+from edl6dof.fsw.guidance.entry.prediction.airframe import (
+    FIRST_MACH,
+    LAST_MACH,
+    NODES,
+    believed_aero,
+    mach_nodes,
+)
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation import NAV
 
@@ -24,7 +32,11 @@ def out_record(drag_ratio=1.0, lift_ratio=1.0):
 
 def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
     nav = np.zeros(1, NAV)[0]
-    nav["latitude"], nav["longitude"], nav["altitude"] = radians(latitude_deg), radians(longitude_deg), altitude
+    nav["latitude"], nav["longitude"], nav["altitude"] = (
+        radians(latitude_deg),
+        radians(longitude_deg),
+        altitude,
+    )
     gamma, psi = radians(gamma_deg), radians(azimuth_deg)
     nav["v_N"] = speed * np.array([cos(gamma) * cos(psi), cos(gamma) * sin(psi), -sin(gamma)])
     nav["speed"] = speed
@@ -33,19 +45,28 @@ def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
 
 @pytest.fixture
 def sphere(onboard):
-    """A spherical planet, for which geodetic and geocentric agree, one airframe for all Mach numbers, no trim wing."""
+    """A spherical planet, for which geodetic and geocentric agree, one airframe for all Mach numbers, no trim
+    wing.
+    """
     record = onboard[0]
     record["planet"]["flattening"] = 0.0
     for name in ("drag", "lift", "drag_with_wing"):
         record["vehicle"]["airframe"][name] = 1.0
     record["vehicle"]["airframe"]["wing_mach"] = 0.0
     entry = record["guidance"]["entry"]
-    entry["final_mach"], entry["final_speed"], entry["bank_min"], entry["bank_max"] = 0.0, 420.0, 0.0, radians(120.0)
+    entry["final_mach"], entry["final_speed"], entry["bank_min"], entry["bank_max"] = (
+        0.0,
+        420.0,
+        0.0,
+        radians(120.0),
+    )
     return record
 
 
 def vinh(record, nav, cos_bank, side, drag_ratio, lift_ratio):
-    """Vinh, Busemann & Culp 1980, chapter 2, heading from north, by scipy: latitude, longitude, altitude and time at the final speed."""
+    """Vinh, Busemann & Culp 1980, chapter 2, heading from north, by scipy: latitude, longitude, altitude and
+    time at the final speed.
+    """
     planet, vehicle, air, entry = (record[k] for k in ("planet", "vehicle", "atmosphere", "guidance"))
     entry = entry["entry"]
     nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
@@ -66,15 +87,34 @@ def vinh(record, nav, cos_bank, side, drag_ratio, lift_ratio):
             v * cg * sp / (r * cl),
             v * cg * cp / r,
             -drag - g * sg + w * w * r * cl * (sg * cl - cg * sl * cp),
-            (lift * cb + (v * v / r - g) * cg + 2 * w * v * cl * sp + w * w * r * cl * (cg * cl + sg * cp * sl)) / v,
-            (lift * sb / cg + v * v / r * cg * sp * sl / cl - 2 * w * v * (sg / cg * cp * cl - sl) + w * w * r / cg * sp * sl * cl) / v,
+            (
+                lift * cb
+                + (v * v / r - g) * cg
+                + 2 * w * v * cl * sp
+                + w * w * r * cl * (cg * cl + sg * cp * sl)
+            )
+            / v,
+            (
+                lift * sb / cg
+                + v * v / r * cg * sp * sl / cl
+                - 2 * w * v * (sg / cg * cp * cl - sl)
+                + w * w * r / cg * sp * sl * cl
+            )
+            / v,
         ]
 
     def slow(t, s):
         return s[3] - 420.0
 
     slow.terminal = True
-    start = [radius + nav["altitude"], nav["longitude"], nav["latitude"], nav["speed"], asin(-down / nav["speed"]), atan2(east, north)]
+    start = [
+        radius + nav["altitude"],
+        nav["longitude"],
+        nav["latitude"],
+        nav["speed"],
+        asin(-down / nav["speed"]),
+        atan2(east, north),
+    ]
     out = solve_ivp(rates, (0.0, 900.0), start, events=slow, rtol=1e-9, atol=1e-6, max_step=1.0)
     r, lon, lat = out.y[:3, -1]
     return lat, lon, r - radius, out.t[-1]
@@ -117,7 +157,9 @@ def test_prediction_to_a_mach_number_ends_at_it(sphere):
     sphere["guidance"]["entry"]["final_mach"] = 1.8
     *_, lower, later = predict(sphere, nav, out_record(), 0.5, 0.0)
     air = sphere["atmosphere"]
-    sound = np.interp(lower, air["bottom"] + air["spacing"] * np.arange(len(air["speed_of_sound"])), air["speed_of_sound"])
+    sound = np.interp(
+        lower, air["bottom"] + air["spacing"] * np.arange(len(air["speed_of_sound"])), air["speed_of_sound"]
+    )
     assert later > time and lower < altitude
     assert (420.0 - 1.8 * sound) / (later - time) == pytest.approx(8.0, abs=4.0)  # deceleration there, m/s2
 
@@ -125,7 +167,11 @@ def test_prediction_to_a_mach_number_ends_at_it(sphere):
 @pytest.mark.parametrize("drag_ratio", [0.9, 1.0, 1.1])
 def test_solution_of_the_corrector_is_predicted_to_hit(onboard, drag_ratio):
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
-    nav, out, memory = state(33.2, 110.2, 65e3, 4820.0, -9.3, 181.4), out_record(drag_ratio), np.zeros(1, NPC_MEMORY)[0]
+    nav, out, memory = (
+        state(33.2, 110.2, 65e3, 4820.0, -9.3, 181.4),
+        out_record(drag_ratio),
+        np.zeros(1, NPC_MEMORY)[0],
+    )
     memory["shift"] = record["reference"]["shift"]
     for _ in range(2):  # a call stops after a few steps; the next one goes on from there
         solve(record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
@@ -143,7 +189,8 @@ def test_corrector_goes_to_the_nearer_limit_when_the_target_is_out_of_reach(onbo
     assert memory["shift"] == pytest.approx(cos(entry[bound]), abs=1e-9)
 
 
-# ---- airframe and air data -----------------------------------------------------------------------------------------------------
+# ---- airframe and air data
+# -----------------------------------------------------------------------------------------------------
 
 
 def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
@@ -171,7 +218,9 @@ def nominal():
 
 
 def test_believed_airframe_is_what_the_rigid_body_trims_to(nominal, shared_onboard):
-    """Drag and lift of the 6-DOF flight over its own density and airspeed, in continuum flow, against the ground's trim solution."""
+    """Drag and lift of the 6-DOF flight over its own density and airspeed, in continuum flow, against the
+    ground's trim solution.
+    """
     t = nominal.telemetry
     force = np.stack([t[f"truth.aero_force_{axis}_n"] for axis in "xyz"])
     alpha, beta = np.radians(t["truth.alpha_deg"]), np.radians(t["truth.beta_deg"])
@@ -182,7 +231,9 @@ def test_believed_airframe_is_what_the_rigid_body_trims_to(nominal, shared_onboa
     for low, high in ((3.2, 6.0), (6.0, 12.0), (12.0, 20.0)):
         part = (t["truth.mach"] > low) & (t["truth.mach"] < high) & (t["truth.dynamic_pressure_pa"] > 300.0)
         believed = np.array([believed_aero(vehicle, mach) for mach in t["truth.mach"][part]])
-        assert np.mean(drag[part] / t["truth.dynamic_pressure_pa"][part] / believed[:, 0]) == pytest.approx(1.0, abs=0.01)
+        assert np.mean(drag[part] / t["truth.dynamic_pressure_pa"][part] / believed[:, 0]) == pytest.approx(
+            1.0, abs=0.01
+        )
         assert np.mean(lift[part] / drag[part] / believed[:, 1]) == pytest.approx(1.0, abs=0.04)
 
 
@@ -191,7 +242,9 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     memory, nav = np.zeros(1, AIR_DATA)[0], np.zeros(1, NAV)[0]
     nav["altitude"], nav["speed"], nav["mach"] = 30e3, 3500.0, 15.0
     air, vehicle = record["atmosphere"], record["vehicle"]
-    density = exp(np.interp(30e3, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"]))
+    density = exp(
+        np.interp(30e3, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"])
+    )
     area, ratio = believed_aero(vehicle, 15.0)
     drag = 1.2 * 0.5 * density * 3500.0**2 * area / vehicle["entry_mass"]
     nav["drag"] = drag
@@ -206,16 +259,29 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     assert memory["lift"] == pytest.approx(1.0 - 0.2 * (1.0 - exp(-1.0)), abs=2e-3)
 
 
-# ---- closed loop ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop
+# ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", ["npc", "etpc"])
 @pytest.mark.parametrize(
-    "truth", [{}, {"atmosphere.density_factor": 1.2}, {"atmosphere.density_factor": 0.85}, {"initial.flight_path_angle_deg": -11.9}]
+    "truth",
+    [
+        {},
+        {"atmosphere.density_factor": 1.2},
+        {"atmosphere.density_factor": 0.85},
+        {"initial.flight_path_angle_deg": -11.9},
+    ],
 )
 def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
-    """Miss within the drift that no bank angle answers: the last 16 km are flown with level wings in an unknown wind."""
-    sets = ["mission.goal=deployment", f"flight_software.guidance.entry.law={law}", f"truth={truth}".replace("'", '"')]
+    """Miss within the drift that no bank angle answers: the last 16 km are flown with level wings in an
+    unknown wind.
+    """
+    sets = [
+        "mission.goal=deployment",
+        f"flight_software.guidance.entry.law={law}",
+        f"truth={truth}".replace("'", '"'),
+    ]
     flight = edl6dof.fly("tianwen1", sets)
     assert flight.success
     assert flight.metrics["parachute_miss_m"] < 2500.0
@@ -225,7 +291,9 @@ def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
 @pytest.mark.parametrize("law", ["npc", "etpc", "bank_profile"])
 @pytest.mark.parametrize("response", ["ideal", "rate_limited"])
 def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
-    """Without attitude dynamics the guided laws still end near the target; the open loop ends where its profile ends."""
+    """Without attitude dynamics the guided laws still end near the target; the open loop ends where its
+    profile ends.
+    """
     sets = ["mission.goal=deployment", "dynamics=point_mass", f"point_mass.bank_response={response}"]
     flight = edl6dof.fly("tianwen1", [*sets, f"flight_software.guidance.entry.law={law}"])
     assert flight.success

@@ -1,4 +1,6 @@
-"""Opposed test pulses: they cancel, they leave working valves alone, they reach every horizontal thruster, and a suspect goes first."""
+"""Opposed test pulses: they cancel, they leave working valves alone, they reach every horizontal thruster,
+and a suspect goes first.
+"""
 
 import numpy as np
 import pytest
@@ -21,7 +23,12 @@ def vehicle(shared_onboard):
 @pytest.fixture(scope="module")
 def effect(vehicle):
     table = np.zeros((32, 6))
-    effects(vehicle["thrusters"], int(vehicle["n_thrusters"]), tuple(vehicle["configuration"][LANDER]["centre"]), table)
+    effects(
+        vehicle["thrusters"],
+        int(vehicle["n_thrusters"]),
+        tuple(vehicle["configuration"][LANDER]["centre"]),
+        table,
+    )
     return table
 
 
@@ -32,13 +39,25 @@ class Bench:
         self.vehicle, self.effect, self.count = vehicle, effect, int(vehicle["n_thrusters"])
         self.params, self.memory = np.zeros(1, dtype_of(ExerciseParams)), np.zeros(1, EXERCISE)
         fill(self.params[0], ExerciseParams(**settings))
-        self.hypotheses, self.modulator, self.healthy = np.zeros(1, HYPOTHESES), np.zeros(1, MODULATOR), np.ones(32, "i8")
+        self.hypotheses, self.modulator, self.healthy = (
+            np.zeros(1, HYPOTHESES),
+            np.zeros(1, MODULATOR),
+            np.ones(32, "i8"),
+        )
         self.t = 100.0
 
     def cycle(self, firing=()):
         opens, closes = np.full(32, self.t), np.full(32, self.t)
         closes[list(firing)] += 0.7 * DT
-        who = (self.params[0], self.vehicle["thrusters"], self.count, self.effect, self.healthy, self.hypotheses[0], self.modulator[0])
+        who = (
+            self.params[0],
+            self.vehicle["thrusters"],
+            self.count,
+            self.effect,
+            self.healthy,
+            self.hypotheses[0],
+            self.modulator[0],
+        )
         exercise(*who, opens, closes, self.t, DT, self.memory[0])
         self.t += DT
         tested = closes - opens > 0.99 * DT

@@ -37,7 +37,9 @@ def turned(q, rotation_vector_B):
 
 
 def towards(q, wanted, roll=0.0):
-    """A goal attitude whose thrust axis is ``wanted``: the shortest rotation of the thrust axis, then ``roll`` about it."""
+    """A goal attitude whose thrust axis is ``wanted``: the shortest rotation of the thrust axis, then
+    ``roll`` about it.
+    """
     thrust = q.rotate(-X)
     across = np.cross(thrust, wanted)
     angle = np.arctan2(np.linalg.norm(across), thrust @ wanted)
@@ -47,7 +49,9 @@ def towards(q, wanted, roll=0.0):
 
 @pytest.mark.parametrize("roll_deg", [0.0, 1e-3, -75.0, 179.0])
 @pytest.mark.parametrize("angle_deg", [1e-5, 1e-3, 0.5, 30.0, 89.0, 90.0, 135.0, 179.0, 179.99])
-def test_decoupled_error_is_the_shortest_rotation_of_the_thrust_axis_and_the_roll_that_is_left(angle_deg, roll_deg):
+def test_decoupled_error_is_the_shortest_rotation_of_the_thrust_axis_and_the_roll_that_is_left(
+    angle_deg, roll_deg
+):
     rng = np.random.default_rng(1)
     for _ in range(20):
         q = any_attitude(rng)
@@ -77,7 +81,9 @@ def test_decoupled_error_follows_equations_5_to_7_of_the_paper_for_small_angles(
     to_c = np.diag([-1.0, 1.0, -1.0])
     for angle in (0.01, 0.2, 0.5):
         q = any_attitude(rng)
-        wanted = Quaternion(axis=unit(np.cross(q.rotate(X), rng.normal(size=3))), radians=angle).rotate(q.rotate(-X))
+        wanted = Quaternion(axis=unit(np.cross(q.rotate(X), rng.normal(size=3))), radians=angle).rotate(
+            q.rotate(-X)
+        )
         s_1, s_d = X, to_c @ q.inverse.rotate(wanted)
         s_v = unit(np.cross(s_d, s_1))
         phi = np.arccos(s_d[0])
@@ -112,7 +118,10 @@ def test_velocity_axes_are_the_direction_cosines_of_the_wind_angles():
     """Columns of C_cv (S1 eq. 1) against scipy's rotations: V to B is -beta about z, then alpha about y."""
     rng = np.random.default_rng(7)
     for alpha, beta in rng.uniform(-1.2, 1.2, (30, 2)):
-        v_to_b = Rotation.from_euler("y", alpha).inv().as_matrix() @ Rotation.from_euler("z", -beta).inv().as_matrix()
+        v_to_b = (
+            Rotation.from_euler("y", alpha).inv().as_matrix()
+            @ Rotation.from_euler("z", -beta).inv().as_matrix()
+        )
         assert np.column_stack(velocity_axes(alpha, beta)) == pytest.approx(v_to_b, abs=1e-12)
 
 
@@ -162,7 +171,9 @@ def test_wind_attitude_error_is_the_rotation_that_leads_back_to_the_command():
 
 
 def test_command_lifts_up_at_zero_bank_with_negative_alpha_and_to_the_right_at_positive_bank():
-    """Blunt body at alpha < 0: the nose points below the velocity; its lift, along the tail side of the nose, points up."""
+    """Blunt body at alpha < 0: the nose points below the velocity; its lift, along the tail side of the nose,
+    points up.
+    """
     up, v, _, _ = state(np.random.default_rng(4))
     v = v - up * (v @ up)
     right = unit(np.cross(v, up))
@@ -173,7 +184,9 @@ def test_command_lifts_up_at_zero_bank_with_negative_alpha_and_to_the_right_at_p
 
 
 def test_path_rate_is_the_turning_of_an_integrated_velocity():
-    """Point mass over a non-rotating sphere with a force fixed in inertial space; finite difference of the direction."""
+    """Point mass over a non-rotating sphere with a force fixed in inertial space; finite difference of the
+    direction.
+    """
     rng = np.random.default_rng(5)
     mu = 4.2828e13
     for _ in range(10):

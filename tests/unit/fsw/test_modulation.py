@@ -25,7 +25,9 @@ def settings(deadband=0.03):
 
 
 def operate(thrusters, duties, cycle=CYCLE, p=None, start=0.0):
-    """On-time in each cycle, shape like ``duties`` (cycles, 8), and the pulses of each thruster as merged (open, close)."""
+    """On-time in each cycle, shape like ``duties`` (cycles, 8), and the pulses of each thruster as merged
+    (open, close).
+    """
     p = settings() if p is None else p
     memory = np.zeros(1, MODULATOR)[0]
     opens, closes = np.zeros(32), np.zeros(32)
@@ -56,7 +58,9 @@ def test_total_on_time_follows_randomly_varying_duty_within_one_minimum_pulse_an
     owed = np.cumsum(duties * cycle - on, axis=0)
     bound = jets["minimum_pulse"][:8] + cycle
     assert np.all(np.abs(owed) <= bound + 1e-9)
-    assert np.mean(on, axis=0) / cycle == pytest.approx(np.mean(duties, axis=0), abs=2.0 * bound.max() / (2500 * cycle))
+    assert np.mean(on, axis=0) / cycle == pytest.approx(
+        np.mean(duties, axis=0), abs=2.0 * bound.max() / (2500 * cycle)
+    )
 
 
 def test_constant_duty_gives_the_same_mean_duty(jets):

@@ -14,7 +14,9 @@ SPIN = 7.08821807e-05
 
 
 def ellipsoid(planet, lat, lon, altitude):
-    """Planet-fixed position: foot point of the ellipsoid plus altitude along its normal (gradient of the quadric)."""
+    """Planet-fixed position: foot point of the ellipsoid plus altitude along its normal (gradient of the
+    quadric).
+    """
     a, b = planet["equatorial_radius"], planet["equatorial_radius"] * (1.0 - planet["flattening"])
     normal = np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
     half = np.array([a, a, b])
@@ -28,16 +30,24 @@ def triad(lat, lon):
     return np.column_stack([np.cross(up, east), east, -up])
 
 
-def fly_state(onboard, lat, lon, altitude, speed, fpa, azimuth, bank, alpha, beta, t=0.0, force=(0.0, 0.0, 0.0)):
+def fly_state(
+    onboard, lat, lon, altitude, speed, fpa, azimuth, bank, alpha, beta, t=0.0, force=(0.0, 0.0, 0.0)
+):
     """Sensor record of a state given by its angles."""
     planet = onboard[0]["planet"]
     turn = Quaternion(axis=Z, radians=planet["rotation_rate"] * t)
     ned = triad(lat, lon)
-    path = Quaternion(axis=Z, radians=azimuth) * Quaternion(axis=Y, radians=fpa) * Quaternion(axis=X, radians=bank)
+    path = (
+        Quaternion(axis=Z, radians=azimuth)
+        * Quaternion(axis=Y, radians=fpa)
+        * Quaternion(axis=X, radians=bank)
+    )
     body = path * Quaternion(axis=Z, radians=-beta) * Quaternion(axis=Y, radians=alpha)
     q = turn * Quaternion(matrix=ned) * body
     r = turn.rotate(ellipsoid(planet, lat, lon, altitude))
-    v = turn.rotate(ned @ (Quaternion(axis=Z, radians=azimuth) * Quaternion(axis=Y, radians=fpa)).rotate(speed * X))
+    v = turn.rotate(
+        ned @ (Quaternion(axis=Z, radians=azimuth) * Quaternion(axis=Y, radians=fpa)).rotate(speed * X)
+    )
     sensed = np.zeros(1, SENSED)[0]
     sensed["t"], sensed["r_I"], sensed["q_I2B"] = t, r, q.elements
     sensed["v_I"] = v + np.cross((0.0, 0.0, planet["rotation_rate"]), r)
@@ -80,12 +90,16 @@ def test_flight_angles_are_those_the_state_was_built_from(onboard):
 
 
 def test_vehicle_at_rest_on_the_ground_has_no_planet_relative_velocity(onboard):
-    sensed, _, _ = fly_state(onboard, radians(25.0), radians(110.0), -4000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t=500.0)
+    sensed, _, _ = fly_state(
+        onboard, radians(25.0), radians(110.0), -4000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, t=500.0
+    )
     assert np.linalg.norm(sensed["v_I"]) > 200.0
     assert nav_of(onboard, sensed)["speed"] < 1e-9
 
 
-@pytest.mark.parametrize("east, north, up", [(0, 0, 0), (1200.0, 0, 0), (0, -850.0, 0), (0, 0, 1500.0), (-90.0, 400.0, 1000.0)])
+@pytest.mark.parametrize(
+    "east, north, up", [(0, 0, 0), (1200.0, 0, 0), (0, -850.0, 0), (0, 0, 1500.0), (-90.0, 400.0, 1000.0)]
+)
 def test_position_from_the_landing_site_is_east_north_up(onboard, east, north, up):
     site, planet = onboard[0]["site"], onboard[0]["planet"]
     lat, lon = site["latitude"], site["longitude"]
@@ -124,7 +138,9 @@ def test_roll_error_is_zero_with_y_axis_south_and_turning_by_it_brings_y_south(o
 
 
 def test_roll_error_of_a_tilted_lander_is_off_by_no_more_than_the_foreshortening(onboard):
-    """The horizontal projection of y_B shortens across the tilt: at most (1 - cos tilt) / 2 to first order."""
+    """The horizontal projection of y_B shortens across the tilt: at most (1 - cos tilt) / 2 to first
+    order.
+    """
     for tilt in (radians(4.0), radians(25.0)):
         worst = 0.0
         for towards in np.linspace(0, pi, 9):
@@ -158,7 +174,9 @@ def test_onboard_atmosphere_is_log_linear_between_nodes_and_its_scale_height_is_
 
 
 def test_energy_falls_at_the_rate_of_drag_work(onboard):
-    """dE/dt = -V D (Wu et al. eq. 10) on a ballistic arc: without drag it is constant over a non-rotating planet."""
+    """dE/dt = -V D (Wu et al. eq. 10) on a ballistic arc: without drag it is constant over a non-rotating
+    planet.
+    """
     onboard[0]["planet"]["rotation_rate"] = 0.0
     mu = onboard[0]["planet"]["mu"]
     sensed, _, _ = fly_state(onboard, 0.0, 0.5, 1e5, 4000.0, -0.2, pi / 2, 0.0, 0.0, 0.0)
@@ -173,14 +191,20 @@ def test_energy_falls_at_the_rate_of_drag_work(onboard):
     nav = nav_of(onboard, sensed)
     assert nav["altitude"] < 8e4
     assert nav["energy"] == pytest.approx(first, rel=1e-7)
-    assert nav["mach"] == pytest.approx(nav["speed"] / model_atmosphere(onboard[0]["atmosphere"], nav["altitude"])[1])
+    assert nav["mach"] == pytest.approx(
+        nav["speed"] / model_atmosphere(onboard[0]["atmosphere"], nav["altitude"])[1]
+    )
 
 
 def test_energy_of_navigation_and_of_the_reference_trajectory_agree_at_the_same_altitude_and_speed(onboard):
-    """The reference is tabulated over its own energy, flown over a sphere; guidance looks it up with the navigated energy."""
+    """The reference is tabulated over its own energy, flown over a sphere; guidance looks it up with the
+    navigated energy.
+    """
     planet = onboard[0]["planet"]
     h, v = 10e3, 450.0
     sensed, _, _ = fly_state(onboard, onboard[0]["site"]["latitude"], 1.9, h, v, -0.3, pi, 0.0, 0.0, 0.0)
     nav = nav_of(onboard, sensed)
-    reference = 0.5 * v * v + planet["mu"] * (1.0 / planet["equatorial_radius"] - 1.0 / (planet["equatorial_radius"] + h))
+    reference = 0.5 * v * v + planet["mu"] * (
+        1.0 / planet["equatorial_radius"] - 1.0 / (planet["equatorial_radius"] + h)
+    )
     assert sqrt(2.0 * nav["energy"]) == pytest.approx(sqrt(2.0 * reference), rel=0.01)

@@ -32,29 +32,43 @@ def test_bank_profile_is_linear_between_its_points_and_constant_beyond(over):
 
 def test_bank_profile_that_does_not_ascend_is_refused_with_its_place():
     with pytest.raises(ConfigError, match="bank_profile.*must ascend"):
-        edl6dof.load("tianwen1", [f"{ENTRY}.bank_profile={{points: [{{at: 2, bank_deg: 1}}, {{at: 2, bank_deg: 1}}]}}"])
+        edl6dof.load(
+            "tianwen1", [f"{ENTRY}.bank_profile={{points: [{{at: 2, bank_deg: 1}}, {{at: 2, bank_deg: 1}}]}}"]
+        )
 
 
 def test_signed_profile_is_flown_with_its_own_signs():
     """Right above 3 km/s, left below, whatever the crossrange; the body follows the command."""
     points = "[{at: 2900, bank_deg: -60}, {at: 3100, bank_deg: 60}]"
-    sets = ["mission.goal=deployment", f"{ENTRY}.law=bank_profile", f"{ENTRY}.bank_profile={{points: {points}}}"]
+    sets = [
+        "mission.goal=deployment",
+        f"{ENTRY}.law=bank_profile",
+        f"{ENTRY}.bank_profile={{points: {points}}}",
+    ]
     flight = edl6dof.fly("tianwen1", [*sets, f"{ENTRY}.reversal.logic=own_sign"])
     t = flight.telemetry
     lift = t["guide.phase"] == 1
-    fast, slow = lift & (t["truth.speed_m_s"] > 3200.0), lift & (t["truth.speed_m_s"] < 2500.0) & (t["truth.speed_m_s"] > 700.0)
+    fast, slow = (
+        lift & (t["truth.speed_m_s"] > 3200.0),
+        lift & (t["truth.speed_m_s"] < 2500.0) & (t["truth.speed_m_s"] > 700.0),
+    )
     assert np.mean(t["truth.bank_deg"][fast][200:]) == pytest.approx(60.0, abs=2.0)
     assert np.mean(t["truth.bank_deg"][slow]) == pytest.approx(-60.0, abs=2.0)
     assert flight.metrics["bank_reversals"] == 1.0
 
 
-# ---- predictive reversal -------------------------------------------------------------------------------------------------------
+# ---- predictive reversal
+# -------------------------------------------------------------------------------------------------------
 
 
 def heading(record, off_deg):
     """In mid entry 300 km north of the aim point, flying ``off_deg`` to the right of it."""
     site, nav = record["site"], np.zeros(1, NAV)[0]
-    nav["latitude"], nav["longitude"], nav["altitude"] = site["aim_latitude"] + 300e3 / 3.396e6, site["aim_longitude"], 34e3
+    nav["latitude"], nav["longitude"], nav["altitude"] = (
+        site["aim_latitude"] + 300e3 / 3.396e6,
+        site["aim_longitude"],
+        34e3,
+    )
     gamma, psi, nav["speed"], nav["drag"] = radians(-7.0), radians(180.0 + off_deg), 3600.0, 50.0
     nav["v_N"] = nav["speed"] * np.array([cos(gamma) * cos(psi), cos(gamma) * sin(psi), -sin(gamma)])
     return nav

@@ -1,4 +1,6 @@
-"""Phase-plane control: capture, limit cycle and hysteresis on a double integrator with minimum-pulse thrusters."""
+"""Phase-plane control: capture, limit cycle and hysteresis on a double integrator with minimum-pulse
+thrusters.
+"""
 
 from math import radians
 
@@ -44,12 +46,16 @@ def test_random_initial_errors_are_driven_into_the_deadband_and_stay(params):
 
 
 @pytest.mark.parametrize("disturbance_deg_s2", [0.002, 0.01, -0.05])
-def test_limit_cycle_under_a_disturbance_stays_within_the_deadband_and_balances_it(params, disturbance_deg_s2):
+def test_limit_cycle_under_a_disturbance_stays_within_the_deadband_and_balances_it(
+    params, disturbance_deg_s2
+):
     push = radians(disturbance_deg_s2)
     error, _, firing = drive(params, 0.0, 0.0, 600.0, push)
     late = slice(int(200.0 / DT), None)
     assert np.max(np.abs(error[late])) < 1.1 * params["deadband"]
-    assert np.mean(firing[late]) * params["acceleration"] == pytest.approx(-push, abs=2.0 * radians(1.0) / 400.0)
+    assert np.mean(firing[late]) * params["acceleration"] == pytest.approx(
+        -push, abs=2.0 * radians(1.0) / 400.0
+    )
 
 
 def predicted_rate(p):
@@ -58,8 +64,12 @@ def predicted_rate(p):
     return a * (np.sqrt(lead**2 + (1.0 - p["hysteresis"]) * p["deadband"] / a) - lead)
 
 
-@pytest.mark.parametrize("deadband_deg, hysteresis, lead", [(2.0, 0.96, 0.5), (2.0, 0.9, 1.0), (4.0, 0.95, 1.0), (1.0, 0.9, 0.5)])
-def test_free_limit_cycle_has_the_amplitude_rate_and_period_of_the_switching_lines(deadband_deg, hysteresis, lead):
+@pytest.mark.parametrize(
+    "deadband_deg, hysteresis, lead", [(2.0, 0.96, 0.5), (2.0, 0.9, 1.0), (4.0, 0.95, 1.0), (1.0, 0.9, 0.5)]
+)
+def test_free_limit_cycle_has_the_amplitude_rate_and_period_of_the_switching_lines(
+    deadband_deg, hysteresis, lead
+):
     p = settings(deadband_deg=deadband_deg, hysteresis=hysteresis, lead_s=lead)
     dt, d, a = 0.001, p["deadband"], p["acceleration"]
     w = predicted_rate(p)
@@ -76,12 +86,17 @@ def test_the_defaults_cycle_as_the_docstring_says(params):
     text = phase_plane.__doc__
     assert f"w = {np.degrees(w):.3f} deg/s" in text
     assert f"amplitude {np.degrees(params['deadband'] - params['lead'] * w):.2f} deg" in text
-    assert f"period {4.0 * (params['deadband'] - params['lead'] * w) / w + 4.0 * w / params['acceleration']:.0f} s" in text
+    assert (
+        "period "
+        f"{4.0 * (params['deadband'] - params['lead'] * w) / w + 4.0 * w / params['acceleration']:.0f} s"
+    ) in text
 
 
 @pytest.mark.parametrize("pulse", [0.2, 0.4])
 def test_a_coarse_minimum_pulse_sets_the_rates_of_the_limit_cycle(params, pulse):
-    """A pulse that changes the rate by more than the switching lines do: the rates before and after it differ by just that."""
+    """A pulse that changes the rate by more than the switching lines do: the rates before and after it differ
+    by just that.
+    """
     p, dt = params, 0.004
     error, rate, left, firing, rates = 0.0, radians(0.08), 0, 0, []
     for _ in range(int(600.0 / dt)):
@@ -126,7 +141,9 @@ def test_switching_is_odd(params):
 
 
 def test_braking_begins_no_later_than_the_minimum_time_parabola_plus_deadband(params):
-    """On the parabola e = w |w| / (2 a) full braking stops at zero error: there the law must not accelerate any more."""
+    """On the parabola e = w |w| / (2 a) full braking stops at zero error: there the law must not accelerate
+    any more.
+    """
     for rate in np.linspace(0.01, params["rate_limit"], 30):
         on_parabola = rate * rate / (2.0 * params["acceleration"])
         assert switch_axis(params, 0, on_parabola, rate) <= 0

@@ -1,4 +1,6 @@
-"""The polynomial drag-energy profile against numpy's polynomials, adaptive quadrature and flights of a point mass."""
+"""The polynomial drag-energy profile against numpy's polynomials, adaptive quadrature and flights of a point
+mass.
+"""
 
 from math import asin, atan2, cos, degrees, pi, radians, sin, sqrt
 
@@ -81,7 +83,9 @@ def test_aim_point_out_of_reach_does_not_drive_the_profile_away():
 
 
 def test_goal_derivatives_are_those_along_the_flight(onboard):
-    """Energy changes as dE = -V D dt along a short flight with constant D''; five-point differences of the goal."""
+    """Energy changes as dE = -V D dt along a short flight with constant D''; five-point differences of the
+    goal.
+    """
     record, params = onboard[0], onboard[0]["guidance"]["entry"]["fl"]["profile"]
     record["guidance"]["entry"]["tracking"]["update"] = 0
     memory, out, nav = np.zeros(1, PROFILE)[0], np.zeros(1, GUIDE)[0], np.zeros(1, NAV)[0]
@@ -105,14 +109,19 @@ def test_goal_derivatives_are_those_along_the_flight(onboard):
     value, rate, acceleration = goal(0.0)
     m2, m1, p1, p2 = (goal(k * h)[0] for k in (-2, -1, 1, 2))
     assert rate == pytest.approx((8.0 * (p1 - m1) - (p2 - m2)) / (12.0 * h), rel=1e-4)
-    assert acceleration == pytest.approx((16.0 * (p1 + m1) - (p2 + m2) - 30.0 * value) / (12.0 * h * h), rel=1e-3, abs=1e-6)
+    assert acceleration == pytest.approx(
+        (16.0 * (p1 + m1) - (p2 + m2) - 30.0 * value) / (12.0 * h * h), rel=1e-3, abs=1e-6
+    )
 
 
-# ---- heading corridor ----------------------------------------------------------------------------------------------------------
+# ---- heading corridor
+# ----------------------------------------------------------------------------------------------------------
 
 
 def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
-    """The heading error recovered from range and crossrange is the one of vector geometry; reversal only past the corridor."""
+    """The heading error recovered from range and crossrange is the one of vector geometry; reversal only past
+    the corridor.
+    """
     record, logic = onboard[0], REVERSALS.names.index("heading_corridor")
     corridor = record["guidance"]["entry"]["reversal"]["heading_corridor"]
     radius = record["planet"]["equatorial_radius"]
@@ -122,9 +131,13 @@ def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
         arc = max(distance, 1.0) / radius
         for error in (0.99 * limit, 1.01 * limit):
             target = np.array([cos(arc), 0.0, sin(arc)])  # due north of a vehicle at (1, 0, 0)
-            heading = np.array([0.0, sin(radians(error)), cos(radians(error))])  # turned east: target on its left
+            # turned east: target on its left
+            heading = np.array([0.0, sin(radians(error)), cos(radians(error))])
             left = np.cross([1.0, 0.0, 0.0], heading)
-            out["range_to_go"], out["crossrange"] = radius * atan2(target[2], target[0]), radius * asin(target @ left)
+            out["range_to_go"], out["crossrange"] = (
+                radius * atan2(target[2], target[0]),
+                radius * asin(target @ left),
+            )
             for sign in (1.0, -1.0):
                 out["crossrange"] *= sign
                 turned = bank_side(logic, record, nav, memory, out, 1.0, sign)
@@ -133,13 +146,16 @@ def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
                 out["crossrange"] *= sign
 
 
-# ---- closed loop ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop
+# ---------------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", ["fl", "ehgo_fl"])
 @pytest.mark.parametrize("density_factor", [0.9, 1.0, 1.1])
 def test_laws_fly_a_point_mass_to_the_parachute_target(law, density_factor):
-    """Tianwen-1 as a point mass in the Mars-GRAM atmosphere with wind; the flight computer believes the nominal density."""
+    """Tianwen-1 as a point mass in the Mars-GRAM atmosphere with wind; the flight computer believes the
+    nominal density.
+    """
     flight = fly(
         load_scenario(
             "tianwen1",

@@ -7,7 +7,15 @@ import pytest
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
-from edl6dof.fsw.guidance.powered.terminal import TERMINAL, avoid, command_thrust, descend, hover, start_or_throttle, throttle
+from edl6dof.fsw.guidance.powered.terminal import (
+    TERMINAL,
+    avoid,
+    command_thrust,
+    descend,
+    hover,
+    start_or_throttle,
+    throttle,
+)
 from edl6dof.fsw.navigation import NAV
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
@@ -41,8 +49,13 @@ def law_memory():
     return np.zeros(1, POWERED_LAWS.memory)[0]
 
 
-@pytest.mark.parametrize("height, descent, north, east", [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)])
-def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(onboard, height, descent, north, east):
+@pytest.mark.parametrize(
+    "height, descent, north, east",
+    [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)],
+)
+def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(
+    onboard, height, descent, north, east
+):
     """Acceleration linear in time with r(T) = r_f, v(T) = 0 has the closed form used here."""
     record = onboard[0]
     record["guidance"]["powered"]["polynomial"]["time_floor"] = 0.3
@@ -118,7 +131,9 @@ def test_commanded_thrust_keeps_its_vertical_part_and_the_tilt_limit(onboard, ti
 
 @pytest.mark.parametrize("up", [-0.01, -0.3, -3.0])
 def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(onboard, up):
-    """In hover 16 m too high at rest the law wants 3.71 - 4.0 m/s2 upwards; the thrust axis must stay within the tilt limit."""
+    """In hover 16 m too high at rest the law wants 3.71 - 4.0 m/s2 upwards; the thrust axis must stay within
+    the tilt limit.
+    """
     out = np.zeros(1, GUIDE)[0]
     command_thrust(onboard[0], 900.0, (0.3, 0.0, up), radians(4.0), out)
     assert acos(np.clip(-out["thrust_direction_N"][2], -1.0, 1.0)) <= radians(4.0) + 1e-9
@@ -138,7 +153,12 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
         out["thrust"] = wish
         throttle(onboard[0], out)
         assert out["thrust"] == min(max(wish, 1500.0), 5000.0)
-        assert (engine["throttle_min"], engine["throttle_max"], engine["full_thrust"]) == (1500.0, 5000.0, 7500.0)  # S1
+        # S1
+        assert (engine["throttle_min"], engine["throttle_max"], engine["full_thrust"]) == (
+            1500.0,
+            5000.0,
+            7500.0,
+        )
         assert out["engine_mode"] == ENGINE_THROTTLE
     full_time = onboard[0]["guidance"]["powered"]["full_time"]
     out["engine_mode"] = ENGINE_FULL
@@ -175,7 +195,11 @@ def test_hover_settles_at_its_height_and_stops_lateral_motion(onboard):
 def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboard):
     p = onboard[0]["guidance"]["powered"]["terminal"]
     p["avoidance_rate"], p["touchdown_rate"] = 2.0, 0.5  # long enough to see it settle
-    body, mass, memory = PointMass(100.0, (0.0, 0.0, 0.5), east=7.0, north=-4.0), 850.0, np.zeros(1, TERMINAL)[0]
+    body, mass, memory = (
+        PointMass(100.0, (0.0, 0.0, 0.5), east=7.0, north=-4.0),
+        850.0,
+        np.zeros(1, TERMINAL)[0],
+    )
     fastest = 0.0
 
     def step(b):

@@ -17,7 +17,9 @@ START = (125e3, 4800.0, radians(-11.58))
 
 @pytest.fixture(scope="module")
 def plain(shared_onboard):
-    """One airframe for all Mach numbers and no trim wing, so that only the bank angle jumps, at a set speed."""
+    """One airframe for all Mach numbers and no trim wing, so that only the bank angle jumps, at a set
+    speed.
+    """
     onboard = shared_onboard.copy()
     for name in ("drag", "lift", "drag_with_wing"):
         onboard[0]["vehicle"]["airframe"][name] = 1.0
@@ -33,8 +35,15 @@ def table(plain):
 
 
 def motion(record):
-    """d(altitude, path angle, range)/d(speed) of the reference flight with ``u`` added to its vertical L/D."""
-    planet, vehicle, air, entry = record["planet"], record["vehicle"], record["atmosphere"], record["guidance"]["entry"]
+    """d(altitude, path angle, range)/d(speed) of the reference flight with ``u`` added to its vertical
+    L/D.
+    """
+    planet, vehicle, air, entry = (
+        record["planet"],
+        record["vehicle"],
+        record["atmosphere"],
+        record["guidance"]["entry"],
+    )
     nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
     radius, mu = float(planet["equatorial_radius"]), float(planet["mu"])
     bank = acos(cos(entry["reference_bank"]["fast_bank"]) + record["reference"]["shift"])
@@ -43,7 +52,13 @@ def motion(record):
         h, gamma, _ = x
         r = radius + h
         g = mu / r**2
-        drag = 0.5 * exp(np.interp(h, nodes, air["ln_density"])) * v**2 * vehicle["drag_area"] / vehicle["entry_mass"]
+        drag = (
+            0.5
+            * exp(np.interp(h, nodes, air["ln_density"]))
+            * v**2
+            * vehicle["drag_area"]
+            / vehicle["entry_mass"]
+        )
         steered = v > entry["align_speed"]
         lift = drag * (vehicle["lift_to_drag"] * (cos(bank) if steered else 1.0) + (u if steered else 0.0))
         slowing = -drag - g * sin(gamma)
@@ -55,9 +70,11 @@ def motion(record):
 
 @pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
 def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, speed):
-    """Adjoint of J = range to go, speed as independent variable: l' = -(f_x l + s_x), m' = -(f_u l + s_u), both zero at the end.
+    """Adjoint of J = range to go, speed as independent variable: l' = -(f_x l + s_x), m' = -(f_u l + s_u),
+    both zero at the end.
 
-    Source: Bryson & Ho 1975, section 2.3.  The Jacobians are differences of the rates, the reference comes from scipy.
+    Source: Bryson & Ho 1975, section 2.3.  The Jacobians are differences of the rates, the reference comes
+    from scipy.
     """
     record = plain[0]
     f = motion(record)
@@ -72,7 +89,15 @@ def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, 
     h0 = float(np.interp(-np.log(density), -air["ln_density"], nodes))
     gamma0 = float(np.arcsin(table["climb"][k] / v0))
 
-    flight = solve_ivp(lambda v, x: f(v, x, 0.0), (v0, final), [h0, gamma0, 0.0], rtol=1e-9, atol=1e-9, max_step=10.0, dense_output=True)
+    flight = solve_ivp(
+        lambda v, x: f(v, x, 0.0),
+        (v0, final),
+        [h0, gamma0, 0.0],
+        rtol=1e-9,
+        atol=1e-9,
+        max_step=10.0,
+        dense_output=True,
+    )
     assert flight.y[2, -1] == pytest.approx(table["range"][k], abs=100.0)
 
     def adjoint(v, y):
@@ -85,7 +110,9 @@ def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, 
 
     out = solve_ivp(adjoint, (final, v0), [0.0, 0.0, 0.0], rtol=1e-7, atol=1e-7, max_step=10.0)
     by_altitude, by_path, by_lift = out.y[:, -1]
-    scale_height = -(nodes[1] - nodes[0]) / np.diff(air["ln_density"])[int((h0 - nodes[0]) / (nodes[1] - nodes[0]))]
+    scale_height = (
+        -(nodes[1] - nodes[0]) / np.diff(air["ln_density"])[int((h0 - nodes[0]) / (nodes[1] - nodes[0]))]
+    )
     assert table["by_drag"][k] == pytest.approx(-by_altitude * scale_height / table["drag"][k], rel=0.03)
     assert table["by_climb"][k] == pytest.approx(by_path / (v0 * cos(gamma0)), rel=0.03)
     assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.03)

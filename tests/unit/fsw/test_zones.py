@@ -29,7 +29,9 @@ def flown_zones(onboard):
 
 
 def slew(zone, angle, duration, dt=DT, rate=0.0, disturbance=0.0, saturated=False):
-    """Histories of time, error and rate; the acceleration is constant over a control cycle, so the step is exact."""
+    """Histories of time, error and rate; the acceleration is constant over a control cycle, so the step is
+    exact.
+    """
     memory = np.zeros(1, AXIS)[0]
     error, history = angle, []
     for k in range(int(duration / dt)):
@@ -46,8 +48,8 @@ BANK = {"rate_deg_s": 20.0, "far_deg": 40.0, "near_deg": 5.0, "deceleration_deg_
 def predicted_slew(zone, angle):
     """Time until the error enters the PID zone.
 
-    Constant rate, then constant deceleration down the parabola to the rate at which the PID law meets the boundary.
-    The rate loop lags by 1/rate_gain on both slopes: lost at spin-up, won back at slowing down.
+    Constant rate, then constant deceleration down the parabola to the rate at which the PID law meets the
+    boundary. The rate loop lags by 1/rate_gain on both slopes: lost at spin-up, won back at slowing down.
     """
     inner = zone["proportional"] / zone["derivative"] * zone["near"]
     start = zone["near"] + (zone["rate"] ** 2 - inner**2) / (2.0 * zone["deceleration"])
@@ -65,7 +67,9 @@ def test_slew_time_of_a_large_manoeuvre_is_the_rate_limited_prediction(onboard, 
 
 
 @pytest.mark.parametrize("name", ["bank", "chute roll", "pitch and yaw", "lander roll", "default"])
-def test_large_slew_overshoots_by_less_than_one_percent_and_a_fifth_of_the_inner_zone_and_never_exceeds_the_rate(onboard, name):
+def test_large_slew_overshoots_by_less_than_one_percent_and_a_fifth_of_the_inner_zone_and_never_exceeds_the_rate(
+    onboard, name
+):
     zone = flown_zones(onboard)[name]
     angle = radians(120.0)
     t, error, rate, _ = slew(zone, angle, 30.0 + 1.5 * angle / zone["rate"])
@@ -91,7 +95,9 @@ def test_target_rate_is_continuous_over_zone_boundaries_and_odd(onboard, name):
 
 
 def test_demand_is_continuous_into_the_pid_zone_on_the_parabola(onboard):
-    """On the commanded rate, the demand just outside the boundary and just inside it are both zero (the integral left aside)."""
+    """On the commanded rate, the demand just outside the boundary and just inside it are both zero (the
+    integral left aside).
+    """
     for zone in flown_zones(onboard).values():
         memory = np.zeros(1, AXIS)[0]
         wanted = target_rate(zone, zone["near"] * (1.0 + 1e-9), 1.0)
@@ -115,7 +121,9 @@ def second_order(zone, start, t):
     damping = zone["derivative"] / (2.0 * natural)
     assert damping < 1.0
     damped = natural * sqrt(1.0 - damping**2)
-    return start * exp(-damping * natural * t) * (cos(damped * t) + damping * natural / damped * sin(damped * t))
+    return (
+        start * exp(-damping * natural * t) * (cos(damped * t) + damping * natural / damped * sin(damped * t))
+    )
 
 
 @pytest.mark.parametrize("proportional, derivative", [(1.4, 1.9), (4.0, 1.2), (0.5, 0.7)])

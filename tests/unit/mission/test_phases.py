@@ -107,7 +107,9 @@ def test_window_counts_from_the_start_of_the_phase_and_not_of_the_flight():
 
 
 def test_quantity_crossing_inside_the_window_fires_at_the_crossing():
-    s = Sequencer(plan(Phase(name="a", until=trigger("mach", "below", 2.0, earliest_s=1.0, latest_s=50.0)), last()))
+    s = Sequencer(
+        plan(Phase(name="a", until=trigger("mach", "below", 2.0, earliest_s=1.0, latest_s=50.0)), last())
+    )
     s.run(20.0, mach=lambda t: 4.0 - 0.2 * t)
     assert s.entered[1][0] == pytest.approx(10.0, abs=1.01 * DT)
 
@@ -143,7 +145,9 @@ def test_same_event_slot_works_in_the_next_phase():
 
 def test_event_outside_its_phase_is_not_requested():
     events = [Event(do="trim_wing", when=trigger("mach", "below", 2.8))]
-    s = Sequencer(plan(Phase(name="a", until=trigger("phase_time_s", "above", 5.0)), Phase(name="b", events=events)))
+    s = Sequencer(
+        plan(Phase(name="a", until=trigger("phase_time_s", "above", 5.0)), Phase(name="b", events=events))
+    )
     s.run(5.0, mach=1.0)
     assert s.events == []
     s.run(1.0, mach=1.0)
@@ -191,8 +195,15 @@ def test_tianwen_sequence_flown_on_a_plausible_profile_passes_all_phases_and_dep
     record = np.zeros(1, MISSION)
     fill(record[0], mission)
     s = Sequencer(record[0])
-    s.run(280.0, drag=lambda t: 0.03 * t, mach=lambda t: max(25.0 - 0.09 * t, 0.4), height=2e4, time_to_go=9.0)
-    s.run(120.0, drag=5.0, mach=lambda t: max(1.7 - 0.02 * (t - 280.0), 0.4), height=lambda t: 12e3 - 90.0 * (t - 280.0))
+    s.run(
+        280.0, drag=lambda t: 0.03 * t, mach=lambda t: max(25.0 - 0.09 * t, 0.4), height=2e4, time_to_go=9.0
+    )
+    s.run(
+        120.0,
+        drag=5.0,
+        mach=lambda t: max(1.7 - 0.02 * (t - 280.0), 0.4),
+        height=lambda t: 12e3 - 90.0 * (t - 280.0),
+    )
     s.run(60.0, mach=0.2, height=500.0, time_to_go=lambda t: 440.0 - t)
     s.run(40.0, height=60.0)
     s.run(10.0, height=15.0)

@@ -1,4 +1,6 @@
-"""A flight that records only what its figures need is the same flight, with the same figures to the last bit."""
+"""A flight that records only what its figures need is the same flight, with the same figures to the last
+bit.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +72,11 @@ def test_longest_vector_and_nearest_points_are_those_of_numpy(rows):
     assert longest(log, a) == pytest.approx(np.max(np.linalg.norm(rows[:, a], axis=1)), rel=1e-14)
     rows[::3, 7] = np.nan  # a place that is not always known
     apart = np.linalg.norm(rows[:, a] - rows[:, b], axis=1)
-    assert np.isnan(nearest(log, a, b)) if np.isnan(apart).all() else nearest(log, a, b) == pytest.approx(np.nanmin(apart), rel=1e-14)
+    assert (
+        np.isnan(nearest(log, a, b))
+        if np.isnan(apart).all()
+        else nearest(log, a, b) == pytest.approx(np.nanmin(apart), rel=1e-14)
+    )
     assert np.isnan(longest(log, a))
 
 
@@ -93,12 +99,16 @@ def test_peaks_are_the_largest_of_the_telemetry(nominal):
     flight, figures = nominal.telemetry, nominal.metrics
     assert figures["peak_load_g0"] == np.max(flight["truth.load_g0"][flight["truth.footpads"] == 0])
     assert figures["peak_dynamic_pressure_pa"] == np.max(flight["truth.dynamic_pressure_pa"])
-    assert figures["peak_heat_flux_w_cm2"] == pytest.approx(np.max(flight["truth.heat_flux_w_cm2"]), rel=1e-15)
+    assert figures["peak_heat_flux_w_cm2"] == pytest.approx(
+        np.max(flight["truth.heat_flux_w_cm2"]), rel=1e-15
+    )
     assert figures["max_riser_tension_n"] == np.max(flight["truth.riser_tension_n"])
 
 
 def test_values_between_rows_lie_on_straight_lines_and_are_held_beyond_the_ends(nominal):
     flight, names = nominal.telemetry, ("truth.mach", "truth.height_m", "control.error_roll_deg")
     for t in (0.0, 100.013, 277.2561, nominal.time_s, nominal.time_s + 5.0):
-        assert flight.at(t, *names) == pytest.approx([np.interp(t, flight["t_s"], flight[name]) for name in names], rel=1e-12)
+        assert flight.at(t, *names) == pytest.approx(
+            [np.interp(t, flight["t_s"], flight[name]) for name in names], rel=1e-12
+        )
     assert flight.rows(7, 8).at(1.0, "truth.mach") == [flight["truth.mach"][7]]

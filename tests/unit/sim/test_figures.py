@@ -1,4 +1,6 @@
-"""The table of figures of merit: it and what flights produce are the same, and published values are compared as it says."""
+"""The table of figures of merit: it and what flights produce are the same, and published values are compared
+as it says.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +41,16 @@ def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(n
 
 
 def test_figures_come_from_where_the_table_says(nominal, faulty):
-    by_source = {source: {figure.name for figure in FIGURES if figure.source == source} for source in ("peaks", "contact", "diagnosis")}
+    by_source = {
+        source: {figure.name for figure in FIGURES if figure.source == source}
+        for source in ("peaks", "contact", "diagnosis")
+    }
     assert peak_figures(nominal.plant[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
-    assert diagnosis_figures(faulty.findings, faulty.loaded.truth.faults, faulty.plant[0]).keys() == by_source["diagnosis"]
+    assert (
+        diagnosis_figures(faulty.findings, faulty.loaded.truth.faults, faulty.plant[0]).keys()
+        == by_source["diagnosis"]
+    )
 
 
 def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(nominal):
@@ -50,11 +58,15 @@ def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(nominal):
     ending = {"skip_out_m", "crash_speed_m_s", "body_rate_deg_s", "total_alpha_deg"}
     assert {figure.limit for figure in LIMITS} == LimitParams.model_fields.keys() - ending
     assert [figure.name for figure in LIMITS if split_unit(figure.limit)[1] != figure.unit] == []
-    assert [check.label for check in checks(nominal.scenario.limits, nominal.metrics)] == [figure.meaning for figure in LIMITS]
+    assert [check.label for check in checks(nominal.scenario.limits, nominal.metrics)] == [
+        figure.meaning for figure in LIMITS
+    ]
 
 
 def test_published_figures_of_shipped_scenarios_are_declared():
-    published = [edl6dof.load(name).scenario.published for name in shipped_names("scenarios") if "plugin" not in name]
+    published = [
+        edl6dof.load(name).scenario.published for name in shipped_names("scenarios") if "plugin" not in name
+    ]
     assert any(published) and {name for values in published for name in values} <= DECLARED
 
 
@@ -90,4 +102,8 @@ def test_a_goal_reached_outside_limits_is_a_warning_whatever_the_words_say(nomin
     outside = edl6dof.fly("msl", ["limits.parachute_mach_max=0.5"])
     short = edl6dof.fly("msl", ["simulation.time_limit_s=20"])
     assert [mood(summary(flight)) for flight in (nominal, outside, short)] == ["good", "warn", "bad"]
-    assert [str(verdict(flight).style) for flight in (nominal, outside, short)] == ["bold green", "bold yellow", "bold red"]
+    assert [str(verdict(flight).style) for flight in (nominal, outside, short)] == [
+        "bold green",
+        "bold yellow",
+        "bold red",
+    ]

@@ -11,7 +11,9 @@ from edl6dof.telemetry.channels import CHANNELS
 
 
 def test_telemetry_has_every_channel_and_thruster(nominal):
-    per_thruster = {f"{kind}.{name}" for kind in ("rcs", "fault", "valve") for name in nominal.scenario.thruster_names}
+    per_thruster = {
+        f"{kind}.{name}" for kind in ("rcs", "fault", "valve") for name in nominal.scenario.thruster_names
+    }
     names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster
     assert set(nominal.telemetry) == names
     assert all(len(column) == len(nominal.log) for column in nominal.telemetry.values())

@@ -49,7 +49,10 @@ def test_resolved_scenario_reads_back_equal(nominal, run):
 
 def test_folder_appears_whole_or_not_at_all(tmp_path):
     target = tmp_path / "run"
-    with pytest.raises(RuntimeError, match="half way"), atomic_folder(target, "flight", force=False) as folder:
+    with (
+        pytest.raises(RuntimeError, match="half way"),
+        atomic_folder(target, "flight", force=False) as folder,
+    ):
         (folder / "a").write_text("x")
         raise RuntimeError("half way")
     assert list(tmp_path.iterdir()) == []
@@ -67,6 +70,9 @@ def test_folder_appears_whole_or_not_at_all(tmp_path):
 def test_force_does_not_replace_a_folder_that_is_no_run(tmp_path):
     (tmp_path / "precious").mkdir()
     (tmp_path / "precious" / "thesis.tex").write_text("...")
-    with pytest.raises(ConfigError, match="is no result of .edl6dof fly."), atomic_folder(tmp_path / "precious", "flight", force=True):
+    with (
+        pytest.raises(ConfigError, match="is no result of .edl6dof fly."),
+        atomic_folder(tmp_path / "precious", "flight", force=True),
+    ):
         pass
     assert (tmp_path / "precious" / "thesis.tex").read_text() == "..."

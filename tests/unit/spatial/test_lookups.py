@@ -1,4 +1,6 @@
-"""Every float finds a place in a table: within its bounds, right where it is finite, not a number where it is none."""
+"""Every float finds a place in a table: within its bounds, right where it is finite, not a number where it is
+none.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,21 @@ def around(nodes):
     return [x for node in nodes for x in (np.nextafter(node, -np.inf), node, np.nextafter(node, np.inf))]
 
 
-EXTREME = [np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 2.0**63, -(2.0**63), 2.0**31, TINY, -TINY, 0.0, -0.0]
+EXTREME = [
+    np.inf,
+    -np.inf,
+    1e300,
+    -1e300,
+    9.3e18,
+    -9.3e18,
+    2.0**63,
+    -(2.0**63),
+    2.0**31,
+    TINY,
+    -TINY,
+    0.0,
+    -0.0,
+]
 EVEN = [*around(np.arange(CELLS + 1.0)), *np.linspace(-3.0, CELLS + 3.0, 101), *EXTREME]
 UNEVEN = [*around(NODES), *np.linspace(-10.0, 10.0, 101), *EXTREME]
 
@@ -27,7 +43,9 @@ def test_even_table_agrees_with_numpy(position):
     index, share = held_cell(position, CELLS)
     assert 0 <= index < CELLS
     assert 0.0 <= share <= 1.0
-    assert between(VALUES, index, share) == pytest.approx(np.interp(position, np.arange(CELLS + 1.0), VALUES), rel=1e-12, abs=1e-12)
+    assert between(VALUES, index, share) == pytest.approx(
+        np.interp(position, np.arange(CELLS + 1.0), VALUES), rel=1e-12, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("position", [*EVEN, np.nan])
@@ -41,7 +59,9 @@ def test_index_is_within_the_table_and_the_position_is_kept(position):
 def test_uneven_table_agrees_with_numpy(value):
     index, share = cell_among(NODES, len(NODES), value)
     assert 0 <= index < len(NODES) - 1
-    assert between(VALUES, index, share) == pytest.approx(np.interp(value, NODES, VALUES), rel=1e-12, abs=1e-12)
+    assert between(VALUES, index, share) == pytest.approx(
+        np.interp(value, NODES, VALUES), rel=1e-12, abs=1e-12
+    )
 
 
 def test_only_the_given_number_of_nodes_counts():
@@ -50,7 +70,11 @@ def test_only_the_given_number_of_nodes_counts():
 
 
 def test_what_is_not_a_number_stays_none():
-    for index, share in (held_cell(np.nan, CELLS), cell(np.nan, CELLS), cell_among(NODES, len(NODES), np.nan)):
+    for index, share in (
+        held_cell(np.nan, CELLS),
+        cell(np.nan, CELLS),
+        cell_among(NODES, len(NODES), np.nan),
+    ):
         assert 0 <= index < CELLS
         assert np.isnan(share)
         assert np.isnan(between(VALUES, index, share))

@@ -1,7 +1,8 @@
 """Quaternions against pyquaternion, scipy's Rotation and finite differences.
 
-The convention under test, in the module's words: ``q_A2B`` carries the axes of A onto the axes of B (pyquaternion's rotation) and
-``to_frame`` gives components in B.  scipy's Rotation is the second witness, for sequences and rotation vectors.
+The convention under test, in the module's words: ``q_A2B`` carries the axes of A onto the axes of B
+(pyquaternion's rotation) and ``to_frame`` gives components in B.  scipy's Rotation is the second witness, for
+sequences and rotation vectors.
 """
 
 from math import cos, pi, radians, sin, sqrt
@@ -17,7 +18,13 @@ from edl6dof.spatial import quaternion as kernels
 RNG = np.random.default_rng(2)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 RANDOM = [tuple(map(float, q / np.linalg.norm(q))) for q in RNG.normal(size=(40, 4))]
-HALF_TURNS = [(0.0, *X), (0.0, *Y), (0.0, *Z), (0.0, 0.6, 0.0, 0.8), (0.0, sqrt(1 / 3), -sqrt(1 / 3), sqrt(1 / 3))]
+HALF_TURNS = [
+    (0.0, *X),
+    (0.0, *Y),
+    (0.0, *Z),
+    (0.0, 0.6, 0.0, 0.8),
+    (0.0, sqrt(1 / 3), -sqrt(1 / 3), sqrt(1 / 3)),
+]
 SPECIAL = [(1.0, 0.0, 0.0, 0.0), (-1.0, 0.0, 0.0, 0.0), *HALF_TURNS, (cos(1e-9), sin(1e-9), 0.0, 0.0)]
 ALL = RANDOM + SPECIAL
 
@@ -37,7 +44,9 @@ def test_product_conjugate_and_length_are_those_of_pyquaternion():
         assert kernels.multiply(p, q) == pytest.approx((Quaternion(p) * Quaternion(q)).elements, abs=1e-15)
         assert kernels.conjugate(q) == pytest.approx(Quaternion(q).inverse.elements, abs=1e-15)
         stretched = tuple(7.3 * x for x in q)
-        assert kernels.normalise(stretched) == pytest.approx(Quaternion(stretched).normalised.elements, abs=1e-15)
+        assert kernels.normalise(stretched) == pytest.approx(
+            Quaternion(stretched).normalised.elements, abs=1e-15
+        )
 
 
 def test_components_in_the_turned_frame_follow_the_stated_convention():
@@ -48,7 +57,9 @@ def test_components_in_the_turned_frame_follow_the_stated_convention():
 
 
 def test_a_yaw_of_90_degrees_makes_east_from_north():
-    """By hand, no library: after yawing right (positive about down) the old x direction lies to the left, at -y."""
+    """By hand, no library: after yawing right (positive about down) the old x direction lies to the left, at
+    -y.
+    """
     q = kernels.about_axis(Z, pi / 2)
     assert kernels.to_frame(q, X) == pytest.approx((0.0, -1.0, 0.0), abs=1e-15)
     assert kernels.axes(q)[0] == pytest.approx(Y, abs=1e-15)
@@ -67,7 +78,10 @@ def test_quaternion_rate_is_the_derivative_of_a_body_turning_about_its_own_axes(
     for q in RANDOM[:15]:
         w = RNG.normal(size=3) * 2.0
         skew = np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
-        late, early = (Rotation.from_matrix(scipy_of(q).as_matrix() @ expm(skew * dt)).as_quat(scalar_first=True) for dt in (h, -h))
+        late, early = (
+            Rotation.from_matrix(scipy_of(q).as_matrix() @ expm(skew * dt)).as_quat(scalar_first=True)
+            for dt in (h, -h)
+        )
         late, early = (e * np.sign(e @ np.array(q)) for e in (late, early))
         assert kernels.rate(q, tuple(w)) == pytest.approx((late - early) / (2.0 * h), abs=2e-7)
 
@@ -89,7 +103,9 @@ def test_attitude_and_its_axes_are_two_forms_of_one_thing(q):
 
 
 def test_axes_near_half_a_turn_lose_no_digits():
-    """Where the trace is -1 the textbook formula divides by nothing: 2000 axes, angle 180 deg -+ 1e-8 .. 1e-2."""
+    """Where the trace is -1 the textbook formula divides by nothing: 2000 axes, angle 180 deg -+ 1e-8 ..
+    1e-2.
+    """
     for axis in RNG.normal(size=(500, 3)):
         for deficit in (0.0, 1e-8, 1e-5, -1e-2):
             truth = Rotation.from_rotvec(axis / np.linalg.norm(axis) * (pi - deficit))
@@ -141,4 +157,6 @@ def test_angle_between_attitudes_ignores_the_sign_of_the_quaternion():
 
 
 def test_angle_between_resolves_a_nanoradian():
-    assert kernels.angle_between(RANDOM[0], kernels.multiply(RANDOM[0], kernels.about_axis(X, 1e-9))) == pytest.approx(1e-9, rel=1e-3)
+    assert kernels.angle_between(
+        RANDOM[0], kernels.multiply(RANDOM[0], kernels.about_axis(X, 1e-9))
+    ) == pytest.approx(1e-9, rel=1e-3)

@@ -1,9 +1,11 @@
-"""Frame conversions against scipy's Rotation, definitions in space, finite differences and 80-bit closed forms.
+"""Frame conversions against scipy's Rotation, definitions in space, finite differences and 80-bit closed
+forms.
 
-Geodetic coordinates: the forward map (latitude, longitude, height to position) is closed-form; it is checked against the meaning
-of an ellipsoid's normal, then evaluated in 80-bit arithmetic as the truth for the iteration back, and a numerical search for the
-nearest point of the ellipsoid is the second witness.  Directions north, east, up are derivatives of that map.  Great circles:
-haversine, vector angle and the worked example of E. Williams' Aviation Formulary (Los Angeles to New York).  Bank, attack
+Geodetic coordinates: the forward map (latitude, longitude, height to position) is closed-form; it is checked
+against the meaning of an ellipsoid's normal, then evaluated in 80-bit arithmetic as the truth for the
+iteration back, and a numerical search for the nearest point of the ellipsoid is the second witness.
+Directions north, east, up are derivatives of that map.  Great circles: haversine, vector angle and the worked
+example of E. Williams' Aviation Formulary (Los Angeles to New York).  Bank, attack
 and sideslip: the definitions of a lift vector and of the body components of the velocity.
 """
 
@@ -30,7 +32,9 @@ def exact_position(planet, lat, lon, height):
     a, f, lat, lon, height = (np.longdouble(x) for x in (*planet, lat, lon, height))
     prime = a / np.sqrt(np.cos(lat) ** 2 + (1 - f) ** 2 * np.sin(lat) ** 2)
     across = (prime + height) * np.cos(lat)
-    return np.array([across * np.cos(lon), across * np.sin(lon), (prime * (1 - f) ** 2 + height) * np.sin(lat)])
+    return np.array(
+        [across * np.cos(lon), across * np.sin(lon), (prime * (1 - f) ** 2 + height) * np.sin(lat)]
+    )
 
 
 def trig(lat, lon):
@@ -39,7 +43,9 @@ def trig(lat, lon):
 
 @PLANETS
 def test_height_is_measured_along_the_normal_of_the_ellipsoid(planet):
-    """Definition: the foot lies on the ellipsoid, and the way up from it runs along the gradient of its equation."""
+    """Definition: the foot lies on the ellipsoid, and the way up from it runs along the gradient of its
+    equation.
+    """
     a, b = planet[0], planet[0] * (1.0 - planet[1])
     for lat, lon, height in RNG.uniform((-pi / 2, -pi, -1e4), (pi / 2, pi, 1e6), size=(50, 3)):
         foot = np.array(frames.from_geodetic(*planet, lat, lon, 0.0))
@@ -58,10 +64,15 @@ def test_geodetic_returns_to_where_it_came_from(planet, height):
             lat, lon = radians(lat_deg), radians(lon_deg)
             position = tuple(float(x) for x in exact_position(planet, lat, lon, height))
             sl, cl, so, co, altitude = frames.geodetic(*planet, position)
-            # a few ulp of the distance from the centre; the method leaves 1e-9 m up to 1,000 km and 1e-8 m at 10,000 km
+            # a few ulp of the distance from the centre; the method leaves 1e-9 m up to 1,000 km and 1e-8 m at
+            # 10,000 km
             assert altitude == pytest.approx(height, abs=8e-9 if height < 1e7 else 2e-8)
             assert atan2(sl, cl) == pytest.approx(lat, abs=4e-16 * 3)
-            assert cl >= 0.0 and hypot(sl, cl) == pytest.approx(1.0, abs=1e-15) and hypot(so, co) == pytest.approx(1.0, abs=1e-15)
+            assert (
+                cl >= 0.0
+                and hypot(sl, cl) == pytest.approx(1.0, abs=1e-15)
+                and hypot(so, co) == pytest.approx(1.0, abs=1e-15)
+            )
             if abs(lat_deg) < 89.9:
                 assert cos(lon - atan2(so, co)) == pytest.approx(1.0, abs=1e-15)
 
@@ -75,7 +86,9 @@ def test_altitude_is_the_distance_to_the_nearest_point_of_the_ellipsoid(planet):
             return hypot(across - a * cos(angle), z - b * sin(angle))
 
         middle = atan2(z, across)
-        best = minimize_scalar(distance, bounds=(middle - 0.3, middle + 0.3), method="bounded", options={"xatol": 1e-9})
+        best = minimize_scalar(
+            distance, bounds=(middle - 0.3, middle + 0.3), method="bounded", options={"xatol": 1e-9}
+        )
         inside = (across / a) ** 2 + (z / b) ** 2 < 1.0
         altitude = frames.geodetic(*planet, (across, 0.0, z))[4]
         assert altitude == pytest.approx(-best.fun if inside else best.fun, abs=1e-6)
@@ -104,23 +117,32 @@ def test_north_east_and_up_are_where_latitude_longitude_and_height_grow(planet):
     for lat, lon in RNG.uniform((-1.4, -pi), (1.4, pi), size=(25, 2)):
 
         def growth(step, lat=lat, lon=lon):
-            late, early = (np.array(frames.from_geodetic(*planet, lat + s * step[0], lon + s * step[1], s * step[2])) for s in (1, -1))
+            late, early = (
+                np.array(frames.from_geodetic(*planet, lat + s * step[0], lon + s * step[1], s * step[2]))
+                for s in (1, -1)
+            )
             return (late - early) / np.linalg.norm(late - early)
 
         directions = [growth((1e-5, 0.0, 0.0)), growth((0.0, 1e-5, 0.0)), -growth((0.0, 0.0, 10.0))]
         for k, unit in enumerate(np.eye(3)):
             assert frames.ned_to_fixed(*trig(lat, lon), tuple(unit)) == pytest.approx(directions[k], abs=1e-8)
         v = tuple(RNG.normal(size=3))
-        assert frames.fixed_to_ned(*trig(lat, lon), v) == pytest.approx([d @ np.array(v) for d in directions], abs=1e-8)
+        assert frames.fixed_to_ned(*trig(lat, lon), v) == pytest.approx(
+            [d @ np.array(v) for d in directions], abs=1e-8
+        )
         rotation = Rotation.from_euler("ZY", (lon, -lat - pi / 2))  # the textbook sequence from F to N
         assert frames.fixed_to_ned(*trig(lat, lon), v) == pytest.approx(rotation.inv().apply(v), abs=1e-14)
-        assert to_frame(frames.ned_attitude(*trig(lat, lon)), v) == pytest.approx(rotation.inv().apply(v), abs=1e-14)
+        assert to_frame(frames.ned_attitude(*trig(lat, lon)), v) == pytest.approx(
+            rotation.inv().apply(v), abs=1e-14
+        )
 
 
 @pytest.mark.parametrize("lat_deg", [-90.0, 90.0])
 def test_the_local_frame_exists_at_the_poles(lat_deg):
     lat = radians(lat_deg)
-    assert frames.ned_to_fixed(*trig(lat, 0.4), (0.0, 0.0, 1.0)) == pytest.approx((0.0, 0.0, -lat_deg / 90.0), abs=1e-15)
+    assert frames.ned_to_fixed(*trig(lat, 0.4), (0.0, 0.0, 1.0)) == pytest.approx(
+        (0.0, 0.0, -lat_deg / 90.0), abs=1e-15
+    )
     q = frames.ned_attitude(*trig(lat, 0.4))
     assert np.linalg.norm(q) == pytest.approx(1.0, abs=1e-15)
 
@@ -139,12 +161,16 @@ def test_east_north_up_from_the_landing_site():
         (0.0, 0.0, 100.0): frames.from_geodetic(*MARS, lat, lon, 100.0),
     }
     for expected, position in walks.items():
-        assert frames.fixed_to_enu(site, *trig(lat, lon), position) == pytest.approx(expected, abs=2e-3)  # curvature: 1.5 mm
+        # curvature: 1.5 mm
+        assert frames.fixed_to_enu(site, *trig(lat, lon), position) == pytest.approx(expected, abs=2e-3)
 
 
 def test_great_circle_from_los_angeles_to_new_york():
     """Williams, Aviation Formulary, worked example: 0.623585 rad, initial course 66 deg (1.150035 rad)."""
-    lax, jfk = (radians(33 + 57 / 60), -radians(118 + 24 / 60)), (radians(40 + 38 / 60), -radians(73 + 47 / 60))
+    lax, jfk = (
+        (radians(33 + 57 / 60), -radians(118 + 24 / 60)),
+        (radians(40 + 38 / 60), -radians(73 + 47 / 60)),
+    )
     angle, azimuth = frames.great_circle(sin(lax[0]), cos(lax[0]), lax[1], sin(jfk[0]), cos(jfk[0]), jfk[1])
     assert angle == pytest.approx(0.623585, abs=1e-6)
     assert azimuth == pytest.approx(1.150035, abs=1e-6) and round(degrees(azimuth)) == 66
@@ -155,8 +181,12 @@ def test_great_circle_is_the_haversine_angle_and_points_at_the_target():
         angle, azimuth = frames.great_circle(sin(lat1), cos(lat1), lon1, sin(lat2), cos(lat2), lon2)
         haversine = sin((lat2 - lat1) / 2) ** 2 + cos(lat1) * cos(lat2) * sin((lon2 - lon1) / 2) ** 2
         assert angle == pytest.approx(2.0 * asin(sqrt(haversine)), abs=1e-7)
-        north, east, _ = frames.fixed_to_ned(*trig(lat1, lon1), (cos(lat2) * cos(lon2), cos(lat2) * sin(lon2), sin(lat2)))
-        assert (cos(azimuth), sin(azimuth)) == pytest.approx((north / hypot(north, east), east / hypot(north, east)), abs=1e-12)
+        north, east, _ = frames.fixed_to_ned(
+            *trig(lat1, lon1), (cos(lat2) * cos(lon2), cos(lat2) * sin(lon2), sin(lat2))
+        )
+        assert (cos(azimuth), sin(azimuth)) == pytest.approx(
+            (north / hypot(north, east), east / hypot(north, east)), abs=1e-12
+        )
 
 
 @pytest.mark.parametrize("metres", [0.001, 1.0, 100.0])
@@ -174,9 +204,14 @@ def test_angle_of_attack_and_sideslip_of_a_known_velocity():
     rebuilt = (speed * cos(alpha) * cos(beta), speed * sin(beta), speed * sin(alpha) * cos(beta))
     assert rebuilt == pytest.approx((400.0, 30.0, -70.0), rel=1e-14)
     assert alpha < 0.0 < beta  # wind from above and from the right
-    assert frames.total_angle_of_attack((400.0, 30.0, -70.0)) == pytest.approx(atan2(hypot(30.0, 70.0), 400.0), rel=1e-12)
+    assert frames.total_angle_of_attack((400.0, 30.0, -70.0)) == pytest.approx(
+        atan2(hypot(30.0, 70.0), 400.0), rel=1e-12
+    )
     assert frames.total_angle_of_attack((-1.0, 0.0, 0.0)) == pytest.approx(pi)
-    assert frames.wind_angles((0.0, 0.0, 0.0)) == (0.0, 0.0, 0.0) and frames.total_angle_of_attack((0.0, 0.0, 0.0)) == 0.0
+    assert (
+        frames.wind_angles((0.0, 0.0, 0.0)) == (0.0, 0.0, 0.0)
+        and frames.total_angle_of_attack((0.0, 0.0, 0.0)) == 0.0
+    )
 
 
 @pytest.mark.parametrize("bank_deg", [-180.0, -120.0, -45.0, 0.0, 15.0, 90.0, 170.0])
@@ -193,7 +228,9 @@ def test_attitude_carries_bank_angle_of_attack_and_sideslip(bank_deg, alpha_deg,
 
 @pytest.mark.parametrize("bank_deg", [-150.0, -60.0, 0.0, 40.0, 90.0, 180.0])
 def test_lift_points_up_at_zero_bank_and_right_at_ninety(bank_deg):
-    """The lift of a positive angle of attack, in B (sin a, 0, -cos a), seen against the vertical and the right-hand side."""
+    """The lift of a positive angle of attack, in B (sin a, 0, -cos a), seen against the vertical and the
+    right-hand side.
+    """
     bank, alpha = radians(bank_deg), radians(12.0)
     for up in UP:
         v = tuple(map(float, RNG.normal(size=3)))

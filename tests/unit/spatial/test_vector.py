@@ -62,4 +62,6 @@ def test_angular_acceleration_solves_euler_for_any_body():
         inertia, moment = random_inertia(), tuple(RNG.normal(size=3) * 1e3)
         expected = np.linalg.solve(tensor(inertia), moment)
         condition = np.linalg.cond(tensor(inertia))
-        assert vector.inertia_solve(inertia, moment) == pytest.approx(expected, abs=1e-14 * condition * np.linalg.norm(expected))
+        assert vector.inertia_solve(inertia, moment) == pytest.approx(
+            expected, abs=1e-14 * condition * np.linalg.norm(expected)
+        )

@@ -1,4 +1,6 @@
-"""A capsule of 3.4 m with the default parameters: its records, and its coefficients and forces in one call."""
+"""A capsule of 3.4 m with the default parameters: its records, and its coefficients and forces in one
+call.
+"""
 
 from math import cos, pi, radians, sin
 
@@ -43,7 +45,9 @@ def velocity(angle_deg, roll_deg=90.0, speed=1.0):
 
 
 def coefficients(table, mach, angle_deg, rho=DENSE, aero=None):
-    return np.array(capsule_coefficients((aero or record()).capsule, table, gas_record(), mach, rho, radians(angle_deg)))
+    return np.array(
+        capsule_coefficients((aero or record()).capsule, table, gas_record(), mach, rho, radians(angle_deg))
+    )
 
 
 def wrench(table, vel, mach=5.0, rho=DENSE, rates=(0.0, 0.0, 0.0), aero=None):

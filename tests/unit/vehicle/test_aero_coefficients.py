@@ -1,14 +1,34 @@
-"""Coefficients of the capsule against the published table, between its nodes, beyond its end, and in thin air."""
+"""Coefficients of the capsule against the published table, between its nodes, beyond its end, and in thin
+air.
+"""
 
 import csv
 from math import cos, log10, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from aero_capsule import AREA, DENSE, PARAMS, RARE, D, coefficients, gas_record, record, table_of, velocity, wrench
+from aero_capsule import (
+    AREA,
+    DENSE,
+    PARAMS,
+    RARE,
+    D,
+    coefficients,
+    gas_record,
+    record,
+    table_of,
+    velocity,
+    wrench,
+)
 
 from edl6dof.vehicle.aerodynamics import free_molecular_weight
-from edl6dof.vehicle.aerotable import PACKAGED, capsule_rings, read_static_table, stagnation_pressure_coefficient, surface_integrals
+from edl6dof.vehicle.aerotable import (
+    PACKAGED,
+    capsule_rings,
+    read_static_table,
+    stagnation_pressure_coefficient,
+    surface_integrals,
+)
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +38,10 @@ def table():
 
 def phoenix_rows():
     with (PACKAGED / "phoenix_70deg_static_aero.csv").open() as stream:
-        return [tuple(map(float, row.values())) for row in csv.DictReader(line for line in stream if line[0] != "#")]
+        return [
+            tuple(map(float, row.values()))
+            for row in csv.DictReader(line for line in stream if line[0] != "#")
+        ]
 
 
 def test_phoenix_nodes_are_reproduced_as_lift_and_drag(table):
@@ -43,7 +66,9 @@ def test_mach_is_interpolated_linearly_and_clamped(table):
 
 @pytest.mark.parametrize("mach", [0.4, 1.2, 2.0, 5.0, 17.0, 30.0])
 def test_no_overshoot_between_the_nodes(table, mach):
-    """A cubic spline would overshoot in CN and Cm where Phoenix is nearly flat; every value must lie between its neighbours."""
+    """A cubic spline would overshoot in CN and Cm where Phoenix is nearly flat; every value must lie between
+    its neighbours.
+    """
     nodes = [0.0, 2.0, 4.0, 6.0, 11.0, 16.0]
     for low, high in zip(nodes, nodes[1:], strict=False):
         ends = np.sort([coefficients(table, mach, low)[:3], coefficients(table, mach, high)[:3]], axis=0)
@@ -54,7 +79,9 @@ def test_no_overshoot_between_the_nodes(table, mach):
 
 @pytest.mark.parametrize("rho", [DENSE, 1e-7, RARE])
 def test_value_and_slope_are_continuous_everywhere(table, rho):
-    """C1 in angle, through every node, 16 deg (end of the table), 40 deg (end of the fade), 90 and nearly 180 deg."""
+    """C1 in angle, through every node, 16 deg (end of the table), 40 deg (end of the fade), 90 and nearly 180
+    deg.
+    """
     h = 1e-4
     for mach in (0.4, 1.2, 2.3, 10.8, 30.0):
         for angle in (1.0, 2.0, 6.0, 11.0, 16.0, 17.0, 40.0, 41.0, 90.0, 179.0):
@@ -68,12 +95,18 @@ def test_beyond_the_fade_it_is_newtonian(table):
     x_ref = -0.253 * D
     newton, _ = surface_integrals(capsule_rings(PARAMS.capsule), np.radians([40.0, 65.0, 120.0]), D, x_ref)
     for angle, row in zip((40.0, 65.0, 120.0), newton, strict=True):
-        assert coefficients(table, 5.0, angle)[:3] == pytest.approx(stagnation_pressure_coefficient(5.0, 1.33) * row, rel=1e-9)
-    assert coefficients(table, 5.0, 28.0)[0] != pytest.approx(stagnation_pressure_coefficient(5.0, 1.33) * newton[0, 0], rel=1e-3)
+        assert coefficients(table, 5.0, angle)[:3] == pytest.approx(
+            stagnation_pressure_coefficient(5.0, 1.33) * row, rel=1e-9
+        )
+    assert coefficients(table, 5.0, 28.0)[0] != pytest.approx(
+        stagnation_pressure_coefficient(5.0, 1.33) * newton[0, 0], rel=1e-3
+    )
 
 
 def test_stored_slopes_belong_to_the_values(table):
-    """Between whole degrees the curve must not ripple: slopes agree with central differences of the values."""
+    """Between whole degrees the curve must not ripple: slopes agree with central differences of the
+    values.
+    """
     values, slopes = table.continuum[: table.n_mach, :, 0:6:2], table.continuum[: table.n_mach, :, 1:6:2]
     centred = 0.5 * (values[:, 2:] - values[:, :-2])
     assert slopes[:, 17:-1] == pytest.approx(centred[:, 16:], abs=2e-3)  # 1.6e-3: curvature jump at 40 deg
@@ -83,7 +116,9 @@ def test_bridging_limits_and_middle(table):
     capsule = record().capsule
     path = 7.308e-26 / (sqrt(2) * pi * 4.59e-10**2)  # mean free path times density
     for kn, weight in ((9e-4, 0.0), (1e-3, 0.0), (1e-1, 0.5), (10.0, 1.0), (11.0, 1.0)):
-        assert free_molecular_weight(capsule, gas_record(), path / (kn * D)) == pytest.approx(weight, abs=1e-9)
+        assert free_molecular_weight(capsule, gas_record(), path / (kn * D)) == pytest.approx(
+            weight, abs=1e-9
+        )
     assert free_molecular_weight(capsule, gas_record(), 0.0) == 1.0
     for kn in (1.5e-3, 8.0, 0.03):
         got = free_molecular_weight(capsule, gas_record(), path / (kn * D))

@@ -1,10 +1,24 @@
-"""Aerodynamic force and moment of capsule, bluff bodies and constant coefficients: symmetry, signs, limits, damping, factors."""
+"""Aerodynamic force and moment of capsule, bluff bodies and constant coefficients: symmetry, signs, limits,
+damping, factors.
+"""
 
 from math import cos, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from aero_capsule import AREA, DENSE, PARAMS, D, capsule_with, coefficients, gas_record, record, table_of, velocity, wrench
+from aero_capsule import (
+    AREA,
+    DENSE,
+    PARAMS,
+    D,
+    capsule_with,
+    coefficients,
+    gas_record,
+    record,
+    table_of,
+    velocity,
+    wrench,
+)
 from pydantic import ValidationError
 
 from edl6dof.vehicle.aerodynamics import (
@@ -67,8 +81,21 @@ def test_zero_lateral_velocity_is_finite_and_the_limit(table):
     assert np.all(np.isfinite(wrench(table, (-500.0, 0.0, 0.0))))
 
 
-@pytest.mark.parametrize("angle, mach, cmq", [(0, 2.0, 0.30), (2, 1.5, 0.35), (5, 2.5, 0.05), (10, 2.5, -0.2), (60, 0.8, -0.2),
-                                              (0, 0.8, -0.1), (3.5, 2.0, 0.2), (0, 20.0, -0.1), (10, 5.0, -0.135)])  # fmt: skip
+@pytest.mark.parametrize(
+    "angle, mach, cmq",
+    [
+        (0, 2.0, 0.30),
+        (2, 1.5, 0.35),
+        (5, 2.5, 0.05),
+        (10, 2.5, -0.2),
+        (60, 0.8, -0.2),
+        # fmt: skip
+        (0, 0.8, -0.1),
+        (3.5, 2.0, 0.2),
+        (0, 20.0, -0.1),
+        (10, 5.0, -0.135),
+    ],
+)
 def test_damping_table_and_sign_of_the_moment(table, angle, mach, cmq):
     assert coefficients(table, mach, angle)[3] == pytest.approx(cmq, abs=1e-12)
     speed = 400.0
@@ -110,7 +137,9 @@ def test_bluff_body():
 @pytest.mark.parametrize("configuration, cg_x", [(CONFIG_BACKSHELL, -1.0), (CONFIG_LANDER, -0.9)])
 def test_bluff_bodies_are_statically_stable_about_a_forward_cg(configuration, cg_x):
     empty = np.zeros(1, AERO_TABLE).view(np.recarray)[0]  # not used by bluff bodies
-    got = aerodynamic_wrench(record(), empty, gas_record(), configuration, 1.0, 0.5, DENSE, *velocity(10.0), 0.0, 0.0, 0.0)
+    got = aerodynamic_wrench(
+        record(), empty, gas_record(), configuration, 1.0, 0.5, DENSE, *velocity(10.0), 0.0, 0.0, 0.0
+    )
     fx, fy, fz, mx, my, mz, x_ref = got
     bluff = PARAMS.backshell if configuration == CONFIG_BACKSHELL else PARAMS.lander
     assert x_ref == bluff.centre_of_pressure_x_m
@@ -120,7 +149,9 @@ def test_bluff_bodies_are_statically_stable_about_a_forward_cg(configuration, cg
 
 def test_constant_aero_is_nesc_drag_and_rate_damping():
     damping = {"roll_damping": -1.0, "pitch_damping": -2.0, "yaw_damping": -3.0}
-    params = ConstantAeroParams(drag_coefficient=0.1, reference_area_m2=0.5, span_m=0.4, chord_m=0.7, **damping)
+    params = ConstantAeroParams(
+        drag_coefficient=0.1, reference_area_m2=0.5, span_m=0.4, chord_m=0.7, **damping
+    )
     aero = record(AeroParams(model="constant", constant=params))
     got = np.array(constant_aero(aero, 100.0, 30.0, 40.0, 0.0, 0.1, 0.2, 0.3))
     b, c = 0.4**2 / (2 * 50), 0.7**2 / (2 * 50)
@@ -131,9 +162,18 @@ def test_constant_aero_is_nesc_drag_and_rate_damping():
 def test_dispatch(table):
     arguments = (100.0, 5.0, DENSE, *velocity(8.0, 40.0, 900.0), 0.01, 0.02, 0.03)
     got = aerodynamic_wrench(record(), table, gas_record(), CONFIG_CAPSULE, *arguments)
-    assert got[:6] == capsule_aero(record(), table, gas_record(), *arguments) and got[6] == pytest.approx(-0.253 * D)
-    assert aerodynamic_wrench(record(AeroParams(model="none")), table, gas_record(), CONFIG_CAPSULE, *arguments) == (0.0,) * 7
-    constant = record(AeroParams(model="constant", constant=ConstantAeroParams(drag_coefficient=1.0, moment_reference_x_m=-0.5)))
+    assert got[:6] == capsule_aero(record(), table, gas_record(), *arguments) and got[6] == pytest.approx(
+        -0.253 * D
+    )
+    assert (
+        aerodynamic_wrench(record(AeroParams(model="none")), table, gas_record(), CONFIG_CAPSULE, *arguments)
+        == (0.0,) * 7
+    )
+    constant = record(
+        AeroParams(
+            model="constant", constant=ConstantAeroParams(drag_coefficient=1.0, moment_reference_x_m=-0.5)
+        )
+    )
     got = aerodynamic_wrench(constant, table, gas_record(), CONFIG_LANDER, *arguments)
     assert sqrt(sum(f * f for f in got[:3])) == pytest.approx(100.0) and got[6] == -0.5
 

@@ -21,7 +21,9 @@ def mars():
 
 
 def falling(mars, height, speed, drag_area):
-    """A part of 100 kg moving level, eastwards in inertial axes, at ``height`` (m) above the landing site's latitude."""
+    """A part of 100 kg moving level, eastwards in inertial axes, at ``height`` (m) above the landing site's
+    latitude.
+    """
     _, _, plant = mars
     part = plant[0]["debris"][0]
     out = (3.396e6 + height) * np.array([np.cos(0.43), 0.0, np.sin(0.43)])

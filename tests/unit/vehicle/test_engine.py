@@ -1,4 +1,6 @@
-"""Main engine against the exponential of a first-order lag, straight ramps, scipy rotations and the rocket equation."""
+"""Main engine against the exponential of a first-order lag, straight ramps, scipy rotations and the rocket
+equation.
+"""
 
 from math import exp, log, radians
 
@@ -58,8 +60,11 @@ def test_cut_off_falls_as_fast_as_ignition_rises():
 @pytest.mark.parametrize("ty, tz", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (2.5, -4.0)])
 def test_thrust_is_minus_x_turned_about_y_and_then_about_z(ty, tz):
     nozzle = (-0.2, 0.03, -0.01)
-    force, moment = thrust_wrench(engine(misalignment_y_deg=ty, misalignment_z_deg=tz, nozzle_m=nozzle, thrust_factor=0.97), 5000.0)
-    expected = Rotation.from_euler("yz", (radians(ty), radians(tz))).apply((-0.97 * 5000.0, 0.0, 0.0))  # extrinsic: fixed axes of B
+    force, moment = thrust_wrench(
+        engine(misalignment_y_deg=ty, misalignment_z_deg=tz, nozzle_m=nozzle, thrust_factor=0.97), 5000.0
+    )
+    # extrinsic: fixed axes of B
+    expected = Rotation.from_euler("yz", (radians(ty), radians(tz))).apply((-0.97 * 5000.0, 0.0, 0.0))
     assert force == pytest.approx(expected, abs=1e-9)
     assert moment == pytest.approx(np.cross(nozzle, expected), abs=1e-9)
 

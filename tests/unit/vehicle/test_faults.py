@@ -1,6 +1,7 @@
 """A fault changes what the actuators do, not what they are told, from its time on.
 
-The oracle is the impulse of a rectangular pulse: thrust times open time, because valves rise and fall in the same time.
+The oracle is the impulse of a rectangular pulse: thrust times open time, because valves rise and fall in the
+same time.
 """
 
 import numpy as np
@@ -59,21 +60,26 @@ def test_thruster_that_dies_within_a_pulse_has_given_the_part_before(tables):
 
 def test_stuck_thruster_burns_from_its_time_on_until_it_is_isolated(tables):
     case, plant, command = broken(tables, "{thruster: D7, kind: stuck_on, at: {time_s: 0.2}}")
-    assert impulse(case, plant, command, 25)[0][2] == pytest.approx(-250.0 * (0.3 - 0.006))  # 12 ms rise, no decay yet
+    # 12 ms rise, no decay yet
+    assert impulse(case, plant, command, 25)[0][2] == pytest.approx(-250.0 * (0.3 - 0.006))
     command["isolate"][D7] = 1
     plant["valves"]["level"][:] = 0.0
     assert impulse(case, plant, command, 25)[0] == pytest.approx((0.0, 0.0, 0.0))
 
 
 def test_weak_thruster_gives_its_share_of_impulse_and_uses_its_share_of_propellant(tables):
-    case, plant, command = broken(tables, "{thruster: D7, kind: degraded, degraded: {thrust_factor: 0.3}, at: {time_s: 0}}")
+    case, plant, command = broken(
+        tables, ("{thruster: D7, kind: degraded, degraded: {thrust_factor: 0.3}, at: {time_s: 0}}")
+    )
     push, used = impulse(case, plant, command, 40, (D7, 0.1, 0.5))
     assert push[2] == pytest.approx(-0.3 * 250.0 * 0.4)
     assert used == pytest.approx(0.3 * 250.0 * 0.4 / (270.0 * 9.80665))
 
 
 def test_fault_of_a_phase_counts_from_the_cycle_in_which_that_phase_was_entered(tables):
-    case, plant, command = broken(tables, "{thruster: D7, kind: stuck_off, at: {phase: parachute, plus_s: 0.1}}")
+    case, plant, command = broken(
+        tables, ("{thruster: D7, kind: stuck_off, at: {phase: parachute, plus_s: 0.1}}")
+    )
     for k in range(20):
         plant["t"], command["phase"] = k * CYCLE, 1 if k < 7 else 2
         actuate(case, command, plant)
@@ -88,7 +94,9 @@ def test_phase_that_is_skipped_still_starts_its_fault(tables):
 
 
 def test_mortar_fires_late_by_the_delay_and_nothing_else_does(tables):
-    case, plant, command = broken(tables, "{kind: parachute_delay, parachute_delay: {delay_s: 2.5}, at: {time_s: 0}}")
+    case, plant, command = broken(
+        tables, ("{kind: parachute_delay, parachute_delay: {delay_s: 2.5}, at: {time_s: 0}}")
+    )
     command["request"][[MORTAR, IGNITION]] = 1
     actuate(case, command, plant)
     vehicle = case["vehicle"]
@@ -143,12 +151,21 @@ def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
 @pytest.mark.parametrize(
     ("fault", "words"),
     [
-        ("{thruster: D9, kind: stuck_off, at: {time_s: 1}}", "faults.0.thruster: no thruster named 'D9'; names: D1, D2"),
-        ("{thruster: D7, kind: stuck_off, at: {phase: hazard}}", "faults.0.at.phase: no phase named 'hazard'; names: trim_aoa"),
+        (
+            "{thruster: D9, kind: stuck_off, at: {time_s: 1}}",
+            ("faults.0.thruster: no thruster named 'D9'; names: D1, D2"),
+        ),
+        (
+            "{thruster: D7, kind: stuck_off, at: {phase: hazard}}",
+            ("faults.0.at.phase: no phase named 'hazard'; names: trim_aoa"),
+        ),
         ("{thruster: D7, kind: stuck, at: {time_s: 1}}", "faults.0.kind: unknown name"),
         ("{kind: stuck_off, at: {time_s: 1}}", "faults.0: stuck_off must name its thruster"),
         ("{thruster: D7, kind: wing_lost, at: {time_s: 1}}", "faults.0: wing_lost is not about a thruster"),
-        ("{thruster: D7, kind: stuck_off, at: {time_s: 1, phase: lift}}", "faults.0.at: must name either a phase"),
+        (
+            "{thruster: D7, kind: stuck_off, at: {time_s: 1, phase: lift}}",
+            "faults.0.at: must name either a phase",
+        ),
         ("{thruster: D7, kind: stuck_off}", "faults.0.at: "),
     ],
 )

@@ -1,6 +1,7 @@
 """Footpads against statics, Coulomb friction, the work they can do and a drop integrated with scipy.
 
-The lander stands on x of B pointing down; heights and motion are worked out in the ground's axes (up, two along the ground).
+The lander stands on x of B pointing down; heights and motion are worked out in the ground's axes (up, two
+along the ground).
 """
 
 from math import exp, pi, sqrt
@@ -27,13 +28,17 @@ def gear(pads=PADS, **changes):
 
 
 def fly(record, clearance, v_up, v_side, duration):
-    """Motion of the upright lander: rows height above first contact, climb rate, distance and speed along the ground."""
+    """Motion of the upright lander: rows height above first contact, climb rate, distance and speed along the
+    ground.
+    """
 
     def motion(t, y):
         force, _, _ = contact(record, CENTRE, HEIGHT + y[0], UP, (-y[1], y[3], 0.0), REST)
         return [y[1], -force[0] / MASS - G, y[3], force[1] / MASS]
 
-    return solve_ivp(motion, (0.0, duration), [clearance, v_up, 0.0, v_side], rtol=1e-8, atol=1e-10, max_step=0.01)
+    return solve_ivp(
+        motion, (0.0, duration), [clearance, v_up, 0.0, v_side], rtol=1e-8, atol=1e-10, max_step=0.01
+    )
 
 
 @pytest.mark.parametrize("pads", [PADS, PADS[:3]], ids=["four legs", "three legs"])
@@ -45,7 +50,9 @@ def test_static_sink_depth_is_weight_over_all_springs(pads):
 
 def test_a_dropped_lander_comes_to_rest_at_the_static_height():
     end = fly(gear(), 0.5, -1.0, 0.0, 5.0).y[:, -1]
-    assert end[0] == pytest.approx(-MASS * G / (4 * STIFFNESS), abs=1e-5) and end[1] == pytest.approx(0.0, abs=1e-4)
+    assert end[0] == pytest.approx(-MASS * G / (4 * STIFFNESS), abs=1e-5) and end[1] == pytest.approx(
+        0.0, abs=1e-4
+    )
 
 
 def test_without_damping_it_bounces_back_to_its_speed_and_with_damping_it_does_not():
@@ -58,7 +65,9 @@ def test_without_damping_it_bounces_back_to_its_speed_and_with_damping_it_does_n
 
 
 def test_a_lightly_damped_bounce_keeps_the_energy_of_a_damped_oscillator():
-    """Weightless: from touch to lift-off, with the pull-free end, speed ratio close to exp(-z pi / sqrt(1 - z^2))."""
+    """Weightless: from touch to lift-off, with the pull-free end, speed ratio close to exp(-z pi / sqrt(1 -
+    z^2)).
+    """
     record = gear(damping_n_s_m=60.0)
     omega = sqrt(4 * STIFFNESS / MASS)
     ratio = 4 * 60.0 / (2.0 * MASS * omega)
@@ -72,7 +81,9 @@ def test_a_lightly_damped_bounce_keeps_the_energy_of_a_damped_oscillator():
 
 @pytest.mark.parametrize("friction", [0.3, 0.6])
 def test_sliding_stops_with_the_deceleration_of_coulomb(friction):
-    """From 3 m/s at the static height: speed falls by mu g t while it is far above the smoothing speed, and it stops."""
+    """From 3 m/s at the static height: speed falls by mu g t while it is far above the smoothing speed, and
+    it stops.
+    """
     sink = MASS * G / (4 * STIFFNESS)
     path = fly(gear(friction=friction), -sink, 0.0, 3.0, 8.0)
     fast = path.y[3] > 0.8
@@ -99,14 +110,18 @@ def test_the_ground_pushes_but_never_pulls():
 
 
 def test_the_gear_never_gives_back_more_than_its_springs_hold():
-    """Power on the vehicle (force on velocity, moment on rate) plus growth of the spring energy: never positive, any motion."""
+    """Power on the vehicle (force on velocity, moment on rate) plus growth of the spring energy: never
+    positive, any motion.
+    """
     record, rng = gear(), np.random.default_rng(6)
     contacts = 0
     for _ in range(300):
         turn = Rotation.from_rotvec(rng.normal(size=3) * 0.2)
         up, v, w = turn.apply(UP), rng.normal(size=3) * 2.0, rng.normal(size=3)
         clearance = HEIGHT + rng.uniform(-0.2, 0.2)
-        force, moment, _ = (np.array(x) for x in contact(record, CENTRE, clearance, tuple(up), tuple(v), tuple(w)))
+        force, moment, _ = (
+            np.array(x) for x in contact(record, CENTRE, clearance, tuple(up), tuple(v), tuple(w))
+        )
         arms = np.array(PADS) - CENTRE
         depth = np.maximum(-(clearance + arms @ up), 0.0)
         climb = (v + np.cross(w, arms)) @ up
@@ -117,7 +132,9 @@ def test_the_gear_never_gives_back_more_than_its_springs_hold():
 
 
 def test_a_tilted_lander_is_pushed_upright_by_its_lower_leg():
-    """Tilted about y so that the +z leg is low: only it touches, and its moment about the centre is arm cross force."""
+    """Tilted about y so that the +z leg is low: only it touches, and its moment about the centre is arm cross
+    force.
+    """
     up = Rotation.from_euler("y", 0.2).apply(UP)
     arms = np.array(PADS) - CENTRE
     low = int(np.argmin(arms @ up))

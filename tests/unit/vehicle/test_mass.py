@@ -1,7 +1,8 @@
 """Mass properties against conservation and a brute-force cloud of point masses.
 
-A rigid body is replaced by point masses with the same mass, centre and inertia (six on its principal axes); the cloud of all
-attached parts is then summed by the definitions of centre and inertia.  No parallel-axis theorem is used on this side.
+A rigid body is replaced by point masses with the same mass, centre and inertia (six on its principal axes);
+the cloud of all attached parts is then summed by the definitions of centre and inertia.  No parallel-axis
+theorem is used on this side.
 """
 
 import numpy as np
@@ -26,7 +27,12 @@ PARTS = {
     "parachute": Part(mass_kg=38.0, centre_m=(-2.35, 0.0, 0.01), inertia_kg_m2=(2.0, 1.5, 1.6)),
     "propellant": Part(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
 }
-VEHICLE = MassParams(entry_kg=1285.0, entry_centre_m=(-0.85, 0.004, -0.034), entry_inertia_kg_m2=(1150.0, 1020.0, 990.0), **PARTS)
+VEHICLE = MassParams(
+    entry_kg=1285.0,
+    entry_centre_m=(-0.85, 0.004, -0.034),
+    entry_inertia_kg_m2=(1150.0, 1020.0, 990.0),
+    **PARTS,
+)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +61,9 @@ def cloud(mass, centre, inertia):
     """Six point masses (rows m, x, y, z) with the same mass, centre and inertia tensor."""
     moments, axes = np.linalg.eigh(inertia)
     reach = np.sqrt(np.maximum(moments.sum() / 2.0 - moments, 0.0) * 3.0 / mass)
-    rows = [(mass / 6.0, *(np.asarray(centre) + s * reach[k] * axes[:, k])) for k in range(3) for s in (1.0, -1.0)]
+    rows = [
+        (mass / 6.0, *(np.asarray(centre) + s * reach[k] * axes[:, k])) for k in range(3) for s in (1.0, -1.0)
+    ]
     return np.array(rows)
 
 
@@ -64,7 +72,11 @@ def summed(points):
     m, p = points[:, 0], points[:, 1:]
     centre = m @ p / m.sum()
     arms = p - centre
-    return m.sum(), centre, sum(mi * (a @ a * np.eye(3) - np.outer(a, a)) for mi, a in zip(m, arms, strict=True))
+    return (
+        m.sum(),
+        centre,
+        sum(mi * (a @ a * np.eye(3) - np.outer(a, a)) for mi, a in zip(m, arms, strict=True)),
+    )
 
 
 def part_cloud(part, share=1.0):
@@ -97,7 +109,10 @@ def test_what_is_left_after_a_jettison_is_the_cloud_of_what_was_not_thrown_off(r
 
 def test_two_bodies_joined_have_the_inertia_of_their_point_masses_in_either_order():
     rng = np.random.default_rng(4)
-    clouds = [np.column_stack([rng.uniform(1, 9, 5), rng.normal(size=(5, 3)) + offset]) for offset in (0.0, (2.0, -1.0, 0.5))]
+    clouds = [
+        np.column_stack([rng.uniform(1, 9, 5), rng.normal(size=(5, 3)) + offset])
+        for offset in (0.0, (2.0, -1.0, 0.5))
+    ]
     bodies = []
     for points in clouds:
         mass, centre, inertia = summed(points)
@@ -121,13 +136,19 @@ def test_the_last_drop_of_propellant_leaves_without_a_jump(records):
 
 
 def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
-    bare = MassParams(entry_kg=500.0, entry_centre_m=(-0.8, 0.0, 0.0), entry_inertia_kg_m2=(300.0, 200.0, 210.0))
+    bare = MassParams(
+        entry_kg=500.0, entry_centre_m=(-0.8, 0.0, 0.0), entry_inertia_kg_m2=(300.0, 200.0, 210.0)
+    )
     mass = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
     lander = np.zeros(1, BODY).view(np.recarray)[0]
     fill(mass, bare)
     fill_lander(lander, bare)
     total, centre, inertia = composed((mass, lander), (1, 1, 1), 0.0)
-    assert total == 500.0 and tuple(centre) == (-0.8, 0.0, 0.0) and np.array_equal(inertia, np.diag([300.0, 200.0, 210.0]))
+    assert (
+        total == 500.0
+        and tuple(centre) == (-0.8, 0.0, 0.0)
+        and np.array_equal(inertia, np.diag([300.0, 200.0, 210.0]))
+    )
 
 
 @pytest.mark.parametrize(
@@ -137,9 +158,18 @@ def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
         ({"entry_kg": 518.0}, "more than entry_kg"),
         ({"entry_inertia_kg_m2": (1150.0, 1020.0, 150.0)}, "impossible principal inertias"),
         ({"entry_inertia_kg_m2": (3500.0, 1020.0, 990.0)}, "impossible principal inertias"),
-        ({"backshell": PARTS["backshell"].model_copy(update={"centre_m": (-4.5, 0.0, 0.0)})}, "impossible principal inertias"),
+        (
+            {"backshell": PARTS["backshell"].model_copy(update={"centre_m": (-4.5, 0.0, 0.0)})},
+            "impossible principal inertias",
+        ),
     ],
-    ids=["parts too heavy", "nothing left", "negative inertia", "flatter than a disk", "backshell too far aft"],
+    ids=[
+        "parts too heavy",
+        "nothing left",
+        "negative inertia",
+        "flatter than a disk",
+        "backshell too far aft",
+    ],
 )
 def test_a_lander_that_cannot_exist_is_refused(change, words):
     with pytest.raises(ValidationError, match=words):

@@ -1,7 +1,9 @@
-"""Parachute against the published nodes, the closed-form fall with square-law drag, and what a canopy and a rope can do at all.
+"""Parachute against the published nodes, the closed-form fall with square-law drag, and what a canopy and a
+rope can do at all.
 
-Nodes: Cruz et al. 2013 as printed in the reference data (parachute_models.json), numbers typed here once more.  Fall: v = v_t
-tanh(g t / v_t).  Ropes pull, air takes energy away, and inside the trim angle the canopy is pushed outward.
+Nodes: Cruz et al. 2013 as printed in the reference data (parachute_models.json), numbers typed here once
+more.  Fall: v = v_t tanh(g t / v_t).  Ropes pull, air takes energy away, and inside the trim angle the canopy
+is pushed outward.
 """
 
 from math import cos, pi, radians, sin, sqrt, tanh
@@ -22,7 +24,9 @@ def chute(**changes):
 
 
 def force(record, angle_deg, fraction=1.0, density=0.01, mach=0.5, t=0.0, speed=120.0, roll=0.7):
-    """Canopy force in axes (along the canopy's axis towards the vehicle, two across), flying at an angle to that axis."""
+    """Canopy force in axes (along the canopy's axis towards the vehicle, two across), flying at an angle to
+    that axis.
+    """
     a = radians(angle_deg)
     v = (speed * cos(a), speed * sin(a) * cos(roll), speed * sin(a) * sin(roll))
     return np.array(kernels.canopy_force(record, fraction, density, mach, t, v, (1.0, 0.0, 0.0))), np.array(v)
@@ -55,7 +59,9 @@ def test_inflation_fills_in_the_published_time_and_overshoots_by_the_opening_loa
     full = times[fraction.argmax()]
     assert full == pytest.approx(19.7 / 27.2, abs=1e-3)  # 0.724 s for MSL
     assert fraction.max() == pytest.approx(1.344, abs=1e-3)
-    assert fraction[times <= 0.0].max() == 0.0 and fraction[times > full + 0.25].tolist() == pytest.approx([1.0] * sum(times > full + 0.25))
+    assert fraction[times <= 0.0].max() == 0.0 and fraction[times > full + 0.25].tolist() == pytest.approx(
+        [1.0] * sum(times > full + 0.25)
+    )
     assert np.all(np.diff(fraction[times <= full]) >= 0.0) and np.all(np.diff(fraction[times >= full]) <= 0.0)
     assert np.abs(np.diff(fraction)).max() < 1e-3  # continuous: 4 * 1.344 / 0.724 s * 0.1 ms = 7e-4
     half = kernels.inflation(record, 0.5 * 19.7 / 27.2)
@@ -81,7 +87,9 @@ def test_a_riser_pulls_and_never_pushes():
 
 
 def test_a_stretched_riser_swings_at_its_frequency_and_loses_energy_by_its_damping_ratio():
-    """Mass held by a damped spring about a steady pull: peak ratio over a period exp(-2 pi z / sqrt(1 - z^2))."""
+    """Mass held by a damped spring about a steady pull: peak ratio over a period exp(-2 pi z / sqrt(1 -
+    z^2)).
+    """
     record, mass, pull = chute(damping_ratio=0.1), 40.0, 8000.0
     omega = sqrt(40000.0 / mass)
     period = 2.0 * pi / (omega * sqrt(1.0 - 0.01))
@@ -97,8 +105,14 @@ def test_a_stretched_riser_swings_at_its_frequency_and_loses_energy_by_its_dampi
 def test_straight_behind_the_canopy_drags_with_its_coefficient():
     record = chute(pack_drag_area_m2=0.0)
     got, _ = force(record, 0.0, mach=0.94, fraction=0.8)
-    assert got == pytest.approx((-0.5 * 0.01 * 120.0**2 * 0.8 * pi / 4 * 15.96**2 * 0.62 * 0.67, 0.0, 0.0), rel=1e-12)
-    assert kernels.canopy_force(record, 1.0, 0.01, 0.0, 0.0, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)) == (0.0, 0.0, 0.0)
+    assert got == pytest.approx(
+        (-0.5 * 0.01 * 120.0**2 * 0.8 * pi / 4 * 15.96**2 * 0.62 * 0.67, 0.0, 0.0), rel=1e-12
+    )
+    assert kernels.canopy_force(record, 1.0, 0.01, 0.0, 0.0, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)) == (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 3.0, 8.0, 20.0, 60.0, 89.0, 91.0, 130.0, 177.0, 180.0])
@@ -110,7 +124,9 @@ def test_air_takes_energy_from_the_canopy_at_every_angle(angle_deg):
 
 @pytest.mark.parametrize("angle_deg, sign", [(0.0, 0), (2.0, 1), (7.9, 1), (8.0, 0), (8.1, -1), (25.0, -1)])
 def test_normal_force_drives_the_canopy_to_its_trim_angle(angle_deg, sign):
-    """Across the axis: with the motion (angle grows) inside the trim angle, against it outside, none at it."""
+    """Across the axis: with the motion (angle grows) inside the trim angle, against it outside, none at
+    it.
+    """
     got, v = force(chute(trim_angle_deg=8.0, pack_drag_area_m2=0.0), angle_deg)
     across = got[1:] @ v[1:]
     assert across == pytest.approx(0.0, abs=1e-6) if sign == 0 else np.sign(across) == sign
@@ -130,7 +146,10 @@ def test_a_packed_canopy_is_a_lump_that_drags_the_same_from_any_side():
 
 def test_the_area_breathes_above_mach_1_4_only():
     record = chute(area_oscillation=0.1, area_oscillation_frequency_hz=3.0, pack_drag_area_m2=0.0)
-    drag = {mach: np.array([force(record, 0.0, mach=mach, t=t)[0][0] for t in np.arange(1200) / 1200]) for mach in (1.3, 1.6)}
+    drag = {
+        mach: np.array([force(record, 0.0, mach=mach, t=t)[0][0] for t in np.arange(1200) / 1200])
+        for mach in (1.3, 1.6)
+    }
     assert np.ptp(drag[1.3]) == 0.0
     ratio = drag[1.6] / drag[1.6].mean()
     assert (ratio.min(), ratio.max()) == pytest.approx((0.9, 1.1), abs=1e-3)
@@ -144,7 +163,10 @@ def test_the_descent_reaches_terminal_velocity_as_the_closed_form_says():
     assert 60.0 < terminal < 75.0
 
     def fall(t, y):
-        return [kernels.canopy_force(record, 1.0, density, 0.3, t, (0.0, 0.0, y[0]), (0.0, 0.0, 1.0))[2] / mass + g]
+        return [
+            kernels.canopy_force(record, 1.0, density, 0.3, t, (0.0, 0.0, y[0]), (0.0, 0.0, 1.0))[2] / mass
+            + g
+        ]
 
     times = np.linspace(0.0, 60.0, 13)
     got = solve_ivp(fall, (0.0, 60.0), [0.0], t_eval=times, rtol=1e-9, atol=1e-9).y[0]

@@ -1,4 +1,6 @@
-"""The point mass against spherical equations of motion integrated by scipy, and its bank angle against the clock."""
+"""The point mass against spherical equations of motion integrated by scipy, and its bank angle against the
+clock.
+"""
 
 from math import atan2, cos, degrees, radians, sin, sqrt
 
@@ -41,7 +43,10 @@ def test_path_is_that_of_the_spherical_equations(bank_deg, amplitude, spin, lati
     )
     flight = edl6dof.fly(loaded)
     r, lon, lat, v, gamma, psi = integrated(loaded.scenario, np.array([0.0, TIME_S]))[:, -1]
-    row = {name: flight.telemetry[f"truth.{name}"][-1] for name in ("altitude_m", "longitude_deg", "latitude_deg", "speed_m_s")}
+    row = {
+        name: flight.telemetry[f"truth.{name}"][-1]
+        for name in ("altitude_m", "longitude_deg", "latitude_deg", "speed_m_s")
+    }
     assert row["altitude_m"] == pytest.approx(r - RADIUS, abs=1e-3)
     assert row["speed_m_s"] == pytest.approx(v, abs=1e-5)
     assert radians(row["longitude_deg"] - degrees(lon)) * RADIUS == pytest.approx(0.0, abs=1e-3)
@@ -67,7 +72,9 @@ def test_lift_stands_on_the_velocity_in_the_plane_of_symmetry_and_drag_against_i
 def test_bank_follows_the_command_at_its_rate_the_short_way():
     """From 80 deg held before guidance to the other side, at 7 deg/s through zero."""
     changes = ["point_mass={bank_response: rate_limited, bank_rate_deg_s: 7.0}", "initial.bank_deg=20"]
-    telemetry = edl6dof.fly("zheng2015", [*changes, "simulation.time_limit_s=60", "mission.goal=time"]).telemetry
+    telemetry = edl6dof.fly(
+        "zheng2015", [*changes, "simulation.time_limit_s=60", "mission.goal=time"]
+    ).telemetry
     t, bank, command = (telemetry[name] for name in ("t_s", "truth.bank_deg", "guide.bank_deg"))
     assert command[1] == pytest.approx(80.0)
     first = t < 60.0 / 7.0

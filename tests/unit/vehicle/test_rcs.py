@@ -1,8 +1,9 @@
-"""Thruster pulses against closed-form impulses and a fine numerical integration of the valve's differential equation.
+"""Thruster pulses against closed-form impulses and a fine numerical integration of the valve's differential
+equation.
 
-Thrust ramps up in ``rise`` and down in ``decay``.  A pulse of length T >= rise therefore delivers F (T - rise/2 + decay/2), a
-trapezium; a shorter one reaches T/rise and delivers F T/rise (T + T decay/rise) / 2, a triangle.  Their sum is the truth for
-any pulse train, however the time axis is cut into steps.
+Thrust ramps up in ``rise`` and down in ``decay``.  A pulse of length T >= rise therefore delivers F (T -
+rise/2 + decay/2), a trapezium; a shorter one reaches T/rise and delivers F T/rise (T + T decay/rise) / 2, a
+triangle.  Their sum is the truth for any pulse train, however the time axis is cut into steps.
 """
 
 import numpy as np
@@ -15,7 +16,13 @@ from edl6dof.vehicle.rcs import RCS, RcsParams, Thruster, climb, fire, mean_leve
 
 G0 = 9.80665
 RISE, DECAY, THRUST, ISP = 0.012, 0.019, 25.0, 220.0
-JET = {"group": "attitude", "specific_impulse_s": ISP, "minimum_pulse_s": 0.02, "rise_s": RISE, "decay_s": DECAY}
+JET = {
+    "group": "attitude",
+    "specific_impulse_s": ISP,
+    "minimum_pulse_s": 0.02,
+    "rise_s": RISE,
+    "decay_s": DECAY,
+}
 
 
 def jet(name="a", position=(-1.0, 1.2, 0.0), direction=(0.0, 0.0, 1.0), thrust=THRUST):
@@ -36,7 +43,9 @@ def closed_form(length):
 
 
 def flown(pulses, cuts):
-    """Integral of the mean level over the steps between ``cuts``; the next command is given once the last valve has shut."""
+    """Integral of the mean level over the steps between ``cuts``; the next command is given once the last
+    valve has shut.
+    """
     level, total, queue = 0.0, 0.0, list(pulses)
     opens, closes = queue.pop(0)
     for start, end in zip(cuts, cuts[1:], strict=False):
@@ -68,7 +77,9 @@ def test_random_pulse_trains_deliver_the_sum_of_their_impulses_in_random_steps(s
 
 
 def test_a_valve_reopened_while_thrust_decays_follows_its_differential_equation():
-    """Fine Euler integration of dL/dt = 1/rise or -1/decay within [0, 1], 2e-7 s, against steps of 1 to 20 ms."""
+    """Fine Euler integration of dL/dt = 1/rise or -1/decay within [0, 1], 2e-7 s, against steps of 1 to 20
+    ms.
+    """
     schedule = [(0.010, 0.0485), (0.055, 0.060), (0.066, 0.110)]
     dt = 2e-7
     times = (np.arange(round(0.16 / dt)) + 0.5) * dt
@@ -98,12 +109,16 @@ def test_a_short_pulse_peaks_where_the_valve_shuts_and_never_above_full_thrust(l
     assert max(levels) == pytest.approx(length / RISE, abs=1e-3) and max(levels) <= 1.0 and min(levels) >= 0.0
 
 
-@pytest.mark.parametrize("level, duration, slope", [(0.3, 0.0, 5.0), (0.0, 1.0, -9.0), (1.0, 1.0, 9.0), (0.25, 0.05, 10.0)])
+@pytest.mark.parametrize(
+    "level, duration, slope", [(0.3, 0.0, 5.0), (0.0, 1.0, -9.0), (1.0, 1.0, 9.0), (0.25, 0.05, 10.0)]
+)
 def test_climb_stops_at_nothing_and_at_full(level, duration, slope):
     times = np.linspace(0.0, duration, 20001)
     curve = np.clip(level + slope * times, 0.0, 1.0)
     integral, end = climb(level, duration, slope)
-    assert integral == pytest.approx(np.trapezoid(curve, times), abs=1e-8) and end == pytest.approx(curve[-1], abs=1e-12)
+    assert integral == pytest.approx(np.trapezoid(curve, times), abs=1e-8) and end == pytest.approx(
+        curve[-1], abs=1e-12
+    )
 
 
 def run(rcs, valves, duration, step, qbar=0.0):
@@ -126,8 +141,12 @@ def test_propellant_used_is_impulse_over_exhaust_speed(step):
 
 
 def test_a_couple_turns_without_pushing():
-    """Two jets of 25 N, 2.4 m apart, pushing in opposite directions: 60 N m, no force, wherever the origin is."""
-    rcs, valves = thrusters(jet("left", (-1.0, -1.2, 0.3), (0.0, 0.0, -1.0)), jet("right", (-1.0, 1.2, 0.3), (0.0, 0.0, 1.0)))
+    """Two jets of 25 N, 2.4 m apart, pushing in opposite directions: 60 N m, no force, wherever the origin
+    is.
+    """
+    rcs, valves = thrusters(
+        jet("left", (-1.0, -1.2, 0.3), (0.0, 0.0, -1.0)), jet("right", (-1.0, 1.2, 0.3), (0.0, 0.0, 1.0))
+    )
     valves.level[:2], valves.opens[:2], valves.closes[:2] = 1.0, -1.0, 9.0
     assert fire(rcs, valves, 0.0, 0.01, 0.0)[:6] == pytest.approx((0.0, 0.0, 0.0, 60.0, 0.0, 0.0), abs=1e-12)
 

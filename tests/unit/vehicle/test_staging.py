@@ -1,7 +1,8 @@
 """Separations conserve linear and angular momentum, the centre of mass, and part at the commanded speed.
 
-The sums over all bodies are taken before and after in 64-bit numpy, about the common centre of mass; the part, a point mass from
-then on, leaves with the spin it had.  The vehicle tumbles at up to 40 deg/s and has offset parts, so no term is zero.
+The sums over all bodies are taken before and after in 64-bit numpy, about the common centre of mass; the
+part, a point mass from then on, leaves with the spin it had.  The vehicle tumbles at up to 40 deg/s and has
+offset parts, so no term is zero.
 """
 
 import numpy as np
@@ -19,11 +20,25 @@ from edl6dof.vehicle.mass import (
     with_propellant,
 )
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, PACKED, RELEASED, ParachuteParams
-from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, CANOPY_VELOCITY, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    CANOPY_POSITION,
+    CANOPY_VELOCITY,
+    PLANT,
+    POSITION,
+    PROPELLANT,
+    RATE,
+    VELOCITY,
+)
 from edl6dof.vehicle.staging import StagingParams, fire_mortar, release_backshell, separate
 
 VEHICLE = np.dtype(
-    [("mass", dtype_of(MassParams)), ("parachute", dtype_of(ParachuteParams)), ("staging", dtype_of(StagingParams))], align=True
+    [
+        ("mass", dtype_of(MassParams)),
+        ("parachute", dtype_of(ParachuteParams)),
+        ("staging", dtype_of(StagingParams)),
+    ],
+    align=True,
 )
 CASE = np.dtype([("vehicle", VEHICLE), ("lander", BODY)], align=True)
 MASS = MassParams(
@@ -72,7 +87,9 @@ def vehicle_body(case, plant):
 
 
 def totals(bodies, origin, drift):
-    """Mass, centre, momentum and angular momentum, seen from a frame at ``origin`` that drifts at ``drift``."""
+    """Mass, centre, momentum and angular momentum, seen from a frame at ``origin`` that drifts at
+    ``drift``.
+    """
     mass = sum(m for m, *_ in bodies)
     centre = sum(m * (r - origin) for m, r, _, _ in bodies) / mass
     momentum = sum(m * (v - drift) for m, _, v, _ in bodies)
@@ -112,11 +129,15 @@ def test_a_separation_without_push_changes_no_motion():
     case, plant = tumbling(9)
     rate, attitude = plant.y[RATE : RATE + 3].copy(), plant.y[ATTITUDE : ATTITUDE + 4].copy()
     separate(case, plant, case.vehicle.mass.heat_shield, HEAT_SHIELD, 0.0, plant.debris[0], 1.0)
-    assert np.array_equal(plant.y[RATE : RATE + 3], rate) and np.array_equal(plant.y[ATTITUDE : ATTITUDE + 4], attitude)
+    assert np.array_equal(plant.y[RATE : RATE + 3], rate) and np.array_equal(
+        plant.y[ATTITUDE : ATTITUDE + 4], attitude
+    )
 
 
 def test_springs_do_the_work_that_the_bodies_gain():
-    """Without spin and on one axis: energy gained is half the reduced mass times the square of the separation speed."""
+    """Without spin and on one axis: energy gained is half the reduced mass times the square of the separation
+    speed.
+    """
     case, plant = tumbling(3)
     plant.y[RATE : RATE + 3] = 0.0
     plant.y[VELOCITY : VELOCITY + 3] = 0.0
@@ -137,7 +158,9 @@ def test_the_mortar_throws_the_pack_aft_and_it_becomes_the_canopy():
     fire_mortar(case, plant)
     relative = plant.y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] - plant.y[VELOCITY : VELOCITY + 3]
     assert turn.inv().apply(relative) == pytest.approx((-30.0, 0.0, 0.0), abs=1e-9)
-    behind = turn.inv().apply(plant.y[CANOPY_POSITION : CANOPY_POSITION + 3] - plant.y[POSITION : POSITION + 3])
+    behind = turn.inv().apply(
+        plant.y[CANOPY_POSITION : CANOPY_POSITION + 3] - plant.y[POSITION : POSITION + 3]
+    )
     assert behind == pytest.approx(np.array(MASS.parachute.centre_m) - centre_of(case, plant), abs=1e-12)
     assert plant.canopy == EXTRACTING and plant.debris[1]["active"] == 0 and plant.attached[PARACHUTE] == 0
 
@@ -146,7 +169,9 @@ def centre_of(case, plant):
     return np.array(with_propellant(plant.dry, case.vehicle.mass.propellant, plant.y[PROPELLANT])[1])
 
 
-@pytest.mark.parametrize("canopy, mass, area", [(INFLATING, 208.0, 9.0 + 200.05 * 0.62), (PACKED, 170.0, 9.0)])
+@pytest.mark.parametrize(
+    "canopy, mass, area", [(INFLATING, 208.0, 9.0 + 200.05 * 0.62), (PACKED, 170.0, 9.0)]
+)
 def test_the_backshell_takes_an_open_canopy_with_it(canopy, mass, area):
     case, plant = tumbling(6, attached=(0, 1, int(canopy == PACKED)))
     plant.canopy = canopy

@@ -19,18 +19,33 @@ PLANETS = Path(edl6dof.__file__).parent / "data" / "planets"
 @pytest.fixture(params=["mars", "earth"])
 def planet(request):
     record = np.zeros(1, PLANET)[0]
-    fill_planet(record, PlanetParams.model_validate_json(json.dumps(yaml.safe_load((PLANETS / f"{request.param}.yaml").read_text()))))
+    fill_planet(
+        record,
+        PlanetParams.model_validate_json(
+            json.dumps(yaml.safe_load((PLANETS / f"{request.param}.yaml").read_text()))
+        ),
+    )
     return record
 
 
 def places(planet, count=300):
     rng = np.random.default_rng(2)
-    for lat, lon, height in zip(rng.uniform(-1.57, 1.57, count), rng.uniform(-3.1, 3.1, count), rng.uniform(-8e3, 2e5, count), strict=True):
-        yield rng, np.array(from_geodetic(planet["equatorial_radius"], planet["flattening"], lat, lon, height))
+    for lat, lon, height in zip(
+        rng.uniform(-1.57, 1.57, count),
+        rng.uniform(-3.1, 3.1, count),
+        rng.uniform(-8e3, 2e5, count),
+        strict=True,
+    ):
+        yield (
+            rng,
+            np.array(from_geodetic(planet["equatorial_radius"], planet["flattening"], lat, lon, height)),
+        )
 
 
 def exactly(planet, r):
-    return geodetic(planet["equatorial_radius"], planet["flattening"], tuple(r)), gravity_F(planet["gravity"], *r)
+    return geodetic(planet["equatorial_radius"], planet["flattening"], tuple(r)), gravity_F(
+        planet["gravity"], *r
+    )
 
 
 def test_new_place_is_that_of_the_body(planet):
@@ -49,7 +64,8 @@ def test_kept_place_is_as_good_as_the_docstring_says(planet):
         cos_lat = best_direction[1]
         assert np.allclose(direction[:2], best_direction[:2], rtol=0.0, atol=3e-9)
         assert np.allclose(direction[2:], best_direction[2:], rtol=0.0, atol=3e-9 / cos_lat)
-        assert altitude == pytest.approx(best_altitude, abs=5e-9)  # rounding of the two positions; the method's share is 1e-11 m
+        # rounding of the two positions; the method's share is 1e-11 m
+        assert altitude == pytest.approx(best_altitude, abs=5e-9)
         assert np.allclose(gravity, best_gravity, rtol=0.0, atol=2e-10)
 
 

@@ -1,4 +1,6 @@
-"""Trim wing: force and moment of the plate, and the trim angles it has to produce together with the capsule's CG offset."""
+"""Trim wing: force and moment of the plate, and the trim angles it has to produce together with the capsule's
+CG offset.
+"""
 
 from math import cos, pi, radians, sin
 
@@ -48,7 +50,9 @@ def trim(capsule, mach, deflection, **wing):
 def test_closed_wing_trims_near_minus_ten_and_is_stable(capsule, mach):
     alpha = trim(capsule, mach, 0.0)
     assert -10.5 <= alpha <= -8.9
-    slope = (pitching_moment(capsule, mach, alpha + 0.2, 0.0) - pitching_moment(capsule, mach, alpha - 0.2, 0.0)) / 0.4
+    slope = (
+        pitching_moment(capsule, mach, alpha + 0.2, 0.0) - pitching_moment(capsule, mach, alpha - 0.2, 0.0)
+    ) / 0.4
     assert -0.0035 < slope < -0.0014  # per degree
 
 
@@ -68,7 +72,9 @@ def test_cg_on_the_other_side_trims_at_plus_ten(capsule):
 
 
 def test_required_increment_of_the_reference(capsule):
-    """tianwen1.md 1.4: the wing must supply Cm 0.0165 about the axis at alpha 0; here 0.16 m2 x 1.7 at 0.56 D."""
+    """tianwen1.md 1.4: the wing must supply Cm 0.0165 about the axis at alpha 0; here 0.16 m2 x 1.7 at 0.56
+    D.
+    """
     plate = wing_force(wing_record(), 1.0, 1.0, 1.0, 0.0, 0.0)
     assert plate[4] / (AREA * D) == pytest.approx(0.0165, abs=4e-4)
 
@@ -76,7 +82,8 @@ def test_required_increment_of_the_reference(capsule):
 def test_force_direction_size_and_moment():
     wing = wing_record(normal_tilt_deg=20.0)
     vel = np.array([300.0, 40.0, -60.0])
-    n = np.array([cos(radians(20.0)), 0.0, -sin(radians(20.0))])  # away from the axis: the wing is on the -z side
+    # away from the axis: the wing is on the -z side
+    n = np.array([cos(radians(20.0)), 0.0, -sin(radians(20.0))])
     got = np.array(wing_force(wing, 0.6, 500.0, *vel))
     share = n @ vel / np.linalg.norm(vel)
     force = -0.6 * 500.0 * 0.16 * 1.7 * share**2 * n

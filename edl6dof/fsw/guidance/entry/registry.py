@@ -1,9 +1,10 @@
 """The entry guidance laws.
 
-A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range to go, crossrange and the
-measured drag and lift ratios are in ``out`` before it is called; limits, side, heading alignment and rate come after it, in
-:mod:`~edl6dof.fsw.guidance.entry.steering`.  ``mem`` is the family's memory; a law's own lies in ``mem.<name>``.
-What a law plans on the ground, by its member's ``plan(onboard, entry)``, it finds in ``onboard.plan.<name>``.
+A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range
+to go, crossrange and the measured drag and lift ratios are in ``out`` before it is called; limits, side,
+heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.  ``mem`` is the
+family's memory; a law's own lies in ``mem.<name>``. What a law plans on the ground, by its member's
+``plan(onboard, entry)``, it finds in ``onboard.plan.<name>``.
 """
 
 from __future__ import annotations
@@ -53,7 +54,9 @@ wanted_bank = ENTRY_LAWS.switch("guide", 4)
 
 @kernel
 def entry_guidance(law, onboard, nav, mem, out):
-    """Commanded bank angle of entry law number ``law``, written into ``out``; ``mem`` is an ``ENTRY_MEMORY`` record."""
+    """Commanded bank angle of entry law number ``law``, written into ``out``; ``mem`` is an ``ENTRY_MEMORY``
+    record.
+    """
     out.range_to_go, out.crossrange = to_target(onboard, nav)
     measure_air(onboard, nav, mem.air)
     out.drag_ratio, out.lift_ratio = mem.air.drag, mem.air.lift

@@ -1,7 +1,9 @@
-"""From the bank angle a law wants to the bank angle commanded: limits, side, heading alignment, wings level, rate.  One stage for all laws.
+"""From the bank angle a law wants to the bank angle commanded: limits, side, heading alignment, wings level,
+rate.  One stage for all laws.
 
-Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range control, sign from the lateral
-logic; near the end the range control stops and the bank angle takes out the heading error; last the lift is levelled for the parachute.
+Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range
+control, sign from the lateral logic; near the end the range control stops and the bank angle takes out the
+heading error; last the lift is levelled for the parachute.
 """
 
 from __future__ import annotations
@@ -42,7 +44,9 @@ def limited(onboard, wanted):
 
 @kernel
 def chosen_side(onboard, nav, mem, out, wanted):
-    """Side to bank to: towards the aim point at first, then as the reversal logic says; reversals are counted."""
+    """Side to bank to: towards the aim point at first, then as the reversal logic says; reversals are
+    counted.
+    """
     if mem.sign == 0.0:
         mem.sign = -1.0 if out.crossrange > 0.0 else 1.0
     sign = bank_side(onboard.guidance.entry.reversal.logic, onboard, nav, mem.reversal, out, wanted, mem.sign)
@@ -54,14 +58,17 @@ def chosen_side(onboard, nav, mem, out, wanted):
 
 @kernel
 def heading_bank(onboard, out):
-    """Bank angle against the heading error, the angle at the vehicle between its velocity and the aim point."""
+    """Bank angle against the heading error, the angle at the vehicle between its velocity and the aim
+    point.
+    """
     p = onboard.guidance.entry.heading
     return clamp(-p.gain * atan2(out.crossrange, max(out.range_to_go, 1.0)), -p.limit, p.limit)
 
 
 @kernel
 def steer_bank(onboard, nav, mem, out, wanted):
-    """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for ``own_sign`` only).
+    """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
+    ``own_sign`` only).
 
     The rate limit moves the command through zero bank, never through lift down.
     """

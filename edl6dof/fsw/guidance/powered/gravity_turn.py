@@ -1,7 +1,7 @@
 """Gravity turn: thrust against the velocity, sized for a constant deceleration to rest at the final height.
 
-Source: Cheng, "Lunar Terminal Descent Guidance by Gravity-Turn Trajectory", AIAA 66-1863; here the deceleration needed is taken from the
-remaining height and speed, v^2 / (2 h), along the path.
+Source: Cheng, "Lunar Terminal Descent Guidance by Gravity-Turn Trajectory", AIAA 66-1863; here the
+deceleration needed is taken from the remaining height and speed, v^2 / (2 h), along the path.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ from edl6dof.registry import Member
 class GravityTurnParams(Params):
     """Gravity-turn powered guidance."""
 
-    final_height_m: float = param(100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0)
+    final_height_m: float = param(
+        100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0
+    )
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
 
 
@@ -32,7 +34,12 @@ def guide(onboard, nav, mem, out):
     descent = max(nav.v_N[2], 0.1)
     brake = 0.5 * speed * descent / path
     out.time_to_go = 2.0 * path / descent
-    return -brake * nav.v_N[0] / speed, -brake * nav.v_N[1] / speed, brake * nav.v_N[2] / speed + nav.gravity, p.tilt_limit
+    return (
+        -brake * nav.v_N[0] / speed,
+        -brake * nav.v_N[1] / speed,
+        brake * nav.v_N[2] / speed + nav.gravity,
+        p.tilt_limit,
+    )
 
 
 MEMBER = Member("gravity_turn", GravityTurnParams, {"guide": guide}, "Cheng 1966 (gravity turn)", MEMORY)

@@ -1,8 +1,10 @@
-"""Polynomial guidance: acceleration linear in time that meets a final position and zero velocity at a given time to go.
+"""Polynomial guidance: acceleration linear in time that meets a final position and zero velocity at a given
+time to go.
 
-a = 6 (r_f - r) / t_go^2 - 4 v / t_go, plus gravity.  Source: the quadratic law of Apollo's powered descent (Klumpp, Automatica 10
-(1974) 133-146) with free final acceleration; used for Tianwen-1's powered deceleration as an estimate (the flown law is published
-elsewhere).  The final point lies above a divert target that keeps clear of the backshell.
+a = 6 (r_f - r) / t_go^2 - 4 v / t_go, plus gravity.  Source: the quadratic law of Apollo's powered descent
+(Klumpp, Automatica 10 (1974) 133-146) with free final acceleration; used for Tianwen-1's powered deceleration
+as an estimate (the flown law is published elsewhere).  The final point lies above a divert target that keeps
+clear of the backshell.
 """
 
 from __future__ import annotations
@@ -21,10 +23,18 @@ from edl6dof.spatial.vector import clamp
 class PolynomialParams(Params):
     """Polynomial powered guidance with a divert away from the backshell."""
 
-    final_height_m: float = param(100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0)
-    time_factor: float = param(1.0, "time to go over 2 height / descent rate", status="estimate", gt=0.2, le=3.0)
-    drift_share: float = param(0.33, "share of velocity times time to go by which the target leads the vehicle", ge=0.0, le=1.0)
-    divert_m: float = param(120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0)
+    final_height_m: float = param(
+        100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0
+    )
+    time_factor: float = param(
+        1.0, "time to go over 2 height / descent rate", status="estimate", gt=0.2, le=3.0
+    )
+    drift_share: float = param(
+        0.33, ("share of velocity times time to go by which the target leads the vehicle"), ge=0.0, le=1.0
+    )
+    divert_m: float = param(
+        120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0
+    )
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     time_floor_s: float = param(2.5, "smallest time to go used in the gains", gt=0.0)
 
@@ -57,4 +67,6 @@ def guide(onboard, nav, mem, out):
     return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0), p.tilt_limit
 
 
-MEMBER = Member("polynomial", PolynomialParams, {"guide": guide}, "Klumpp 1974 (Apollo quadratic guidance)", MEMORY)
+MEMBER = Member(
+    "polynomial", PolynomialParams, {"guide": guide}, "Klumpp 1974 (Apollo quadratic guidance)", MEMORY
+)

@@ -1,7 +1,7 @@
 """The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
 
-Height is controlled by thrust, lateral motion by the horizontal thrusters with the vehicle upright.  Source of the sequence: Hu et al.
-2022, sections 6.3 and 6.4; the laws are proportional-derivative, an estimate.
+Height is controlled by thrust, lateral motion by the horizontal thrusters with the vehicle upright.  Source
+of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the laws are proportional-derivative, an estimate.
 """
 
 from __future__ import annotations
@@ -20,25 +20,44 @@ from edl6dof.spatial.vector import clamp, put3
 class TerminalParams(Params):
     """Hover, hazard avoidance and slow descent."""
 
-    hover_height_m: float = param(100.0, "height of hover and imaging", status="published", source="S1", gt=0.0)
+    hover_height_m: float = param(
+        100.0, "height of hover and imaging", status="published", source="S1", gt=0.0
+    )
     avoidance_rate_m_s: float = param(3.3, "descent rate during hazard avoidance", status="estimate", gt=0.0)
-    avoidance_height_m: float = param(20.0, "height at which hazard avoidance ends", status="published", source="S1", gt=0.0)
-    touchdown_rate_m_s: float = param(1.7, "descent rate of the slow descent", status="estimate", gt=0.0, le=5.0)
-    safe_spot_north_m: float = param(15.0, "safe spot found by imaging, north of the hover point", status="estimate", ge=-100.0, le=100.0)
-    safe_spot_east_m: float = param(-10.0, "safe spot found by imaging, east of the hover point", status="estimate", ge=-100.0, le=100.0)
+    avoidance_height_m: float = param(
+        20.0, "height at which hazard avoidance ends", status="published", source="S1", gt=0.0
+    )
+    touchdown_rate_m_s: float = param(
+        1.7, "descent rate of the slow descent", status="estimate", gt=0.0, le=5.0
+    )
+    safe_spot_north_m: float = param(
+        15.0, "safe spot found by imaging, north of the hover point", status="estimate", ge=-100.0, le=100.0
+    )
+    safe_spot_east_m: float = param(
+        -10.0, "safe spot found by imaging, east of the hover point", status="estimate", ge=-100.0, le=100.0
+    )
     height_gain: float = param(0.25, "descent rate per height error, 1/s", gt=0.0)
     rate_gain: float = param(1.0, "acceleration per descent-rate error, 1/s", gt=0.0)
     position_gain: float = param(0.18, "lateral velocity per position error, 1/s", ge=0.0)
     velocity_gain: float = param(0.8, "lateral acceleration per velocity error, 1/s", ge=0.0)
     lateral_speed_m_s: float = param(2.0, "largest lateral speed", gt=0.0)
-    lateral_force_n: float = param(450.0, "largest lateral force demanded of a pair of horizontal thrusters", status="estimate", gt=0.0)
-    hover_tilt_limit_deg: float = param(4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0)
+    lateral_force_n: float = param(
+        450.0, "largest lateral force demanded of a pair of horizontal thrusters", status="estimate", gt=0.0
+    )
+    hover_tilt_limit_deg: float = param(
+        4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0
+    )
     settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
-    touchdown_tilt_limit_deg: float = param(0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0)
-    touchdown_settle_gain: float = param(0.2, "lateral acceleration per velocity in slow descent, by tilt, 1/s", ge=0.0)
+    touchdown_tilt_limit_deg: float = param(
+        0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0
+    )
+    touchdown_settle_gain: float = param(
+        0.2, ("lateral acceleration per velocity in slow descent, by tilt, 1/s"), ge=0.0
+    )
 
 
-#: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error asks for.
+#: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error
+#: asks for.
 LEAST_UPWARD = 0.5
 
 TERMINAL = np.dtype([("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
@@ -68,9 +87,13 @@ def throttle(onboard, out):
 
 @kernel
 def start_or_throttle(onboard, out, elapsed):
-    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; never back."""
+    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band;
+    never back.
+    """
     engine = onboard.vehicle.engine
-    if out.engine_mode != ENGINE_THROTTLE and (out.thrust > engine.throttle_max or elapsed < onboard.guidance.powered.full_time):
+    if out.engine_mode != ENGINE_THROTTLE and (
+        out.thrust > engine.throttle_max or elapsed < onboard.guidance.powered.full_time
+    ):
         out.engine_mode = ENGINE_FULL
         out.thrust = engine.full_thrust
     else:
@@ -126,7 +149,9 @@ def avoid(onboard, nav, mass, memory, out):
 
 @kernel
 def descend(onboard, nav, mass, out):
-    """Come down vertically at the touchdown rate, lateral velocity taken out by a small tilt; the thrusters keep to attitude."""
+    """Come down vertically at the touchdown rate, lateral velocity taken out by a small tilt; the thrusters
+    keep to attitude.
+    """
     p = onboard.guidance.powered.terminal
     out.translating = 0
     up = vertical(onboard, nav, p, p.touchdown_rate)

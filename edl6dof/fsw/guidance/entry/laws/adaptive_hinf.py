@@ -1,13 +1,15 @@
 """Drag-velocity tracking by adaptive H-infinity control.
 
-The profile of :mod:`~edl6dof.fsw.guidance.entry.profiles.drag_velocity`, scaled to the range to go, is followed with the drag dynamics of
-:mod:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag` inverted at the estimate p of theta, the state feedback of
-:mod:`~edl6dof.fsw.guidance.entry.laws.hinf`, and p adapted inside its box.
+The profile of :mod:`~edl6dof.fsw.guidance.entry.profiles.drag_velocity`, scaled to the range to go, is
+followed with the drag dynamics of :mod:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag` inverted at
+the estimate p of theta, the state feedback of :mod:`~edl6dof.fsw.guidance.entry.laws.hinf`, and p adapted
+inside its box.
 Source: Lu & Bayard, sections 2 and 3, eqs. 12-20.
 
-Differences from the print, besides those listed in the three modules: eq. 16 divides by 1 + theta_5 where the fourth parameter belongs,
-and with a minus; there and in section 3.3 the reference acceleration enters with the wrong sign; D_r'' holds u, because V'' does, and that
-part is moved to the left-hand side; the drag rate, which the paper takes as measured, is the analytic one at the measured drag.
+Differences from the print, besides those listed in the three modules: eq. 16 divides by 1 + theta_5 where the
+fourth parameter belongs, and with a minus; there and in section 3.3 the reference acceleration enters with
+the wrong sign; D_r'' holds u, because V'' does, and that part is moved to the left-hand side; the drag rate,
+which the paper takes as measured, is the analytic one at the measured drag.
 """
 
 from __future__ import annotations
@@ -23,7 +25,12 @@ from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import DRAG_VELOCITY, fill_drag_velocity, profile_drag, profile_range
+from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
+    DRAG_VELOCITY,
+    fill_drag_velocity,
+    profile_drag,
+    profile_range,
+)
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.jit import kernel
@@ -39,19 +46,34 @@ STEP_S = 1.0
 class AdaptiveHinfParams(Params):
     """Adaptive H-infinity tracking of a drag-velocity profile."""
 
-    start_drag_m_s2: float = param(4.0, "drag where the profile begins; before, the reference bank is held", gt=0.0, le=1000.0)
-    disturbance_gain: float = param(200.0, "lambda: bound on the gain from disturbance to drag error, s2", gt=0.0, le=1e6)
-    control_weight: float = param(10000.0, "rho: weight of the control in the Riccati equation, s4 (1 in the paper)", gt=0.0, le=1e9)
-    adaptation_energy: float = param(100.0, "epsilon: what the parameters may add to the error energy, m2/s3", gt=0.0, le=1e9)
-    coefficient_rate_limit: float = param(2e-3, "bound on theta 1, the relative rate of the drag coefficient, 1/s", gt=0.0, le=1.0)
-    coefficient_acceleration_limit: float = param(1e-4, "bound on theta 2, its derivative, 1/s2", gt=0.0, le=1.0)
+    start_drag_m_s2: float = param(
+        4.0, "drag where the profile begins; before, the reference bank is held", gt=0.0, le=1000.0
+    )
+    disturbance_gain: float = param(
+        200.0, "lambda: bound on the gain from disturbance to drag error, s2", gt=0.0, le=1e6
+    )
+    control_weight: float = param(
+        10000.0, ("rho: weight of the control in the Riccati equation, s4 (1 in the paper)"), gt=0.0, le=1e9
+    )
+    adaptation_energy: float = param(
+        100.0, "epsilon: what the parameters may add to the error energy, m2/s3", gt=0.0, le=1e9
+    )
+    coefficient_rate_limit: float = param(
+        2e-3, ("bound on theta 1, the relative rate of the drag coefficient, 1/s"), gt=0.0, le=1.0
+    )
+    coefficient_acceleration_limit: float = param(
+        1e-4, "bound on theta 2, its derivative, 1/s2", gt=0.0, le=1.0
+    )
     path_limit_deg: float = param(30.0, "flight-path angle that bounds theta 3, 4 and 5", gt=0.0, lt=90.0)
 
     @model_validator(mode="after")
     def _riccati_has_a_solution(self) -> Self:
         if self.disturbance_gain**2 <= self.control_weight:
             least = sqrt(self.control_weight)
-            raise ValueError(f"disturbance_gain must be above the root of control_weight, {least:g} (got {self.disturbance_gain:g})")
+            raise ValueError(
+                f"disturbance_gain must be above the root of control_weight, {least:g} (got "
+                f"{self.disturbance_gain:g})"
+            )
         return self
 
 
@@ -84,7 +106,9 @@ def begin(p, memory):
 
 @kernel
 def scaled_profile(onboard, nav, memory, out):
-    """Drag to follow at this speed and its first and second derivative by speed, scaled to the range to go, under the ceiling."""
+    """Drag to follow at this speed and its first and second derivative by speed, scaled to the range to go,
+    under the ceiling.
+    """
     shared, profile = onboard.guidance.entry.tracking, onboard.plan.adaptive_hinf
     if shared.update and nav.speed > shared.update_stop:
         wanted = profile_range(profile, nav.speed) / max(out.range_to_go, 1.0)
@@ -102,7 +126,11 @@ def goal_rates(onboard, nav, drag, drag_rate, slope, curvature):
     speed_rate = -drag - g * s
     path_free = (v / nav.radius - g / v) * c
     speed_free = -drag_rate - g * c * path_free + 2.0 * g * v * s * s / nav.radius
-    return slope * speed_rate, curvature * speed_rate * speed_rate + slope * speed_free, -slope * g * c * drag / v
+    return (
+        slope * speed_rate,
+        curvature * speed_rate * speed_rate + slope * speed_free,
+        -slope * g * c * drag / v,
+    )
 
 
 @kernel
@@ -116,19 +144,31 @@ def guide(onboard, nav, mem, out):
         memory.t = nav.t
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     drag, lift_to_drag = max(nav.drag, 1e-3), onboard.vehicle.lift_to_drag
-    rate, _, _ = drag_dynamics(drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, 0.0, scale_height)
+    rate, _, _ = drag_dynamics(
+        drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, 0.0, scale_height
+    )
     out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
-    free, unknown, per_u = uncertain_drag(drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height)
+    free, unknown, per_u = uncertain_drag(
+        drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height
+    )
 
     # the parameters move by what happened under the bank angle flown since the last call
     _, p12, p22 = riccati(p.disturbance_gain, p.control_weight)
     regressor = (unknown[0], unknown[1], unknown[2], per_u * lift_to_drag * cos(nav.bank), unknown[4])
     dt = clamp(nav.t - memory.t, 0.0, STEP_S)
-    adapt(memory.theta, memory.low, memory.high, regressor, p12 * error + p22 * error_rate, p.adaptation_energy, dt)
+    adapt(
+        memory.theta,
+        memory.low,
+        memory.high,
+        regressor,
+        p12 * error + p22 * error_rate,
+        p.adaptation_energy,
+        dt,
+    )
     memory.t = nav.t
 
     theta, (f1, f2) = memory.theta, feedback(p.disturbance_gain, p.control_weight)
@@ -145,5 +185,11 @@ def plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
 
 
 MEMBER = Member(
-    "adaptive_hinf", AdaptiveHinfParams, {"guide": guide}, "Lu & Bayard, sections 2 and 3", MEMORY, tables=DRAG_VELOCITY, plan=plan
+    "adaptive_hinf",
+    AdaptiveHinfParams,
+    {"guide": guide},
+    "Lu & Bayard, sections 2 and 3",
+    MEMORY,
+    tables=DRAG_VELOCITY,
+    plan=plan,
 )

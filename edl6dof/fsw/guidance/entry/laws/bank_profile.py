@@ -1,8 +1,8 @@
 """Open loop: bank angle against speed or time, from a table in the scenario.
 
-The baseline without feedback, and the way to fly a bank history taken from elsewhere.  With ``reversal.logic: own_sign`` the signs of the
-table are flown; with any other logic its magnitudes, reversed by crossrange.  Source: the open-loop profiles of Yan, Sun & Guo 2016,
-section 3, which are piecewise linear in speed.
+The baseline without feedback, and the way to fly a bank history taken from elsewhere.  With ``reversal.logic:
+own_sign`` the signs of the table are flown; with any other logic its magnitudes, reversed by crossrange.
+Source: the open-loop profiles of Yan, Sun & Guo 2016, section 3, which are piecewise linear in speed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ class BankPoint(Params):
     """One point of the profile."""
 
     at: float = param(REQUIRED, "speed in m/s, or time from t = 0 in s", ge=0.0, le=20e3)
-    bank_deg: float = param(REQUIRED, "bank angle there; linear between points, constant beyond the ends", ge=-180.0, le=180.0)
+    bank_deg: float = param(
+        REQUIRED, "bank angle there; linear between points, constant beyond the ends", ge=-180.0, le=180.0
+    )
 
 
 class BankProfileParams(Params):

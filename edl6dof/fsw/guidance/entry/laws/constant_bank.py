@@ -1,6 +1,7 @@
 """Bank of constant magnitude; the shared steering reverses it: the simplest lifting entry.
 
-Source: the bank-angle steering of low-lift capsules in its plainest form; Wu, Cui & Cui 2013, section 4, for the reversals.
+Source: the bank-angle steering of low-lift capsules in its plainest form; Wu, Cui & Cui 2013, section 4, for
+the reversals.
 """
 
 from __future__ import annotations
@@ -22,4 +23,6 @@ def guide(onboard, nav, mem, out):
     return onboard.guidance.entry.constant_bank.bank
 
 
-MEMBER = Member("constant_bank", ConstantBankParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 4 (reversals)")
+MEMBER = Member(
+    "constant_bank", ConstantBankParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 4 (reversals)"
+)

@@ -1,16 +1,19 @@
 """Sliding-mode drag tracking with a linear disturbance observer and a virtual state for input saturation.
 
-Source: Zheng & Cui 2015, eqs. 13-29.  Everything in the drag dynamics but the known input b u, u = cos(bank), is one lumped disturbance
-d; the observer estimates it from what the sliding surface does, and the law takes it out.  While the bank angle is at its limits the
-virtual state zeta leads the surface away, so that nothing winds up.
+Source: Zheng & Cui 2015, eqs. 13-29.  Everything in the drag dynamics but the known input b u, u = cos(bank),
+is one lumped disturbance d; the observer estimates it from what the sliding surface does, and the law takes
+it out.  While the bank angle is at its limits the virtual state zeta leads the surface away, so that nothing
+winds up.
 
-Sampled form.  Between two calls the input is held, so s grows by (d + v_fb) dt with the mean d of the interval; the first-order filter
-Q = 1/(tau p + 1), the virtual state and the adaptation are integrated exactly over the interval: stable at any guidance rate.  The input
-that counts is the cosine of the navigated bank angle, which holds the limits of all laws (30 to 90 deg in the paper), rate and attitude
-control; the saturation of eq. 16 is the special case of ideal banking.
+Sampled form.  Between two calls the input is held, so s grows by (d + v_fb) dt with the mean d of the
+interval; the first-order filter Q = 1/(tau p + 1), the virtual state and the adaptation are integrated
+exactly over the interval: stable at any guidance rate.  The input that counts is the cosine of the navigated
+bank angle, which holds the limits of all laws (30 to 90 deg in the paper), rate and attitude control; the
+saturation of eq. 16 is the special case of ideal banking.
 
-Differences from the print: eqs. 13-14 as in :mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics`; the scale height printed as 9354 km is
-in metres; eq. 29 has xi where eq. 25 has zeta, which is meant; c0 = 2 + b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
+Differences from the print: eqs. 13-14 as in :mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics`; the
+scale height printed as 9354 km is in metres; eq. 29 has xi where eq. 25 has zeta, which is meant; c0 = 2 +
+b_n^2/4 is the printed choice of eq. 42 with 4 for the constant.
 """
 
 from __future__ import annotations
@@ -35,14 +38,34 @@ PAPER = "Zheng & Cui 2015, section 5"
 class DobSlidingParams(Params):
     """Sliding mode with linear disturbance observer and virtual saturation state."""
 
-    filter_time_s: float = param(0.1, "time constant tau of the observer's filter", status="published", source=PAPER, gt=0.0, le=100.0)
-    error_gain: float = param(2.1, "k_e, weight of the drag error in the surface, 1/s", status="published", source=PAPER, gt=0.0, le=100.0)
-    surface_gain: float = param(
-        0.1, "k_s, rate at which the surface is approached, 1/s", status="published", source=PAPER, ge=0.0, le=100.0
+    filter_time_s: float = param(
+        0.1, "time constant tau of the observer's filter", status="published", source=PAPER, gt=0.0, le=100.0
     )
-    boundary_m_s3: float = param(0.1, "c_s, boundary layer of the surface", status="published", source=PAPER, gt=0.0, le=100.0)
-    adaptation: float = param(0.01, "l, growth of eta per second and surface", status="published", source=PAPER, ge=0.0, le=100.0)
-    virtual_gain: float = param(2.0, "constant part of c_0, decay of the virtual state, 1/s", status="published", source=PAPER, gt=0.0)
+    error_gain: float = param(
+        2.1,
+        "k_e, weight of the drag error in the surface, 1/s",
+        status="published",
+        source=PAPER,
+        gt=0.0,
+        le=100.0,
+    )
+    surface_gain: float = param(
+        0.1,
+        "k_s, rate at which the surface is approached, 1/s",
+        status="published",
+        source=PAPER,
+        ge=0.0,
+        le=100.0,
+    )
+    boundary_m_s3: float = param(
+        0.1, "c_s, boundary layer of the surface", status="published", source=PAPER, gt=0.0, le=100.0
+    )
+    adaptation: float = param(
+        0.01, "l, growth of eta per second and surface", status="published", source=PAPER, ge=0.0, le=100.0
+    )
+    virtual_gain: float = param(
+        2.0, "constant part of c_0, decay of the virtual state, 1/s", status="published", source=PAPER, gt=0.0
+    )
 
 
 MEMORY = np.dtype(
@@ -65,7 +88,8 @@ MEMORY = np.dtype(
 
 @kernel
 def observe(p, memory, dt, error, error_rate, applied):
-    """Bring surface, virtual state, disturbance estimate and eta over the ``dt`` seconds in which cos(bank) was ``applied``.
+    """Bring surface, virtual state, disturbance estimate and eta over the ``dt`` seconds in which cos(bank)
+    was ``applied``.
 
     Source: eqs. 19, 23, 26, 28 and Fig. 1.  ``error`` and ``error_rate`` belong to the end of the interval.
     """
@@ -74,7 +98,9 @@ def observe(p, memory, dt, error, error_rate, applied):
         memory.surface = error_rate + p.error_gain * error - memory.virtual
         return
     kept = exp(-memory.decay * dt)
-    memory.virtual = kept * memory.virtual + (1.0 - kept) / memory.decay * memory.authority * (applied - memory.input)
+    memory.virtual = kept * memory.virtual + (1.0 - kept) / memory.decay * memory.authority * (
+        applied - memory.input
+    )
     surface = error_rate + p.error_gain * error - memory.virtual
     seen = (surface - memory.surface) / dt - memory.feedback
     memory.disturbance += (1.0 - exp(-dt / p.filter_time)) * (seen - memory.disturbance)
@@ -92,15 +118,21 @@ def guide(onboard, nav, mem, out):
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, authority, _ = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    rate, authority, _ = drag_dynamics(
+        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
+    )
     error, error_rate = nav.drag - goal, rate - goal_rate
     observe(p, memory, nav.t - memory.t, error, error_rate, cos(nav.bank))
 
     memory.t, memory.authority = nav.t, min(authority, -1e-12)
     memory.decay = p.virtual_gain + 0.25 * authority * authority
-    reaching = p.surface_gain * memory.surface + 2.0 * memory.eta * memory.surface / (abs(memory.surface) + p.boundary)
+    reaching = p.surface_gain * memory.surface + 2.0 * memory.eta * memory.surface / (
+        abs(memory.surface) + p.boundary
+    )
     memory.feedback = -memory.disturbance - reaching
-    memory.input = (goal_acceleration - p.error_gain * error_rate - memory.decay * memory.virtual + memory.feedback) / memory.authority
+    memory.input = (
+        goal_acceleration - p.error_gain * error_rate - memory.decay * memory.virtual + memory.feedback
+    ) / memory.authority
     out.surface, out.virtual, out.drag_disturbance = memory.surface, memory.virtual, memory.disturbance
     return acos(clamp(memory.input, -1.0, 1.0))
 

@@ -1,11 +1,13 @@
 """Feedback-linearised tracking of a reference drag-energy profile, with range update.
 
-The reference drag is scaled so that the range it predicts is the range to go; the second derivative of drag is linear in cos(bank),
-so the bank angle is found by inverting it.  Source: Wu, Cui & Cui 2013, eqs. 9-19 (the law called FL there).
+The reference drag is scaled so that the range it predicts is the range to go; the second derivative of drag
+is linear in cos(bank), so the bank angle is found by inverting it.  Source: Wu, Cui & Cui 2013, eqs. 9-19
+(the law called FL there).
 
-Differences from the print: drag dynamics and range as in :mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics` and
-:mod:`~edl6dof.fsw.guidance.entry.profiles.range_update`; the gains are given as natural frequency and damping, since K = [0.4 0.04] as printed
-gives a nearly undamped pair.
+Differences from the print: drag dynamics and range as in
+:mod:`~edl6dof.fsw.guidance.entry.prediction.drag_dynamics` and
+:mod:`~edl6dof.fsw.guidance.entry.profiles.range_update`; the gains are given as natural frequency and
+damping, since K = [0.4 0.04] as printed gives a nearly undamped pair.
 """
 
 from __future__ import annotations
@@ -29,7 +31,8 @@ class DragTrackingParams(Params):
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
 
 
-#: Lift-to-drag ratio below which authority is not believed to fall: the inversion stays finite where the trim wing has taken the lift.
+#: Lift-to-drag ratio below which authority is not believed to fall: the inversion stays finite where the trim
+#: wing has taken the lift.
 LEAST_LIFT = 0.01
 
 MEMORY = np.dtype([("tracking", TRACKING)], align=True)
@@ -45,10 +48,16 @@ def guide(onboard, nav, mem, out):
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
-    rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    rate, a, b = drag_dynamics(
+        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
+    )
     omega = p.frequency
-    wanted_acceleration = goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
+    wanted_acceleration = (
+        goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
+    )
     return bank_for(wanted_acceleration, b, a)
 
 
-MEMBER = Member("drag_tracking", DragTrackingParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY)
+MEMBER = Member(
+    "drag_tracking", DragTrackingParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3 (FL)", MEMORY
+)

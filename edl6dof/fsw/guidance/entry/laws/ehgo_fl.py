@@ -1,15 +1,18 @@
 """Extended high-gain observer with feedback linearisation.
 
-The observer of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` gives drag, drag rate and the perturbation phi = b - b^ + (a - a^) u; the
-law cancels b^ and phi^ and places the poles of the drag error.  The control is saturated (|cos(bank)| <= 1, and by the bank limits that all
-laws share), and the observer is told the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
+The observer of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` gives drag, drag rate and the
+perturbation phi = b - b^ + (a - a^) u; the law cancels b^ and phi^ and places the poles of the drag error.
+The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer is
+told the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
 Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
-Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` and :mod:`~edl6dof.fsw.guidance.entry.laws.fl`; b^ is taken
-at the measured drag with the drag rate that the model gives there; the difference is part of phi.  The printed time scale and gains suit
-a point mass in an exponential atmosphere.  In air with density waves phi is many times what the bank angle can do, and a rigid body's angle
-of attack oscillates: the defaults are slower, lean less on the estimated rate, and phi^ is limited before it is cancelled, which is where
-Freidovich & Khalil 2008 saturate against peaking.
+Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` and
+:mod:`~edl6dof.fsw.guidance.entry.laws.fl`; b^ is taken at the measured drag with the drag rate that the model
+gives there; the difference is part of phi.  The printed time scale and gains suit a point mass in an
+exponential atmosphere.  In air with density waves phi is many times what the bank angle can do, and a rigid
+body's angle
+of attack oscillates: the defaults are slower, lean less on the estimated rate, and phi^ is limited before it
+is cancelled, which is where Freidovich & Khalil 2008 saturate against peaking.
 """
 
 from __future__ import annotations
@@ -36,7 +39,9 @@ class EhgoFlParams(Params):
     error_gain: float = param(0.01, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
     rate_gain: float = param(0.07, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
     epsilon_s: float = param(2.0, "time scale of the observer error; 0.1 in the paper", gt=0.0, le=100.0)
-    share: float = param(0.3, "largest phi^ that is cancelled, as a share of what the bank angle can do", ge=0.0, le=100.0)
+    share: float = param(
+        0.3, "largest phi^ that is cancelled, as a share of what the bank angle can do", ge=0.0, le=100.0
+    )
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
@@ -51,11 +56,15 @@ def guide(onboard, nav, mem, out):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    _, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    _, a, b = drag_dynamics(
+        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
+    )
     observe(memory, p.epsilon, nav.t, nav.drag, a, b, cos(nav.bank))
     drag, rate = memory.drag, memory.rate
     out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, memory.phi
-    goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.ehgo_fl.profile, drag, rate, out)
+    goal, goal_rate, goal_acceleration = polynomial_goal(
+        onboard, nav, p.profile, mem.ehgo_fl.profile, drag, rate, out
+    )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - drag)
     limit = -p.share * a
     return bank_for(wanted, b + clamp(memory.phi, -limit, limit), a)

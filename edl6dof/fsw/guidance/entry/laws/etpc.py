@@ -1,14 +1,16 @@
-"""Entry terminal point control: linear range control about a reference trajectory, the law of Apollo's final phase and of MSL.
+"""Entry terminal point control: linear range control about a reference trajectory, the law of Apollo's final
+phase and of MSL.
 
-Range to go is predicted from the reference and the departures of measured drag and altitude rate from it, weighed with influence
-coefficients at the same speed; the vertical lift-to-drag ratio is changed by the predicted miss over its own coefficient, times an
-overcontrol gain:
+Range to go is predicted from the reference and the departures of measured drag and altitude rate from it,
+weighed with influence coefficients at the same speed; the vertical lift-to-drag ratio is changed by the
+predicted miss over its own coefficient, times an overcontrol gain:
 
-    R_p = R_ref + dR/dD (D - D_ref) + dR/dh' (h' - h'_ref),    (L/D)_v = (L/D)_v,ref + K (R - R_p) / (dR/d(L/D)_v)
+    R_p = R_ref + dR/dD (D - D_ref) + dR/dh' (h' - h'_ref),    (L/D)_v = (L/D)_v,ref + K (R - R_p) /
+    (dR/d(L/D)_v)
 
-Source: Carman, Ives & Geller 1998, AIAA 98-4570; Mendeck & Carman 2002, AIAA 2002-4502; flown: Mendeck & Craig McGrew 2014, "Entry guidance
-design and postflight performance for 2011 Mars Science Laboratory mission".  The coefficients: see
-:mod:`~edl6dof.fsw.guidance.entry.prediction.influence`.
+Source: Carman, Ives & Geller 1998, AIAA 98-4570; Mendeck & Carman 2002, AIAA 2002-4502; flown: Mendeck &
+Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars Science Laboratory
+mission".  The coefficients: see :mod:`~edl6dof.fsw.guidance.entry.prediction.influence`.
 """
 
 from __future__ import annotations
@@ -31,7 +33,9 @@ class EtpcParams(Params):
     """Entry terminal point control."""
 
     overcontrol: float = param(5.0, "overcontrol gain K", status="recalled", source="Apollo", gt=0.0, le=50.0)
-    start_drag_m_s2: float = param(2.0, "drag at which range control begins; before, the reference bank is held", ge=0.0)
+    start_drag_m_s2: float = param(
+        2.0, ("drag at which range control begins; before, the reference bank is held"), ge=0.0
+    )
 
 
 @kernel
@@ -62,4 +66,11 @@ def plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
     fill_influence(onboard, entry, onboard["plan"]["etpc"][0])
 
 
-MEMBER = Member("etpc", EtpcParams, {"guide": guide}, "Carman, Ives & Geller 1998; Mendeck & Carman 2002", tables=INFLUENCE, plan=plan)
+MEMBER = Member(
+    "etpc",
+    EtpcParams,
+    {"guide": guide},
+    "Carman, Ives & Geller 1998; Mendeck & Carman 2002",
+    tables=INFLUENCE,
+    plan=plan,
+)

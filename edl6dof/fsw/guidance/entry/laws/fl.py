@@ -1,10 +1,10 @@
 """Feedback linearisation of the drag: the comparison law of the extended high-gain observer.
 
-Drag rate comes from the analytic expression with the measured drag; D'' = b + a cos(bank) is inverted with the believed L/D and scale
-height.  Source: Wu, Cui & Cui 2013, section 3.3, eqs. 16-19.
+Drag rate comes from the analytic expression with the measured drag; D'' = b + a cos(bank) is inverted with
+the believed L/D and scale height.  Source: Wu, Cui & Cui 2013, section 3.3, eqs. 16-19.
 
-Differences from the print: K = [0.4 0.04] belongs to [rate, error], not to [error, rate]: as printed the error would oscillate with 3 % of
-critical damping.
+Differences from the print: K = [0.4 0.04] belongs to [rate, error], not to [error, rate]: as printed the
+error would oscillate with 3 % of critical damping.
 """
 
 from __future__ import annotations
@@ -40,9 +40,13 @@ def guide(onboard, nav, mem, out):
     p = onboard.guidance.entry.fl
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, a, b = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    rate, a, b = drag_dynamics(
+        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
+    )
     out.drag_estimate, out.drag_rate = nav.drag, rate
-    goal, goal_rate, goal_acceleration = polynomial_goal(onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out)
+    goal, goal_rate, goal_acceleration = polynomial_goal(
+        onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out
+    )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
     return bank_for(wanted, b, a)
 

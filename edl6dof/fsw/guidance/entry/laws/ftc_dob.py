@@ -1,11 +1,11 @@
 """Finite-time drag tracking with a nonlinear disturbance observer.
 
-Source: Yan, Sun & Guo 2016, eqs. 13-22.  The error of drag is driven to zero in finite time by fractional powers of error and error rate;
-the disturbance of the flight-path rate is observed and taken out.  The paper prints neither gains nor exponent: those here are this
-software's.
+Source: Yan, Sun & Guo 2016, eqs. 13-22.  The error of drag is driven to zero in finite time by fractional
+powers of error and error rate; the disturbance of the flight-path rate is observed and taken out.  The paper
+prints neither gains nor exponent: those here are this software's.
 
-Differences from the print: eq. 22 has the sign of the reference acceleration reversed against eq. 20; the drag dynamics keep what g loses
-with height, which eq. 14 leaves out; beta is printed in m where 1/m is meant.
+Differences from the print: eq. 22 has the sign of the reference acceleration reversed against eq. 20; the
+drag dynamics keep what g loses with height, which eq. 14 leaves out; beta is printed in m where 1/m is meant.
 """
 
 from __future__ import annotations
@@ -25,7 +25,12 @@ class FtcDobParams(Params):
     """Finite-time control with nonlinear disturbance observer."""
 
     error_gain: float = param(0.25, "k_1, weight of |D - D_r|^alpha_1", gt=0.0, le=100.0)
-    rate_gain: float = param(0.8, "k_2, weight of the error rate to the power alpha_2 = 2 alpha_1/(1 + alpha_1)", gt=0.0, le=100.0)
+    rate_gain: float = param(
+        0.8,
+        ("k_2, weight of the error rate to the power alpha_2 = 2 alpha_1/(1 + alpha_1)"),
+        gt=0.0,
+        le=100.0,
+    )
     exponent: float = param(0.6, "alpha_1", gt=0.0, lt=1.0)
     observer: PathObserverParams = group(PathObserverParams, "disturbance observer")
 
@@ -43,7 +48,9 @@ def guide(onboard, nav, mem, out):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     p = onboard.guidance.entry.ftc_dob
     error, error_rate, drift, authority = disturbed_drag(onboard, nav, p.observer, mem.ftc_dob, out)
-    feedback = p.error_gain * power(error, p.exponent) + p.rate_gain * power(error_rate, 2.0 * p.exponent / (1.0 + p.exponent))
+    feedback = p.error_gain * power(error, p.exponent) + p.rate_gain * power(
+        error_rate, 2.0 * p.exponent / (1.0 + p.exponent)
+    )
     return bank_for(-feedback, drift, authority)
 
 

@@ -1,13 +1,14 @@
 """Fully numerical predictor-corrector: the bank magnitude whose predicted flight ends at the aim point.
 
-Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's cos(bank), by Newton's method
-with a finite-difference slope (Gauss-Newton for one unknown), from the last call's solution.  Density and lift-to-drag errors enter as
-measured ratios.  Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter
-bank profile, terminal range error as a function of it, Gauss-Newton iteration.
+Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's
+cos(bank), by Newton's method with a finite-difference slope (Gauss-Newton for one unknown), from the last
+call's solution.  Density and lift-to-drag errors enter as measured ratios.  Source: Lu 2014, "Entry guidance:
+a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter bank profile, terminal
+range error as a function of it, Gauss-Newton iteration.
 
-Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in energy; the unknown is added to
-cos(bank), in which range is nearly linear, instead of to the bank angle; the prediction ends at the parachute's Mach number, which the
-mission table watches, instead of a final energy.
+Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in
+energy; the unknown is added to cos(bank), in which range is nearly linear, instead of to the bank angle; the
+prediction ends at the parachute's Mach number, which the mission table watches, instead of a final energy.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ class NpcParams(Params):
 
     tolerance_m: float = param(50.0, "predicted miss at which the iteration stops", gt=0.0, le=10e3)
     iterations: int = param(4, "most Newton steps in one call", ge=1, le=20)
-    start_drag_m_s2: float = param(0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0)
+    start_drag_m_s2: float = param(
+        0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
+    )
 
 
 MEMORY = np.dtype([("shift", "f8"), ("started", FLAG), ("miss", "f8"), ("iterations", COUNT)], align=True)
@@ -48,7 +51,9 @@ def miss_of(onboard, nav, out, shift):
 
 @kernel
 def solve(onboard, nav, out, low, high, memory):
-    """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound nearest to that."""
+    """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound
+    nearest to that.
+    """
     p = onboard.guidance.entry.npc
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0

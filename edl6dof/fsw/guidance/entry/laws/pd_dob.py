@@ -1,4 +1,5 @@
-"""Proportional-derivative drag tracking with the same disturbance observer as the finite-time law: its comparison.
+"""Proportional-derivative drag tracking with the same disturbance observer as the finite-time law: its
+comparison.
 
 Source: Yan, Sun & Guo 2016, section 3.  The paper does not print the gains: those here are this software's.
 """

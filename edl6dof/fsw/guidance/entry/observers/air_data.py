@@ -1,8 +1,10 @@
-"""How much more drag and lift than believed is measured: one number each, low-pass filtered, for every law that predicts.
+"""How much more drag and lift than believed is measured: one number each, low-pass filtered, for every law
+that predicts.
 
-The accelerometer feels density, mass, wind and aerodynamic errors together; so does the trajectory, and the ratio of measured to
-believed drag carries them into a prediction without telling them apart.  Source: the density and lift-to-drag estimates of fully
-numerical entry guidance (Lu 2014, section V.C; Brunner & Lu 2008, eqs. 33-34), first-order fading-memory filters.
+The accelerometer feels density, mass, wind and aerodynamic errors together; so does the trajectory, and the
+ratio of measured to believed drag carries them into a prediction without telling them apart.  Source: the
+density and lift-to-drag estimates of fully numerical entry guidance (Lu 2014, section V.C; Brunner & Lu 2008,
+eqs. 33-34), first-order fading-memory filters.
 """
 
 from __future__ import annotations

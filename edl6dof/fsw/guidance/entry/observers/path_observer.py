@@ -1,8 +1,11 @@
-"""Nonlinear observer of a disturbance in the flight-path rate, shared by the two laws that take it out of the drag dynamics.
+"""Nonlinear observer of a disturbance in the flight-path rate, shared by the two laws that take it out of the
+drag dynamics.
 
-Source: Yan, Sun & Guo 2016, eqs. 5 and 16-17: gamma' = f(x, u) + d, estimate d^ = z + l gamma, which makes the error obey e' = d' - l e.
-Sampled form: over one interval gamma changes by the mean of f plus the mean of d; the error decays by exp(-l dt), exactly, so that the
-observer is stable at any guidance rate (the printed form, integrated by Euler steps, is not when l dt > 2).
+Source: Yan, Sun & Guo 2016, eqs. 5 and 16-17: gamma' = f(x, u) + d, estimate d^ = z + l gamma, which makes
+the error obey e' = d' - l e.
+Sampled form: over one interval gamma changes by the mean of f plus the mean of d; the error decays by exp(-l
+dt), exactly, so that the observer is stable at any guidance rate (the printed form, integrated by Euler
+steps, is not when l dt > 2).
 """
 
 from __future__ import annotations
@@ -25,9 +28,18 @@ class PathObserverParams(Params):
     gain: float = param(10.0, "l, rate at which the estimate converges, 1/s", gt=0.0, le=1000.0)
 
 
-#: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the estimate, rad/s.
+#: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the
+#: estimate, rad/s.
 PATH_OBSERVER = np.dtype(
-    [("started", FLAG), ("t", "f8"), ("gamma", "f8"), ("lift_rate", "f8"), ("free_rate", "f8"), ("disturbance", "f8")], align=True
+    [
+        ("started", FLAG),
+        ("t", "f8"),
+        ("gamma", "f8"),
+        ("lift_rate", "f8"),
+        ("free_rate", "f8"),
+        ("disturbance", "f8"),
+    ],
+    align=True,
 )
 
 #: What a law that tracks drag with this observer remembers.
@@ -54,15 +66,20 @@ def observe_path(p, memory, nav, lift):
 def disturbed_drag(onboard, nav, p, memory, out):
     """Drag errors and drag dynamics with the observed disturbance (eqs. 14 and 19).
 
-    Returns (D - D_r, D' - D_r', a + f d^ - D_r'', b): the error's second derivative is the third plus b cos(bank).  A disturbance d of the
+    Returns (D - D_r, D' - D_r', a + f d^ - D_r'', b): the error's second derivative is the third plus b
+    cos(bank).  A disturbance d of the
     path rate acts as lift does: f = b V/L.
     """
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, authority, free = drag_dynamics(nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height)
+    rate, authority, free = drag_dynamics(
+        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
+    )
     disturbance = observe_path(p, memory.observer, nav, lift)
     out.path_disturbance = disturbance
-    path_authority = -nav.drag * cos(nav.flight_path_angle) * (nav.speed / scale_height + 2.0 * nav.gravity / nav.speed)
+    path_authority = (
+        -nav.drag * cos(nav.flight_path_angle) * (nav.speed / scale_height + 2.0 * nav.gravity / nav.speed)
+    )
     drift = free + path_authority * disturbance - goal_acceleration
     return nav.drag - goal, rate - goal_rate, drift, authority

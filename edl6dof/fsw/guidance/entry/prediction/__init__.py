@@ -1,1 +1,3 @@
-"""What the flight computer expects of the entry: its models of vehicle and drag, and trajectories predicted with them."""
+"""What the flight computer expects of the entry: its models of vehicle and drag, and trajectories predicted
+with them.
+"""

@@ -1,9 +1,10 @@
 """The drag and lift that the flight computer expects of its vehicle at trim, over Mach number.
 
-One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of the Mach number.  Below the
-Mach number at which the mission table opens the trim wing the vehicle trims at zero angle of attack: no lift, and the drag of that
-attitude.  Where no table was made the factors are one.  Source: the nominal aerodynamic database, trimmed on the ground
-(:mod:`edl6dof.scenario.believed_aero`).
+One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of
+the Mach number.  Below the
+Mach number at which the mission table opens the trim wing the vehicle trims at zero angle of attack: no lift,
+and the drag of that attitude.  Where no table was made the factors are one.  Source: the nominal aerodynamic
+database, trimmed on the ground (:mod:`edl6dof.scenario.believed_aero`).
 """
 
 from __future__ import annotations
@@ -24,7 +25,8 @@ AIRFRAME = np.dtype(
         ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 without one
         ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
         ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
-        ("drag_with_wing", "f8", (NODES,)),  # drag area over the vehicle's one, wing open, zero angle of attack
+        # drag area over the vehicle's one, wing open, zero angle of attack
+        ("drag_with_wing", "f8", (NODES,)),
     ],
     align=True,
 )

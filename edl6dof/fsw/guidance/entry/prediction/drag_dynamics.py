@@ -1,12 +1,14 @@
-"""Drag acceleration and its first and second derivative along the flight: what every drag-tracking law inverts.
+"""Drag acceleration and its first and second derivative along the flight: what every drag-tracking law
+inverts.
 
-Derived here from D = k rho V^2 with an exponential density and the equations of motion over a non-rotating sphere, and checked in the
-tests against finite differences of independently integrated and of flown trajectories.  Same quantity: Zheng & Cui 2015, eqs. 13-14;
-Wu, Cui & Cui 2013, eq. 12; Yan, Sun & Guo 2016, eqs. 13-14.
+Derived here from D = k rho V^2 with an exponential density and the equations of motion over a non-rotating
+sphere, and checked in the tests against finite differences of independently integrated and of flown
+trajectories.  Same quantity: Zheng & Cui 2015, eqs. 13-14; Wu, Cui & Cui 2013, eq. 12; Yan, Sun & Guo 2016,
+eqs. 13-14.
 
-Differences from the prints, each shown in the tests: Zheng & Cui have a D-dot in eq. 14 where D belongs (-D V sin(gamma)/h_s), and in
-eq. 13 +2 D'(D + g sin(gamma))/V^2 where -2 D'(D + g sin(gamma))/V belongs; Yan, Sun & Guo leave out of eq. 14 what g loses with height,
-4 D g sin^2(gamma)/r.
+Differences from the prints, each shown in the tests: Zheng & Cui have a D-dot in eq. 14 where D belongs (-D V
+sin(gamma)/h_s), and in eq. 13 +2 D'(D + g sin(gamma))/V^2 where -2 D'(D + g sin(gamma))/V belongs; Yan, Sun &
+Guo leave out of eq. 14 what g loses with height, 4 D g sin^2(gamma)/r.
 """
 
 from __future__ import annotations
@@ -43,5 +45,7 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height):
 
 @kernel
 def bank_for(wanted, free, authority):
-    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority is negative, zero in no air."""
+    """Bank angle (rad, 0..pi) whose D'' = free + authority cos(bank) is nearest to ``wanted``; authority is
+    negative, zero in no air.
+    """
     return acos(clamp((wanted - free) / min(authority, -1e-12), -1.0, 1.0))

@@ -1,14 +1,18 @@
-"""Influence coefficients: how the range flown to the parachute answers to the state now, along the reference trajectory.
+"""Influence coefficients: how the range flown to the parachute answers to the state now, along the reference
+trajectory.
 
-The onboard reference is flown to its end once more from each of a number of speeds, with altitude, flight-path angle and vertical
-lift-to-drag ratio a little up and a little down; the central differences are the sensitivities that the adjoint equations of Apollo and MSL
-integrate backwards.  At equal speed a change of altitude is a change of drag, dD = -D dh / h_s, and a change of flight-path angle one of
-altitude rate, d(h') = V cos(gamma) d(gamma), so that the coefficients belong to what is measured.  Source: Carman, Ives & Geller 1998,
-"Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck & Carman 2002, "Guidance design for Mars smart landers using the
-entry terminal point controller", AIAA 2002-4502, on the controller gains.
+The onboard reference is flown to its end once more from each of a number of speeds, with altitude,
+flight-path angle and vertical lift-to-drag ratio a little up and a little down; the central differences are
+the sensitivities that the adjoint equations of Apollo and MSL integrate backwards.  At equal speed a change
+of altitude is a change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate,
+d(h') = V cos(gamma) d(gamma), so that the coefficients belong to what is measured.  Source: Carman, Ives &
+Geller 1998, "Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck & Carman 2002, "Guidance
+design for Mars smart landers using the entry terminal point controller", AIAA 2002-4502, on the controller
+gains.
 
-Differences: differences of flown trajectories in place of the adjoint equations, so that the level-wing end and the trim wing, where the
-dynamics jump, are in the coefficients; the range counts at the final speed, as the parachute opens by Mach number, not at an altitude.
+Differences: differences of flown trajectories in place of the adjoint equations, so that the level-wing end
+and the trim wing, where the dynamics jump, are in the coefficients; the range counts at the final speed, as
+the parachute opens by Mach number, not at an altitude.
 """
 
 from __future__ import annotations
@@ -45,7 +49,9 @@ INFLUENCE = np.dtype(
 
 @kernel
 def rates(onboard, h, v, gamma, shift, more_lift):
-    """Rates of altitude, speed, path angle and range on the reference profile with ``more_lift`` added to its vertical L/D."""
+    """Rates of altitude, speed, path angle and range on the reference profile with ``more_lift`` added to its
+    vertical L/D.
+    """
     a = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
     # below the alignment speed lift is no longer controlled
     turn = more_lift * a[4] / v if v > onboard.guidance.entry.align_speed else 0.0
@@ -61,8 +67,12 @@ def range_from(onboard, h, v, gamma, shift, more_lift):
         if v <= final or h < -5000.0:
             break
         a = rates(onboard, h, v, gamma, shift, more_lift)
-        b = rates(onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, more_lift)
-        c = rates(onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, more_lift)
+        b = rates(
+            onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, more_lift
+        )
+        c = rates(
+            onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, more_lift
+        )
         d = rates(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], shift, more_lift)
         change = STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
         part = 1.0 if v + change > final else (final - v) / change
@@ -75,15 +85,21 @@ def range_from(onboard, h, v, gamma, shift, more_lift):
 
 @kernel
 def reference_states(onboard, entry, shift, history):
-    """Fly the reference; rows of ``history`` are (altitude, speed, path angle), one each ``STEP``.  Returns the row count."""
+    """Fly the reference; rows of ``history`` are (altitude, speed, path angle), one each ``STEP``.  Returns
+    the row count.
+    """
     h, v, gamma = entry
     count = 0
     while v > onboard.guidance.entry.final_speed and h > -5000.0 and count < history.shape[0]:
         history[count, 0], history[count, 1], history[count, 2] = h, v, gamma
         count += 1
         a = rates(onboard, h, v, gamma, shift, 0.0)
-        b = rates(onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, 0.0)
-        c = rates(onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, 0.0)
+        b = rates(
+            onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, 0.0
+        )
+        c = rates(
+            onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, 0.0
+        )
         d = rates(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], shift, 0.0)
         h += STEP * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
         v += STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
@@ -93,11 +109,26 @@ def reference_states(onboard, entry, shift, history):
 
 @kernel
 def coefficients(onboard, h, v, gamma, shift):
-    """Range to go (m) and its derivatives by altitude (m/m), path angle (m/rad) and vertical L/D (m) at equal speed."""
-    up, down = range_from(onboard, h + D_ALTITUDE, v, gamma, shift, 0.0), range_from(onboard, h - D_ALTITUDE, v, gamma, shift, 0.0)
-    steep, level = range_from(onboard, h, v, gamma - D_PATH, shift, 0.0), range_from(onboard, h, v, gamma + D_PATH, shift, 0.0)
-    more, less = range_from(onboard, h, v, gamma, shift, D_LIFT), range_from(onboard, h, v, gamma, shift, -D_LIFT)
-    by_altitude, by_path, by_lift = (up - down) / (2 * D_ALTITUDE), (level - steep) / (2 * D_PATH), (more - less) / (2 * D_LIFT)
+    """Range to go (m) and its derivatives by altitude (m/m), path angle (m/rad) and vertical L/D (m) at equal
+    speed.
+    """
+    up, down = (
+        range_from(onboard, h + D_ALTITUDE, v, gamma, shift, 0.0),
+        range_from(onboard, h - D_ALTITUDE, v, gamma, shift, 0.0),
+    )
+    steep, level = (
+        range_from(onboard, h, v, gamma - D_PATH, shift, 0.0),
+        range_from(onboard, h, v, gamma + D_PATH, shift, 0.0),
+    )
+    more, less = (
+        range_from(onboard, h, v, gamma, shift, D_LIFT),
+        range_from(onboard, h, v, gamma, shift, -D_LIFT),
+    )
+    by_altitude, by_path, by_lift = (
+        (up - down) / (2 * D_ALTITUDE),
+        (level - steep) / (2 * D_PATH),
+        (more - less) / (2 * D_LIFT),
+    )
     return range_from(onboard, h, v, gamma, shift, 0.0), by_altitude, by_path, by_lift
 
 

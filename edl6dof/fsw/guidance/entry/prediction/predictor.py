@@ -1,9 +1,11 @@
-"""Onboard prediction of the entry: a point mass over the rotating ellipsoid with the believed air and airframe.
+"""Onboard prediction of the entry: a point mass over the rotating ellipsoid with the believed air and
+airframe.
 
-Flown in Cartesian planet-fixed axes from the navigated state to the parachute, with the bank profile of the reference shifted by one
-number, and with level wings where the shared steering aligns the heading or levels them.  Steps are taken for a fixed loss of
-speed, so they are steps of energy wherever drag counts.  Source: equations of motion of Lu 2014, "Entry guidance: a unified method",
-section II (there in spherical coordinates, with energy as independent variable); left out: J2, wind, the time a bank reversal takes.
+Flown in Cartesian planet-fixed axes from the navigated state to the parachute, with the bank profile of the
+reference shifted by one number, and with level wings where the shared steering aligns the heading or levels
+them.  Steps are taken for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source:
+equations of motion of Lu 2014, "Entry guidance: a unified method", section II (there in spherical
+coordinates, with energy as independent variable); left out: J2, wind, the time a bank reversal takes.
 """
 
 from __future__ import annotations
@@ -33,7 +35,9 @@ def height_above_ellipsoid(planet, r):
 
 @kernel
 def accelerations(onboard, r, v, out, cos_bank, sin_bank):
-    """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the Mach number, at position and velocity in F."""
+    """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the Mach number, at position and
+    velocity in F.
+    """
     planet, vehicle = onboard.planet, onboard.vehicle
     size, speed = norm(r), max(norm(v), 1e-3)
     density, sound, _ = model_atmosphere(onboard.atmosphere, height_above_ellipsoid(planet, r))
@@ -55,12 +59,13 @@ def accelerations(onboard, r, v, out, cos_bank, sin_bank):
 def predict(onboard, nav, out, shift, lateral):
     """Fly on from ``nav`` to the parachute with the reference bank profile, its cosine shifted by ``shift``.
 
-    ``lateral`` scales the sideways part of the lift: 0 for a flight in the plane, whose reversals cancel, +1 or -1 to bank right or
-    left all the way.  Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``.
+    ``lateral`` scales the sideways part of the lift: 0 for a flight in the plane, whose reversals cancel, +1
+    or -1 to bank right or left all the way.  Drag and lift-to-drag ratio are the believed ones times the
+    ratios measured so far, from ``out``.
 
     Returns:
-        downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), both relative to the great circle
-        from here to the aim point; altitude (m) and time (s) at the end.
+        downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), both
+        relative to the great circle from here to the aim point; altitude (m) and time (s) at the end.
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     lat, lon = nav.latitude, nav.longitude
@@ -78,7 +83,9 @@ def predict(onboard, nav, out, shift, lateral):
             cos_bank = clamp(cos(reference_bank(onboard, shift, speed)), least, most)
             sin_bank = lateral * sqrt(1.0 - cos_bank * cos_bank)
         a1, drag, mach = accelerations(onboard, r, v, out, cos_bank, sin_bank)
-        end_speed = entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
+        end_speed = (
+            entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
+        )
         if speed <= end_speed or height_above_ellipsoid(planet, r) < -5000.0:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
@@ -100,11 +107,18 @@ def predict(onboard, nav, out, shift, lateral):
     there = unit(r)
     beyond = atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
     aside = asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
-    return beyond * planet.equatorial_radius, aside * planet.equatorial_radius, height_above_ellipsoid(planet, r), t
+    return (
+        beyond * planet.equatorial_radius,
+        aside * planet.equatorial_radius,
+        height_above_ellipsoid(planet, r),
+        t,
+    )
 
 
 @kernel
 def aim_direction(onboard):
     """Unit vector (F) to the aim point, by its geodetic latitude as ``to_target`` measures range."""
     planet, site = onboard.planet, onboard.site
-    return unit(from_geodetic(planet.equatorial_radius, planet.flattening, site.aim_latitude, site.aim_longitude, 0.0))
+    return unit(
+        from_geodetic(planet.equatorial_radius, planet.flattening, site.aim_latitude, site.aim_longitude, 0.0)
+    )

@@ -1,10 +1,12 @@
-"""Reference trajectory: a point mass over a non-rotating sphere with onboard density, drag and lift, at an open-loop bank profile.
+"""Reference trajectory: a point mass over a non-rotating sphere with onboard density, drag and lift, at an
+open-loop bank profile.
 
-Flown once on the ground before the mission with an open-loop bank profile in three segments over speed (constant, linear, constant).
-Unless told otherwise the profile is shifted, by one number added to cos(bank), so that the range from entry interface to the aim point is
-met at parachute speed.  What guidance needs of it is tabulated over the square root of twice the specific energy, which is near the speed.
-Sources: equations of motion, Wu, Cui & Cui 2013, eqs. 1-3 and 7; three-segment bank profile, Zheng & Cui 2015, section 3.2, with the
-linear middle segment of Yan, Sun & Guo 2016, section 3.
+Flown once on the ground before the mission with an open-loop bank profile in three segments over speed
+(constant, linear, constant). Unless told otherwise the profile is shifted, by one number added to cos(bank),
+so that the range from entry interface to the aim point is met at parachute speed.  What guidance needs of it
+is tabulated over the square root of twice the specific energy, which is near the speed.
+Sources: equations of motion, Wu, Cui & Cui 2013, eqs. 1-3 and 7; three-segment bank profile, Zheng & Cui
+2015, section 3.2, with the linear middle segment of Yan, Sun & Guo 2016, section 3.
 """
 
 from __future__ import annotations
@@ -24,18 +26,27 @@ from edl6dof.spatial.vector import clamp
 
 NODES = 256
 STEPS = 6000
-#: Least cosine of the reference bank angle: never more than 120 deg, so that there is authority left to bring the lift down.
+#: Least cosine of the reference bank angle: never more than 120 deg, so that there is authority left to bring
+#: the lift down.
 LEAST_COSINE = -0.5
 
 
 class ReferenceBankParams(Params):
-    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero in alignment."""
+    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero in
+    alignment.
+    """
 
     fast_bank_deg: float = param(90.0, "bank above fast_speed_m_s", ge=0.0, le=180.0)
-    fast_speed_m_s: float = param(3500.0, "speed above which the bank is constant", status="published", source="Yan 2016", gt=0.0)
+    fast_speed_m_s: float = param(
+        3500.0, "speed above which the bank is constant", status="published", source="Yan 2016", gt=0.0
+    )
     slow_bank_deg: float = param(90.0, "bank below slow_speed_m_s", ge=0.0, le=180.0)
-    slow_speed_m_s: float = param(1500.0, "speed below which the bank is constant", status="published", source="Yan 2016", gt=0.0)
-    fit_range: bool = param(True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point")
+    slow_speed_m_s: float = param(
+        1500.0, "speed below which the bank is constant", status="published", source="Yan 2016", gt=0.0
+    )
+    fit_range: bool = param(
+        True, ("whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point")
+    )
 
     @model_validator(mode="after")
     def _speeds_fall(self) -> Self:
@@ -80,7 +91,8 @@ def point_mass(onboard, h, v, gamma, bank):
 
 @kernel
 def reference_bank(onboard, shift, speed):
-    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above -0.5.
+    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above
+    -0.5.
 
     Heading alignment banks to either side of zero: from there on the reference flies with wings level.
     """
@@ -94,15 +106,19 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held at both ends."""
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) in the table, and the share of the way to the next; held
+    at both ends.
+    """
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
 @kernel
 def fly(onboard, entry, shift, final_speed, dt, history):
-    """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, ground per path, time). Returns the row count.
+    """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, ground per path,
+    time). Returns the row count.
 
-    ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum = 0).
+    ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum =
+    0).
     """
     h, v, gamma, s, t = entry[0], entry[1], entry[2], 0.0, 0.0
     planet = onboard.planet
@@ -110,7 +126,9 @@ def fly(onboard, entry, shift, final_speed, dt, history):
     while v > final_speed and h > -5000.0 and count < history.shape[0]:
         sigma = reference_bank(onboard, shift, v)
         a = point_mass(onboard, h, v, gamma, sigma)
-        energy = 0.5 * v * v + planet.mu * (1.0 / planet.equatorial_radius - 1.0 / (planet.equatorial_radius + h))
+        energy = 0.5 * v * v + planet.mu * (
+            1.0 / planet.equatorial_radius - 1.0 / (planet.equatorial_radius + h)
+        )
         row = history[count]
         row[0], row[1], row[2], row[3], row[4] = sqrt(2.0 * max(energy, 0.0)), s, a[4], a[3] / v, t
         count += 1
@@ -139,8 +157,11 @@ def solve_shift(onboard, entry, wanted, final_speed, dt, history):
     return 0.5 * (low + high)
 
 
-def fill_reference(onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, final: float) -> None:
-    """Fly the reference, for a range of ``wanted`` metres if that is to be fitted, and tabulate it into ``onboard[0]["reference"]``.
+def fill_reference(
+    onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, final: float
+) -> None:
+    """Fly the reference, for a range of ``wanted`` metres if that is to be fitted, and tabulate it into
+    ``onboard[0]["reference"]``.
 
     Args:
         onboard: onboard record array of length one, its models filled.

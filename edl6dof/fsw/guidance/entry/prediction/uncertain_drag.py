@@ -1,12 +1,14 @@
 """Drag dynamics in drag, drag rate and speed alone, with what these cannot tell as five parameters.
 
-D'' + g0(D, D', V) + g1(D, D', V, u) theta = w + g2(D, V) u with u = (L/D) cos(bank) and
-theta = (C, C', 1 - (R/r) cos^2(gamma), 1 - cos(gamma), sin^2(gamma)), C = (dC_D/dt)/C_D, R a reference radius with g = mu/R^2.
-Derived here from D = k rho V^2 C_D and eqs. 2-4; checked in the tests against finite differences of integrated entries.
+D'' + g0(D, D', V) + g1(D, D', V, u) theta = w + g2(D, V) u with u = (L/D) cos(bank) and theta = (C, C', 1 -
+(R/r) cos^2(gamma), 1 - cos(gamma), sin^2(gamma)), C = (dC_D/dt)/C_D, R a reference radius with g = mu/R^2.
+Derived here from D = k rho V^2 C_D and eqs. 2-4; checked in the tests against finite differences of
+integrated entries.
 Source: Lu & Bayard, sections 2.1 and 2.3, eqs. 8-13.
 
-Differences from the print: g = mu/R^2 where section 2.3 has mu/R; 2 D/V where eq. 10 has 2 V'/V; R/r where eqs. 9 and 13 have r/R; w is
-D delta' + (D^2/V) ((V^2 - 4 g H)/(V^2 + 2 g H)) delta, where the print leaves out the V^2.
+Differences from the print: g = mu/R^2 where section 2.3 has mu/R; 2 D/V where eq. 10 has 2 V'/V; R/r where
+eqs. 9 and 13 have r/R; w is D delta' + (D^2/V) ((V^2 - 4 g H)/(V^2 + 2 g H)) delta, where the print leaves
+out the V^2.
 """
 
 from __future__ import annotations

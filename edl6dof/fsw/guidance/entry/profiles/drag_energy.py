@@ -1,13 +1,16 @@
 """Drag-energy profile as a polynomial of order six, refitted whenever the range to go is updated.
 
-Range along a drag profile is the integral of cos(gamma) dE / D.  Now and then the profile is multiplied by 1 + eta f(E), eta such that it
-predicts the range to go, and the product is fitted again: the polynomial always covers the energy that is left.
+Range along a drag profile is the integral of cos(gamma) dE / D.  Now and then the profile is multiplied by 1
++ eta f(E), eta such that it
+predicts the range to go, and the product is fitted again: the polynomial always covers the energy that is
+left.
 Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
 
-Differences from the print: the range integral carries the ground distance per path length of the reference trajectory, which eqs. 11 and
-14 leave out (1 % of the range of an entry at 14 deg); the argument of the polynomial is the share of energy left, 0 at the terminal and 1
-at the last update, because E^6 in J/kg is not fit for a least-squares solution; the fit is kept within a factor of the reference, so that
-an aim point out of reach cannot drive it away update by update.
+Differences from the print: the range integral carries the ground distance per path length of the reference
+trajectory, which eqs. 11 and 14 leave out (1 % of the range of an entry at 14 deg); the argument of the
+polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg is not
+fit for a least-squares solution; the fit is kept within a factor of the reference, so that an aim point out
+of reach cannot drive it away update by update.
 """
 
 from __future__ import annotations
@@ -27,13 +30,21 @@ ORDER = 6
 #: Samples between the ends of the remaining energy; odd, for Simpson's rule.
 SAMPLES = 33
 _ANGLE = np.linspace(0.0, np.pi, SAMPLES)
-#: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's weights of an integral over it.
+#: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's
+#: weights of an integral over it.
 SHARE = 0.5 * (1.0 - np.cos(_ANGLE))
-WEIGHT = np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0]) * np.pi / (3.0 * (SAMPLES - 1)) * 0.5 * np.sin(_ANGLE)
+WEIGHT = (
+    np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0])
+    * np.pi
+    / (3.0 * (SAMPLES - 1))
+    * 0.5
+    * np.sin(_ANGLE)
+)
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
 FIT = np.linalg.pinv(np.vander(SHARE, ORDER + 1, increasing=True))
 
-#: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples are scratch.
+#: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
+#: are scratch.
 PROFILE = np.dtype(
     [
         ("coefficient", "f8", (ORDER + 1,)),
@@ -50,7 +61,9 @@ PROFILE = np.dtype(
 class PolynomialParams(Params):
     """Polynomial drag-energy profile."""
 
-    update_every_s: float = param(5.0, "time between two updates of the profile to the range to go", gt=0.0, le=1000.0)
+    update_every_s: float = param(
+        5.0, "time between two updates of the profile to the range to go", gt=0.0, le=1000.0
+    )
 
 
 @kernel
@@ -66,7 +79,9 @@ def evaluate(coefficient, x):
 
 @kernel
 def predicted_range(memory, span, eta):
-    """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by eta (Simpson's rule)."""
+    """Range (m) along the sampled drag scaled by 1 + eta f, over ``span`` of energy, and its derivative by
+    eta (Simpson's rule).
+    """
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])
@@ -78,7 +93,8 @@ def predicted_range(memory, span, eta):
 
 @kernel
 def refit(reference, energy, wanted, limit, memory):
-    """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of ``wanted`` m (eqs. 13-15).
+    """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
+    ``wanted`` m (eqs. 13-15).
 
     ``limit`` bounds eta; 0 fits without changing the range.
     """
@@ -109,17 +125,24 @@ def refit(reference, energy, wanted, limit, memory):
 
 @kernel
 def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
-    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate; the updates included.
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
+    the updates included.
 
-    ``p`` are the ``PolynomialParams`` of the law, ``memory`` its ``PROFILE``.  With dE/dt = -V D the derivatives are those along the
-    flight as it is flown.
+    ``p`` are the ``PolynomialParams`` of the law, ``memory`` its ``PROFILE``.  With dE/dt = -V D the
+    derivatives are those along the flight as it is flown.
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.first * reference.first
     updating = shared.update and nav.speed > shared.update_stop
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
-        refit(reference, max(nav.energy, 1.01 * terminal), out.range_to_go, shared.scale_limit if updating else 0.0, memory)
+        refit(
+            reference,
+            max(nav.energy, 1.01 * terminal),
+            out.range_to_go,
+            shared.scale_limit if updating else 0.0,
+            memory,
+        )
         memory.updated = nav.t
     span = memory.energy - terminal
     goal, slope, curvature = evaluate(memory.coefficient, clamp((nav.energy - terminal) / span, 0.0, 1.0))
@@ -127,6 +150,8 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     energy_rate = -nav.speed * drag
     energy_acceleration = -speed_rate * drag - nav.speed * drag_rate
     goal_rate = slope / span * energy_rate
-    goal_acceleration = curvature / (span * span) * energy_rate * energy_rate + slope / span * energy_acceleration
+    goal_acceleration = (
+        curvature / (span * span) * energy_rate * energy_rate + slope / span * energy_acceleration
+    )
     out.reference_drag = goal
     return goal, goal_rate, goal_acceleration

@@ -1,13 +1,15 @@
-"""The drag-velocity profile in three segments: quadratic, equilibrium glide (linear), constant drag; and the range along it.
+"""The drag-velocity profile in three segments: quadratic, equilibrium glide (linear), constant drag; and the
+range along it.
 
-Each segment is c0 + c1 V + c2 V^2.  The profile bends over into the glide without a break of slope, and levels out.  It is laid by least
-squares along the reference flight, under the ceiling of the entry corridor, and scaled to the range of that flight.  In guidance one
+Each segment is c0 + c1 V + c2 V^2.  The profile bends over into the glide without a break of slope, and
+levels out.  It is laid by least squares along the reference flight, under the ceiling of the entry corridor,
+and scaled to the range of that flight.  In guidance one
 factor on the whole profile meets the range to go: along a drag profile, range goes with the inverse of drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
-Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which the paper drops as small at
-first and avoids later by an energy variable; here it follows from the profile itself: with D = f(V), the rate of D = k rho V^2 fixes the
-rate of climb.
+Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which
+the paper drops as small at first and avoids later by an energy variable; here it follows from the profile
+itself: with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
 """
 
 from __future__ import annotations
@@ -38,7 +40,8 @@ DRAG_VELOCITY = np.dtype(
         ("level", "f8"),  # glide to constant
         ("final", "f8"),  # speed where it ends
         ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
-        ("range", "f8", (RANGE_NODES,)),  # ground range from each of evenly spaced speeds, final .. start, to the end
+        # ground range from each of evenly spaced speeds, final .. start, to the end
+        ("range", "f8", (RANGE_NODES,)),
     ],
     align=True,
 )
@@ -46,10 +49,16 @@ DRAG_VELOCITY = np.dtype(
 
 @kernel
 def profile_drag(profile, speed):
-    """Drag of the profile and its first and second derivative by speed; held outside the speeds it was made for."""
+    """Drag of the profile and its first and second derivative by speed; held outside the speeds it was made
+    for.
+    """
     v = clamp(speed, profile.final, profile.start)
     segment = 0 if v > profile.join else (1 if v > profile.level else 2)
-    c0, c1, c2 = profile.coefficient[segment, 0], profile.coefficient[segment, 1], profile.coefficient[segment, 2]
+    c0, c1, c2 = (
+        profile.coefficient[segment, 0],
+        profile.coefficient[segment, 1],
+        profile.coefficient[segment, 2],
+    )
     return c0 + v * (c1 + v * c2), c1 + 2.0 * c2 * v, 2.0 * c2
 
 
@@ -63,7 +72,8 @@ def profile_range(profile, speed):
 
 @kernel
 def path_sine(speed, drag, slope, gravity, scale_height):
-    """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative ``slope`` by speed.
+    """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative
+    ``slope`` by speed.
 
     From f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
     """
@@ -89,7 +99,9 @@ def altitude_of(onboard, speed, drag):
 
 @kernel
 def integrate_range(onboard, profile):
-    """Fill ``profile.range`` from its coefficients: trapezoidal rule over four steps a node, upwards from the final speed."""
+    """Fill ``profile.range`` from its coefficients: trapezoidal rule over four steps a node, upwards from the
+    final speed.
+    """
     planet = onboard.planet
     step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
     total, before = 0.0, 0.0
@@ -109,7 +121,9 @@ def integrate_range(onboard, profile):
             profile.range[i // 4] = total
 
 
-def fill_drag_velocity(onboard: np.ndarray, entry: tuple[float, float, float], start_drag: float, profile: np.void) -> None:
+def fill_drag_velocity(
+    onboard: np.ndarray, entry: tuple[float, float, float], start_drag: float, profile: np.void
+) -> None:
     """Lay the profile along the reference flight.
 
     Args:
@@ -119,7 +133,14 @@ def fill_drag_velocity(onboard: np.ndarray, entry: tuple[float, float, float], s
         profile: ``DRAG_VELOCITY`` record to fill.
     """
     settings, history = onboard["guidance"]["entry"][0], np.zeros((STEPS, 5))
-    n = fly(onboard[0], entry, float(onboard["reference"]["shift"][0]), float(settings["final_speed"]), _DT, history)
+    n = fly(
+        onboard[0],
+        entry,
+        float(onboard["reference"]["shift"][0]),
+        float(settings["final_speed"]),
+        _DT,
+        history,
+    )
     first = int(np.argmax(history[:n, 2] >= start_drag))
     _, s, drag, ground_per_path, t = history[first:n].T
     speed, wanted = np.gradient(s, t) / ground_per_path, s[-1] - s[0]
@@ -138,9 +159,11 @@ def fill_drag_velocity(onboard: np.ndarray, entry: tuple[float, float, float], s
 
 
 def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float, float, np.ndarray]:
-    """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the speeds ``v``.
+    """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the
+    speeds ``v``.
 
-    For given joints the profile is linear in drag, slope and curvature at the first joint.  A relative misfit counts as the range it costs.
+    For given joints the profile is linear in drag, slope and curvature at the first joint.  A relative misfit
+    counts as the range it costs.
     """
     weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
     best, found = np.inf, (0.0, 0.0, np.zeros(3))
@@ -151,9 +174,17 @@ def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float,
             fit, *_ = np.linalg.lstsq(columns * weight[:, None], target * weight, rcond=None)
             fitted = columns @ fit
             excess = max(np.max(fitted / highest) - 1.0, 0.0)
-            error = np.sum((weight * (fitted - d)) ** 2) + _STIFF * excess * excess * np.sum((weight * d) ** 2)
+            error = np.sum((weight * (fitted - d)) ** 2) + _STIFF * excess * excess * np.sum(
+                (weight * d) ** 2
+            )
             if level < join and error < best and fitted.min() > 0.3 * d.min():
                 best, found = error, (join, level, fit)
     join, level, (at_join, slope, curvature) = found
     quadratic = [at_join - slope * join + curvature * join**2, slope - 2.0 * curvature * join, curvature]
-    return join, level, np.array([quadratic, [at_join - slope * join, slope, 0.0], [at_join + slope * (level - join), 0.0, 0.0]])
+    return (
+        join,
+        level,
+        np.array(
+            [quadratic, [at_join - slope * join, slope, 0.0], [at_join + slope * (level - join), 0.0, 0.0]]
+        ),
+    )

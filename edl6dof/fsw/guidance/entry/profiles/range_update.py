@@ -1,8 +1,8 @@
 """The drag to follow: the reference drag, scaled so that the range it predicts is the range to go.
 
-Range along a drag profile is the integral of cos(gamma) dE / D (Zheng & Cui 2015, eqs. 11-12; Wu, Cui & Cui 2013, eqs. 11 and 14-15); one
-number scales the rest of the profile, most in the middle of the energy that is left.  The cosine of the flight-path angle, which the
-papers leave out, comes from the reference.
+Range along a drag profile is the integral of cos(gamma) dE / D (Zheng & Cui 2015, eqs. 11-12; Wu, Cui & Cui
+2013, eqs. 11 and 14-15); one number scales the rest of the profile, most in the middle of the energy that is
+left.  The cosine of the flight-path angle, which the papers leave out, comes from the reference.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from edl6dof.spatial.vector import clamp
 class TrackingParams(Params):
     """Following the reference drag: when it begins, and how far the range to go may change it."""
 
-    start_drag_m_s2: float = param(1.0, "drag at which tracking begins; before, the reference bank is held", ge=0.0)
+    start_drag_m_s2: float = param(
+        1.0, "drag at which tracking begins; before, the reference bank is held", ge=0.0
+    )
     update: bool = param(True, "whether the reference drag is scaled to meet the range to go")
     update_stop_m_s: float = param(900.0, "speed below which the range update is frozen", ge=0.0)
     scale_limit: float = param(0.4, "largest relative change of the reference drag", gt=0.0, lt=1.0)
@@ -43,7 +45,8 @@ def shape(share):
 
 @kernel
 def range_scale(reference, energy_speed, wanted, scale, limit):
-    """Scale of the reference drag whose predicted range is ``wanted`` (m): Newton's method from the last value (eqs. 14-15).
+    """Scale of the reference drag whose predicted range is ``wanted`` (m): Newton's method from the last
+    value (eqs. 14-15).
 
     Range is the integral of cos(gamma) dE / D; the table runs over u = sqrt(2E), so dE = u du.
     """
@@ -53,7 +56,11 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
     first2 = reference.first * reference.first
     per_span = 1.0 / (energy_speed * energy_speed - first2)
     edge = energy_speed - (reference.first + last * reference.spacing)
-    here = smooth(reference.drag, NODES, last, edge / reference.spacing) if last < NODES - 1 else reference.drag[last]
+    here = (
+        smooth(reference.drag, NODES, last, edge / reference.spacing)
+        if last < NODES - 1
+        else reference.drag[last]
+    )
     for _ in range(ITERATIONS):
         total, slope, piece = 0.0, 0.0, 0.0
         for i in range(last + 1):

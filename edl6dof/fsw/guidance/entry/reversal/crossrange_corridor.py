@@ -1,7 +1,8 @@
 """Bank reversal when the crossrange leaves a corridor that narrows as a quadratic in velocity.
 
-Source: the lateral logic of Apollo and of MSL (Mendeck & Craig McGrew 2014, "Entry guidance design and postflight performance for 2011
-Mars Science Laboratory mission", section on bank reversals); Wu, Cui & Cui 2013, section 4, uses the same form.
+Source: the lateral logic of Apollo and of MSL (Mendeck & Craig McGrew 2014, "Entry guidance design and
+postflight performance for 2011 Mars Science Laboratory mission", section on bank reversals); Wu, Cui & Cui
+2013, section 4, uses the same form.
 """
 
 from __future__ import annotations
@@ -21,12 +22,17 @@ class CrossrangeCorridorParams(Params):
 
 @kernel
 def side(onboard, nav, mem, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side being turned to."""
+    """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side being
+    turned to.
+    """
     p = onboard.guidance.entry.reversal.crossrange_corridor
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed
     return -sign if sign * out.crossrange > limit else sign
 
 
 MEMBER = Member(
-    "crossrange_corridor", CrossrangeCorridorParams, {"side": side}, "Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4"
+    "crossrange_corridor",
+    CrossrangeCorridorParams,
+    {"side": side},
+    ("Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4"),
 )

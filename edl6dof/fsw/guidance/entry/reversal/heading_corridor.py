@@ -24,11 +24,15 @@ class HeadingCorridorParams(Params):
 
 @kernel
 def side(onboard, nav, mem, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once the heading leaves the corridor on the side being turned to."""
+    """Side to bank to (+1 right): the other one once the heading leaves the corridor on the side being turned
+    to.
+    """
     p, radius = onboard.guidance.entry.reversal.heading_corridor, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)
     return -sign if sign * error > limit else sign
 
 
-MEMBER = Member("heading_corridor", HeadingCorridorParams, {"side": side}, "Wu, Cui & Cui 2013, section 4 and Fig. 2")
+MEMBER = Member(
+    "heading_corridor", HeadingCorridorParams, {"side": side}, "Wu, Cui & Cui 2013, section 4 and Fig. 2"
+)

@@ -1,4 +1,5 @@
-"""No reversal logic: the sign of the bank angle is the law's own, for open-loop profiles and laws that steer both planes.
+"""No reversal logic: the sign of the bank angle is the law's own, for open-loop profiles and laws that steer
+both planes.
 
 Source: none, this is the null member of the family.
 """

@@ -1,9 +1,11 @@
-"""Predictive bank reversal: bank over when the predicted crossrange of reversing now is a set share of that of going on.
+"""Predictive bank reversal: bank over when the predicted crossrange of reversing now is a set share of that
+of going on.
 
-Two predictions a call, banked to one side all the way: going on as now, and reversed now.  Reversing when the second miss has fallen to
-``ratio`` times the first leaves each leg that much smaller than the one before, whatever density and lift turn out to be; the number of
-reversals follows from the ratio alone.  Source: Smith 2016, "Predictive lateral logic for numerical entry guidance algorithms",
-AAS 16-216 (the damping-ratio idea); left out: the time the reversal itself takes.
+Two predictions a call, banked to one side all the way: going on as now, and reversed now.  Reversing when the
+second miss has fallen to ``ratio`` times the first leaves each leg that much smaller than the one before,
+whatever density and lift turn out to be; the number of reversals follows from the ratio alone.  Source: Smith
+2016, "Predictive lateral logic for numerical entry guidance algorithms", AAS 16-216 (the damping-ratio idea);
+left out: the time the reversal itself takes.
 """
 
 from __future__ import annotations
@@ -21,18 +23,29 @@ from edl6dof.spatial.vector import clamp
 class PredictiveParams(Params):
     """Predictive bank reversal."""
 
-    ratio: float = param(0.5, "predicted crossrange of a reversal now, over that of going on, at which to reverse", gt=0.0, lt=1.0)
-    dead_zone_m: float = param(500.0, "predicted crossrange of going on below which nothing is reversed", ge=0.0, le=100e3)
+    ratio: float = param(
+        0.5,
+        ("predicted crossrange of a reversal now, over that of going on, at which to reverse"),
+        gt=0.0,
+        lt=1.0,
+    )
+    dead_zone_m: float = param(
+        500.0, "predicted crossrange of going on below which nothing is reversed", ge=0.0, le=100e3
+    )
     least_drag_m_s2: float = param(1.0, "drag below which nothing is reversed", ge=0.0)
 
 
 @kernel
 def side(onboard, nav, mem, out, wanted, sign):
-    """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio`` of going on."""
+    """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio``
+    of going on.
+    """
     p, entry = onboard.guidance.entry.reversal.predictive, onboard.guidance.entry
     if nav.drag < p.least_drag:
         return sign
-    shift = cos(clamp(abs(wanted), entry.bank_min, entry.bank_max)) - cos(reference_bank(onboard, 0.0, nav.speed))
+    shift = cos(clamp(abs(wanted), entry.bank_min, entry.bank_max)) - cos(
+        reference_bank(onboard, 0.0, nav.speed)
+    )
     _, going_on, _, _ = predict(onboard, nav, out, shift, sign)
     if sign * going_on < p.dead_zone:
         return sign

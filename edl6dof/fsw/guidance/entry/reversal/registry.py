@@ -1,8 +1,8 @@
 """The bank-reversal logics.
 
-A member has one kernel, ``side(onboard, nav, mem, out, wanted, sign)``: the side to bank to (+1 right, -1 left), given the bank angle
-that the law wants (rad), the present side, and range and crossrange in ``out``.  ``mem`` is the family's memory; its own lies in
-``mem.<name>``.
+A member has one kernel, ``side(onboard, nav, mem, out, wanted, sign)``: the side to bank to (+1 right, -1
+left), given the bank angle that the law wants (rad), the present side, and range and crossrange in ``out``.
+``mem`` is the family's memory; its own lies in ``mem.<name>``.
 """
 
 from __future__ import annotations
