@@ -246,7 +246,8 @@ def resolved_text(loaded: LoadedScenario) -> str:
 
     header = [
         (
-            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight "
+            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the "
+            "flight "
             "bit for bit"
         )
     ]
