@@ -19,7 +19,8 @@ READERS = (
     "pyarrow",
     "typer",
     "rich",
-    *(f"edl6dof.config.{name}" for name in ("document", "validate", "errors", "dump", "schema")),
+    *(f"edl6dof.config.document.{name}" for name in ("source", "yamltree", "overrides", "locate")),
+    *(f"edl6dof.config.{name}" for name in ("validate", "errors", "dump", "schema")),
 )
 
 
