@@ -159,7 +159,7 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
             13,
             "interpolate='cubicSpline'",
         ),
-        (GRID.replace('gtID="CD_T"/>', 'gtID="CX"/>'), 14, "unknown table 'CX'"),
+        (GRID.replace('gtID="CD_T"/>', 'gtID="CX"/>'), 15, "unknown table 'CX'"),
     ],
 )
 def test_what_is_not_supported_is_named_with_file_and_line(tmp_path, body, line, words):
