@@ -21,6 +21,7 @@ from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
 from edl6dof.sim.ending import Ending, ending, goal_code
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
@@ -287,20 +288,19 @@ def fly(
         ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
-    case, tables, onboard = parts or records.build_records(loaded)
-    if start is None:
-        plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
-        sensors, cycle = records.initial_sensors(), 0
-        prepare(case, tables, plant)
-    else:
-        start.check_fits(scenario)
-        plant, fsw, sensors, cycle = (
-            duplicate(start.plant),
-            duplicate(start.fsw),
-            duplicate(start.sensors),
-            start.cycle,
-        )
-        take_up(case, plant, fsw)
+    with flight_software_beside() as compiling:
+        case, tables, onboard = parts or records.build_records(loaded)
+        if start is None:
+            plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+            sensors, cycle = records.initial_sensors(), 0
+            prepare(case, tables, plant)
+        else:
+            start.check_fits(scenario)
+            plant, fsw, sensors = duplicate(start.plant), duplicate(start.fsw), duplicate(start.sensors)
+            cycle = start.cycle
+            take_up(case, plant, fsw)
+        if compiling:
+            compile_plant(case, tables, plant)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
