@@ -107,6 +107,8 @@ class Params(BaseModel):
 
     #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
     moved: ClassVar[Mapping[str, str]] = {}
+    #: Keys of an older form, and how what they said is written now.
+    former: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
 
@@ -168,6 +170,18 @@ def param(
 def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
     """Declare a sub-model that may be left out of the file when every one of its parameters has a default."""
     return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
+
+
+def unique_names(items: list[Any]) -> list[Any]:
+    """The items of a list, whose names must differ.
+
+    Raises:
+        ValueError: a name is given twice.
+    """
+    names = [item.name for item in items]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"names must be unique; given twice: {', '.join(twice)}")
+    return items
 
 
 def section(meaning: str, *, record: bool = True) -> Any:

@@ -16,44 +16,16 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import entry_guidance
 from edl6dof.fsw.guidance.powered.registry import powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import avoid, command_thrust, descend, hover, start_or_throttle
+from edl6dof.fsw.mission.deployments import note_requests
 from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import modulate
 from edl6dof.fsw.navigation import navigate
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
-from edl6dof.interface.events import BACKSHELL_OFF, CUT_OFF, HEAT_SHIELD_OFF, IGNITION, TRIM_WING
-from edl6dof.interface.parts import ENTRY, LANDER, UNDER_CHUTE
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL
 from edl6dof.jit import kernel
 
 G0 = 9.80665
-
-
-@kernel
-def note_requests(onboard, nav, fsw):
-    """What the flight computer concludes from its own deployment commands: configuration, mass, wing and
-    engine state.
-    """
-    request = fsw.command.request
-    vehicle = onboard.vehicle
-    if request[TRIM_WING] != 0:
-        fsw.wing_out = 1
-        fsw.wing_time = nav.t
-    if request[HEAT_SHIELD_OFF] != 0:
-        fsw.configuration = UNDER_CHUTE
-        fsw.mass += vehicle.configuration[UNDER_CHUTE].mass - vehicle.configuration[ENTRY].mass
-    if request[BACKSHELL_OFF] != 0:
-        fsw.mass += vehicle.configuration[LANDER].mass - vehicle.configuration[fsw.configuration].mass
-        fsw.configuration = LANDER
-    if request[IGNITION] != 0:
-        fsw.ignited = 1
-        fsw.ignition_time = nav.t + vehicle.engine.ignition_delay
-        fsw.guide.engine_mode = ENGINE_FULL
-        fsw.guide.thrust = vehicle.engine.full_thrust
-    if request[CUT_OFF] != 0:
-        fsw.ignited = 0
-        fsw.guide.engine_mode = ENGINE_OFF
-        fsw.guide.thrust = 0.0
 
 
 @kernel

@@ -34,9 +34,8 @@ from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import PHASE_MEMORY
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
 from edl6dof.fsw.navigation import NAV
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
-from edl6dof.interface.parts import CONFIGURATIONS, ENTRY, LANDER
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.frames import LOCAL_FRAME
 
@@ -200,7 +199,9 @@ ONBOARD = np.dtype(
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
                     ("airframe", AIRFRAME),
-                    ("configuration", CONFIGURATION, (len(CONFIGURATIONS),)),
+                    # by the set of the parts that are gone, a bit for each
+                    ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
+                    ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
                     (
                         "engine",
                         np.dtype(
@@ -209,7 +210,6 @@ ONBOARD = np.dtype(
                                 ("throttle_min", "f8"),
                                 ("throttle_max", "f8"),
                                 ("specific_impulse", "f8"),
-                                ("ignition_delay", "f8"),
                             ],
                             align=True,
                         ),
@@ -242,7 +242,8 @@ ONBOARD = np.dtype(
 FSW = np.dtype(
     [
         *PHASE_MEMORY,
-        ("configuration", whole(ENTRY, LANDER)),
+        ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
+        ("packs", whole(0, 2**MAX_PARTS - 1)),  # parachutes ejected since the last jettison
         ("wing_out", FLAG),  # the trim wing was commanded open
         ("wing_time", "f8"),  # when
         ("wing_failed", FLAG),  # and it did not open

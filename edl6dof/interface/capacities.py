@@ -4,7 +4,14 @@ from __future__ import annotations
 
 #: Thrusters of a vehicle.
 MAX_THRUSTERS = 32
+#: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
+MAX_PARTS = 8
+#: Parachutes of a vehicle.
+MAX_PARACHUTES = 4
 #: Phases of a mission.
 MAX_PHASES = 16
+#: Events of a mission, and those of one phase.
+MAX_EVENTS = 24
+MAX_PHASE_EVENTS = 8
 #: Faults of a flight.
 MAX_FAULTS = 16

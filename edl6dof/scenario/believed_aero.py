@@ -45,7 +45,12 @@ def _wing_mach(scenario: Scenario) -> float:
     """Mach number at which the mission table opens the trim wing; 0 when it does not, or not by Mach
     number.
     """
-    events = [event for phase in scenario.mission.phases for event in phase.events if event.do == "trim_wing"]
+    events = [
+        event
+        for phase in scenario.mission.phases
+        for event in phase.events
+        if event.action == "extend" and event.thing != "landing_gear"
+    ]
     return next((event.when.value for event in events if event.when.quantity == "mach"), 0.0)
 
 

@@ -21,7 +21,10 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fil
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.capacities import MAX_PARACHUTES
+from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.scenario.belief import build_onboard
+from edl6dof.scenario.events import fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, LoadedScenario, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
@@ -37,9 +40,10 @@ from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
 from edl6dof.vehicle.faults import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
+from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
-from edl6dof.vehicle.vehicle import VehicleParams
+from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 CASE = np.dtype(
     [
@@ -50,6 +54,8 @@ CASE = np.dtype(
         ("site", LOCAL_FRAME),
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
+        ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
+        ("events", EVENT_TABLE),
         ("dynamics", "i8"),
         ("ends_at_deployment", "i8"),
         ("point_mass", dtype_of(PointMassParams)),
@@ -164,7 +170,17 @@ def _site(case: np.void, s: Scenario, _: np.void) -> None:
 
 @_part("lander", "vehicle")
 def _lander(case: np.void, s: Scenario, _: np.void) -> None:
-    fill_lander(case["lander"], s.vehicle.mass)
+    fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts))
+
+
+@_part("suspension", "vehicle")
+def _suspension(case: np.void, s: Scenario, _: np.void) -> None:
+    fill_suspension(case["suspension"], s.vehicle)
+
+
+@_part("events", "mission vehicle")
+def _events(case: np.void, s: Scenario, _: np.void) -> None:
+    fill_events(case["events"], s.mission, s.vehicle)
 
 
 @_part("dynamics", "dynamics")
@@ -267,7 +283,7 @@ def _new_plant() -> np.ndarray:
     record["wing_start"] = 1e99
     record["kept"]["t"] = record["debris"]["kept"]["t"] = np.nan
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
-    record["line_stretch_time"] = 1e99
+    record["line_stretch_time"] = np.nan
     record["touchdown_time"] = record["exhausted_time"] = np.nan
     record["agl"] = 1e99
     return plant

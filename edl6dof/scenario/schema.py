@@ -29,6 +29,7 @@ from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.metrics.figures import published_problems
 from edl6dof.plugins import require
 from edl6dof.scenario.data_files import file_problems
+from edl6dof.scenario.events import event_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.sensors.perfect import SensorParams
@@ -192,6 +193,7 @@ class Scenario(Params):
             **self._sensor_problems(),
             **self._goal_problems(),
             **self._phase_problems(),
+            **event_problems(self.mission, self.vehicle),
             **self._entry_problems(),
             **published_problems(self.published),
             **check_out_problems(self.flight_software.check_out, self.thruster_names),

@@ -113,8 +113,8 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        phases, others = self.scenario.mission.phases, [*self._wing, *self._faults]
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], phases, self.outcome, others)
+        mission, others = self.scenario.mission, [*self._wing, *self._faults]
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, self.outcome, others)
 
     @cached_property
     def findings(self) -> list[Finding]:
@@ -144,7 +144,7 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission.phases))
+        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission))
         # a flight that goes on from a saved state has no telemetry of what happened before
         when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not

@@ -21,7 +21,7 @@ from edl6dof.vehicle.peaks import note_peaks
 def prepare(cases, tables_, plants):
     """Make a plant at t = 0 consistent: mass properties, forces, ground."""
     case, tables, plant = cases[0], tables_[0], plants[0]
-    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    compose_dry(case.vehicle.parts, case.vehicle.n_parts, case.lander, plant.attached, plant.dry)
     refresh(case, tables, plant)
 
 
@@ -31,7 +31,7 @@ def take_up(cases, plants, memories):
     have changed since.
     """
     case, plant, allocator = cases[0], plants[0], memories[0].allocator
-    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    compose_dry(case.vehicle.parts, case.vehicle.n_parts, case.lander, plant.attached, plant.dry)
     allocator.effect_of = allocator.gram_of = 0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import acos, cos, isfinite, sqrt
 
-from edl6dof.interface.events import MORTAR
+from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.body import tilt
@@ -36,11 +36,20 @@ def contact_speed(spin, y):
 
 
 @kernel
+def deployed(case, plant):
+    """Whether a parachute has been deployed."""
+    for i in range(case.events.n_events):
+        if case.events.events[i].action == DEPLOY and isfinite(plant.done[i]):
+            return True
+    return False
+
+
+@kernel
 def judge(case, plant):
     """Outcome code of the present state, all of it finite; ``plant.out`` must be fresh."""
     limits, out, y = case.limits, plant.out, plant.y
     t = plant.t
-    if case.ends_at_deployment != 0 and isfinite(plant.done[MORTAR]):
+    if case.ends_at_deployment != 0 and deployed(case, plant):
         return DEPLOYED
     if plant.touched != 0:
         if plant.legs == 0 or contact_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:

@@ -16,6 +16,8 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, take3
+from edl6dof.vehicle.aerodynamics import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -56,8 +58,9 @@ def record_brief(case, plant, fsw, tick):
     truth.propellant = y[PROPELLANT]
     truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
     truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
-    if plant.debris[1].active != 0:
-        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
+    shell = showing(case.vehicle.parts, case.vehicle.n_parts, CONFIG_BACKSHELL)
+    if shell >= 0 and plant.debris[shell].active != 0:
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shell].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     guide.phase, guide.bank = fsw.phase, fsw.guide.bank
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(fsw.attitude_error, 0)
@@ -100,8 +103,9 @@ def record(case, plant, fsw, tick):
     else:
         truth.canopy_east = truth.canopy_north = truth.canopy_up = nan
     truth.heat_shield_east = truth.heat_shield_north = truth.heat_shield_up = nan
-    if plant.debris[0].active != 0:
-        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[0].r_I, 0)))
+    shield = showing(case.vehicle.parts, case.vehicle.n_parts, CONFIG_CAPSULE)
+    if shield >= 0 and plant.debris[shield].active != 0:
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shield].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
     truth.trim_wing = min(wing_opening(case.vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
 

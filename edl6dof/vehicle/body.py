@@ -11,7 +11,6 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from edl6dof.environment.gas import stagnation_heat_flux
-from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
@@ -28,10 +27,10 @@ from edl6dof.spatial.vector import (
     sub,
     take3,
 )
-from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
+from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
-from edl6dof.vehicle.mass import with_propellant
+from edl6dof.vehicle.mass import shape_of, with_propellant
 from edl6dof.vehicle.parachute import (
     EXTRACTING,
     INFLATING,
@@ -80,8 +79,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     speed = norm(v_air)
     mach = speed / sound if sound > 0.0 else 0.0
     qbar = 0.5 * density * speed * speed
-    # capsule, open backshell, lander: 0, 1, 2 as parts leave
-    shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
+    shape = shape_of(vehicle.parts, vehicle.n_parts, plant.attached)
     wrench = aerodynamic_wrench(
         vehicle.aero,
         tables.aero,
@@ -102,7 +100,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
     extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
     plant.out.wing_opening = extension
-    if extension > 0.0 and plant.attached[BACKSHELL] != 0:
+    if extension > 0.0 and shape != CONFIG_LANDER:
         wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
         wing_f = (wing[0], wing[1], wing[2])
         force = add(force, wing_f)
@@ -115,7 +113,7 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
     """Pull of the riser: force and moment about the centre of mass (B), and tension (N); writes the canopy's
     acceleration to ``out``.
     """
-    chute = case.vehicle.parachute
+    chute = case.vehicle.parachutes[plant.parachute]
     hook = sub(take3(chute.confluence, 0), centre)
     hook_r = add(take3(y, POSITION), from_frame(q, hook))
     hook_v = add(take3(y, VELOCITY), from_frame(q, cross(w, hook)))
@@ -123,9 +121,11 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
     distance = max(norm(line), 1e-6)
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
-    packed = case.vehicle.mass.parachute.mass
+    packed = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
     tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, hook_v), line))
-    fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
+    fraction = 0.0
+    if plant.canopy == INFLATING:
+        fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))

@@ -5,6 +5,7 @@ impulse by throttle.
 from __future__ import annotations
 
 from math import cos, sin
+from typing import ClassVar
 
 from edl6dof.config.base import Hardware, Vec3, param
 from edl6dof.config.dtype import dtype_of
@@ -16,6 +17,8 @@ G0 = 9.80665
 
 class EngineParams(Hardware):
     """A throttled engine whose thrust points along -x of B (up when landed)."""
+
+    former: ClassVar = {"ignition_delay_s": "delay_s of the event that ignites the engine"}
 
     full_thrust_n: float = param(0.0, "thrust at the full level used at the start; 0 for no engine", ge=0.0)
     throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
@@ -33,7 +36,6 @@ class EngineParams(Hardware):
     start_rate_n_s: float = param(
         25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0
     )
-    ignition_delay_s: float = param(0.15, "time from command to first thrust", status="estimate", ge=0.0)
     nozzle_m: Vec3 = param((0.0, 0.0, 0.0), "point of thrust application in B")
     misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
     misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)

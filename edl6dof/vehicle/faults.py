@@ -17,7 +17,7 @@ from pydantic import model_validator
 from edl6dof.config.base import REQUIRED, Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.interface.events import MORTAR
+from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.registry import Family, Member
 from edl6dof.vehicle.plant import NOT_BEGUN, THRUST, THRUSTER_KINDS
@@ -75,7 +75,7 @@ class ThrottleStuckParams(Params):
 
 
 @kernel
-def stuck_off(fault, vehicle, since, command, plant):
+def stuck_off(fault, case, since, command, plant):
     """Keep the valve shut."""
     i = fault.thruster
     plant.valves.fault[i] = STUCK_OFF
@@ -83,7 +83,7 @@ def stuck_off(fault, vehicle, since, command, plant):
 
 
 @kernel
-def stuck_on(fault, vehicle, since, command, plant):
+def stuck_on(fault, case, since, command, plant):
     """Keep the valve open."""
     i = fault.thruster
     plant.valves.fault[i] = STUCK_ON
@@ -91,7 +91,7 @@ def stuck_on(fault, vehicle, since, command, plant):
 
 
 @kernel
-def degraded(fault, vehicle, since, command, plant):
+def degraded(fault, case, since, command, plant):
     """Take away part of the thrust."""
     i = fault.thruster
     plant.valves.fault[i] = DEGRADED
@@ -99,36 +99,37 @@ def degraded(fault, vehicle, since, command, plant):
 
 
 @kernel
-def wing_stuck(fault, vehicle, since, command, plant):
+def wing_stuck(fault, case, since, command, plant):
     """Limit the opening of the trim wing."""
-    already = wing_opening(vehicle.trim_wing, since - plant.wing_start)
+    already = wing_opening(case.vehicle.trim_wing, since - plant.wing_start)
     plant.wing_lost = 1.0 - max(fault.params.wing_stuck.opening, already)
 
 
 @kernel
-def wing_lost(fault, vehicle, since, command, plant):
+def wing_lost(fault, case, since, command, plant):
     """Take the trim wing away."""
     plant.wing_lost = 1.0
 
 
 @kernel
-def parachute_delay(fault, vehicle, since, command, plant):
-    """Put the mortar off when it is commanded."""
-    if command.request[MORTAR] != 0:
-        plant.due[MORTAR] += fault.params.parachute_delay.delay
+def parachute_delay(fault, case, since, command, plant):
+    """Put every deployment of a parachute off when it is commanded."""
+    for i in range(case.events.n_events):
+        if command.request[i] != 0 and case.events.events[i].action == DEPLOY:
+            plant.due[i] += fault.params.parachute_delay.delay
 
 
 @kernel
-def engine_shortfall(fault, vehicle, since, command, plant):
+def engine_shortfall(fault, case, since, command, plant):
     """Take away part of the engine's thrust."""
     plant.thrust_lost = 1.0 - fault.params.engine_shortfall.thrust_factor
 
 
 @kernel
-def throttle_stuck(fault, vehicle, since, command, plant):
+def throttle_stuck(fault, case, since, command, plant):
     """Hold the engine's level of the moment the fault began."""
     if plant.t == since:
-        plant.thrust_held = plant.y[THRUST] if plant.running != 0 else vehicle.engine.full_thrust
+        plant.thrust_held = plant.y[THRUST] if plant.running != 0 else case.vehicle.engine.full_thrust
     plant.thrust_command = plant.thrust_held
 
 
@@ -250,4 +251,4 @@ def inflict(case, command, plant):
         if plant.fault_since[i] == NOT_BEGUN:
             begin(fault, i, command, plant)
         if plant.fault_since[i] != NOT_BEGUN:
-            _inflict(fault.params.kind, fault, case.vehicle, plant.fault_since[i], command, plant)
+            _inflict(fault.params.kind, fault, case, plant.fault_since[i], command, plant)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from math import atan2, cos, isnan, sin, sqrt
 
 from edl6dof.environment.terrain import ground
-from edl6dof.interface.events import EVENTS
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
@@ -33,7 +32,6 @@ from edl6dof.vehicle.rcs import fire
 from edl6dof.vehicle.staging import carry_out
 
 TIME_TOLERANCE = 1e-9
-N_EVENTS = len(EVENTS)
 #: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far
 #: within a cycle.
 NEAR_GROUND = 2000.0
@@ -118,10 +116,11 @@ def ground_clearance(case, plant, t):
 def line_slack(case, plant):
     """Length of line still to be paid out before line stretch, m."""
     y = plant.y
-    hook = sub(take3(case.vehicle.parachute.confluence, 0), take3(plant.out.centre, 0))
+    chute = case.vehicle.parachutes[plant.parachute]
+    hook = sub(take3(chute.confluence, 0), take3(plant.out.centre, 0))
     q = take_attitude(y)
     anchor = add(take3(y, POSITION), from_frame(q, hook))
-    return case.vehicle.parachute.line_length - norm(sub(take3(y, CANOPY_POSITION), anchor))
+    return chute.line_length - norm(sub(take3(y, CANOPY_POSITION), anchor))
 
 
 @kernel
@@ -272,7 +271,7 @@ def advance(case, tables, plant, t_end):
     while True:
         due = t_end
         event = -1
-        for i in range(N_EVENTS):
+        for i in range(case.events.n_events):
             if plant.due[i] <= due:
                 due = plant.due[i]
                 event = i
@@ -292,7 +291,7 @@ def advance(case, tables, plant, t_end):
                 derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
                 if plant.canopy == EXTRACTING:
                     plant.canopy = INFLATING
-                    plant.line_stretch_time = plant.t
+                    plant.line_stretch_time[plant.parachute] = plant.t
                 else:
                     plant.touched = 1
                     plant.touchdown_time = plant.t

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_FAULTS, MAX_THRUSTERS
-from edl6dof.interface.events import EVENTS
-from edl6dof.interface.parts import PARTS
+from edl6dof.interface.capacities import MAX_EVENTS, MAX_FAULTS, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
@@ -123,8 +121,9 @@ PLANT = np.dtype(
         ("t", "f8"),
         ("y", "f8", (STATES,)),
         ("trial", "f8", (STATES,)),  # a stage of the integrator
-        ("attached", FLAG, (len(PARTS),)),
-        ("canopy", whole(PACKED, RELEASED)),
+        ("attached", FLAG, (MAX_PARTS,)),
+        ("parachute", whole(0, MAX_PARACHUTES - 1)),  # the one deployed last
+        ("canopy", whole(PACKED, RELEASED)),  # what became of it
         ("legs", FLAG),
         ("running", FLAG),
         ("starting", FLAG),
@@ -135,7 +134,7 @@ PLANT = np.dtype(
         ("bank_time", "f8"),
         ("bank_command", "f8"),
         ("alpha", "f8"),
-        ("line_stretch_time", "f8"),
+        ("line_stretch_time", TIME_IF_EVER, (MAX_PARACHUTES,)),
         ("wing_start", "f8"),
         ("wing_lost", "f8"),  # share of the opening that a fault takes away
         ("thrust_lost", "f8"),  # share of the engine's thrust that a fault takes away
@@ -144,8 +143,8 @@ PLANT = np.dtype(
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
         ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
-        ("due", "f8", (len(EVENTS),)),  # when each event is to happen
-        ("done", TIME_IF_EVER, (len(EVENTS),)),  # when it did
+        ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
+        ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
         ("dry", BODY),
         ("valves", VALVES),
         ("rcs_force", "f8", (3,)),
@@ -161,7 +160,7 @@ PLANT = np.dtype(
         ("agl", "f8"),
         ("touchdown", "f8", (STATES,)),
         ("peaks", PEAKS),
-        ("debris", DEBRIS, (2,)),
+        ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("kept", KEPT),
         # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate
         # them

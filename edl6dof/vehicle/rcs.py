@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import field_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param
+from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names
 from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
@@ -67,11 +67,7 @@ class RcsParams(Hardware):
     @field_validator("thrusters")
     @classmethod
     def _unique_names(cls, value: list[Thruster]) -> list[Thruster]:
-        names = [thruster.name for thruster in value]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"thruster names must be unique; given twice: {', '.join(twice)}")
-        return value
+        return unique_names(value)
 
 
 RCS = dtype_of(RcsParams)

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict
+import numpy as np
+from pydantic import ConfigDict, field_validator, model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Title, group, param, section
+from edl6dof.config.base import (
+    REQUIRED,
+    Capacity,
+    Hardware,
+    Title,
+    group,
+    param,
+    section,
+    unique_names,
+)
+from edl6dof.config.errors import Inconsistent
+from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_PARTS
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
-from edl6dof.vehicle.mass import MassParams
+from edl6dof.vehicle.mass import MassParams, Part, lander_problem
 from edl6dof.vehicle.parachute import ParachuteParams
 from edl6dof.vehicle.rcs import RcsParams
-from edl6dof.vehicle.staging import StagingParams
 from edl6dof.vehicle.trim_wing import TrimWingParams
 
 
@@ -31,6 +42,11 @@ class VehicleParams(Hardware):
 
     model_config = ConfigDict(json_schema_extra=_or_daveml)
 
+    former: ClassVar = {
+        "parachute": "vehicle.parachutes, a list: {name: main, pack: parachute, carried_by: backshell, ...}",
+        "staging": "separation_velocity_m_s and drag_area_m2 of each of vehicle.parts, and delay_s of events",
+    }
+
     name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(
         None,
@@ -42,10 +58,54 @@ class VehicleParams(Hardware):
         0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0
     )
     mass: MassParams = section("mass properties")
+    parts: Annotated[list[Part], Capacity(MAX_PARTS)] = param(
+        None, "parts that can be jettisoned, the outermost first", factory=list, max_length=MAX_PARTS
+    )
     aero: AeroParams = section("aerodynamics")
     trim_wing: TrimWingParams = group(TrimWingParams, "trim wing")
     rcs: RcsParams = group(RcsParams, "reaction-control thrusters")
     engine: EngineParams = group(EngineParams, "main landing engine")
-    parachute: ParachuteParams = group(ParachuteParams, "parachute")
-    staging: StagingParams = group(StagingParams, "separations")
+    parachutes: Annotated[list[ParachuteParams], Capacity(MAX_PARACHUTES)] = param(
+        None, "parachutes, flown one after the other", factory=list, max_length=MAX_PARACHUTES
+    )
     landing_gear: LandingGearParams = group(LandingGearParams, "landing legs")
+
+    @field_validator("parts", "parachutes")
+    @classmethod
+    def _names_differ(cls, value: list[Any]) -> list[Any]:
+        return unique_names(value)
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> VehicleParams:
+        problems = {}
+        if words := lander_problem(self.mass, tuple(self.parts)):
+            problems["mass"] = words
+        if self.aero.model == "capsule" and self.showing("capsule") is None:
+            problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
+        names = [part.name for part in self.parts]
+        for index, chute in enumerate(self.parachutes):
+            for key, part in (("pack", chute.pack), ("carried_by", chute.carried_by)):
+                if part is not None and part not in names:
+                    problems[f"parachutes.{index}.{key}"] = (
+                        f"no part named {part!r}; names: {', '.join(names) or 'none'}"
+                    )
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def showing(self, shape: str) -> Part | None:
+        """The first part that shows ``shape`` to the air."""
+        return next((part for part in self.parts if part.shape == shape), None)
+
+    @property
+    def main_parachute(self) -> ParachuteParams:
+        """The parachute flown last; one of the smallest size where there is none."""
+        return self.parachutes[-1] if self.parachutes else ParachuteParams(name="none")
+
+
+def fill_suspension(record: np.ndarray, vehicle: VehicleParams) -> None:
+    """Fill the ``SUSPENSION`` records of a vehicle's parachutes, shape (MAX_PARACHUTES,)."""
+    index = {None: -1} | {part.name: number for number, part in enumerate(vehicle.parts)}
+    record["pack"] = record["carrier"] = -1
+    for slot, chute in zip(record, vehicle.parachutes, strict=False):
+        slot["pack"], slot["carrier"] = index[chute.pack], index[chute.carried_by]

@@ -16,7 +16,7 @@ GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed
 CASES = [
     Case(0, truth={"vehicle.mass.entry_kg": 1290.0}, profile=0),
     Case(1, truth={"vehicle.mass.entry_kg": 1280.0}, profile=1),
-    Case(2, truth={"vehicle.parachute.drag_factor": 0.05}, profile=2, label={"what": "canopy torn"}),
+    Case(2, truth={"vehicle.parachutes.main.drag_factor": 0.05}, profile=2, label={"what": "canopy torn"}),
     Case(3, truth={"vehicle.mass.entry_kg": 10.0}),
     Case(4, truth={"initial.flight_path_angle_deg": -9.0}, profile=4),
     Case(5, belief={"vehicle.mass.entry_kg": 1290.0}, profile=5),

@@ -33,10 +33,10 @@ VEHICLE = st.fixed_dictionaries(
         "vehicle.aero.capsule.moment_factor": number(-10.0, 10.0),
         "vehicle.aero.capsule.damping_factor": number(-10.0, 10.0),
         "vehicle.aero.constant.drag_coefficient": number(0.0, 10.0),
-        "vehicle.parachute.diameter_m": number(0.1, 60.0),
-        "vehicle.parachute.trim_angle_deg": number(0.0, 30.0),
-        "vehicle.parachute.inflation_exponent": number(0.1, 10.0),
-        "vehicle.parachute.apparent_mass_factor": number(0.0, 5.0),
+        "vehicle.parachutes.main.diameter_m": number(0.1, 60.0),
+        "vehicle.parachutes.main.trim_angle_deg": number(0.0, 30.0),
+        "vehicle.parachutes.main.inflation_exponent": number(0.1, 10.0),
+        "vehicle.parachutes.main.apparent_mass_factor": number(0.0, 5.0),
         "vehicle.engine.misalignment_y_deg": number(-5.0, 5.0),
         "vehicle.trim_wing.normal_tilt_deg": number(-89.0, 89.0),
         "atmosphere.model": st.sampled_from(["table", "exponential", "us76", "none"]),
@@ -59,13 +59,13 @@ def disturb(plant, rng):
     y[13], y[14] = rng.choice([0.0, 1e-12, 50.0, 190.0]), rng.choice([0.0, 1500.0, 7500.0])
     y[16:19] = y[0:3] + rng.normal(size=3) * rng.choice([0.0, 1.0, 30.0, 1e4])
     y[19:22] = y[3:6] + rng.normal(size=3) * rng.choice([0.0, 30.0])
-    plant["attached"][0] = rng.integers(0, 2, 3)
+    plant["attached"][0] = rng.integers(0, 2, plant["attached"].shape[1])
     plant["canopy"], plant["running"], plant["legs"], plant["touched"] = (
         rng.integers(0, 4),
         *rng.integers(0, 2, 3),
     )
     plant["line_stretch_time"], plant["wing_start"] = (
-        rng.choice([-100.0, -0.1, 0.0, 1e99]),
+        rng.choice([-100.0, -0.1, 0.0, np.nan]),
         rng.choice([-5.0, -0.3, 1e99]),
     )
 

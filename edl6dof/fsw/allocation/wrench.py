@@ -8,8 +8,7 @@ from math import copysign
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.parts import CONFIGURATIONS
+from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import FINE
 from edl6dof.jit import kernel
 from edl6dof.records import whole
@@ -22,7 +21,7 @@ ALLOCATOR = np.dtype(
     [
         ("effect", "f8", (MAX_THRUSTERS, ROWS)),
         # configuration that these effects belong to, plus one; 0 before the first
-        ("effect_of", whole(0, len(CONFIGURATIONS))),
+        ("effect_of", whole(0, 2**MAX_PARTS)),
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("undelivered", "f8", (ROWS,)),
         # least squares: who may fire, in turn; slope of half the squared error with the duty of each, and
@@ -33,7 +32,7 @@ ALLOCATOR = np.dtype(
         ("price", "f8", (MAX_THRUSTERS,)),
         ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
         ("gain", "f8", (MAX_THRUSTERS,)),
-        ("gram_of", whole(0, 16)),
+        ("gram_of", whole(0, 4 * 2**MAX_PARTS + 4)),
     ],
     align=True,
 )

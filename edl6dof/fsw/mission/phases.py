@@ -7,18 +7,18 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.mission.roles import NO_ROLE, ROLES
-from edl6dof.interface.capacities import MAX_PHASES
-from edl6dof.interface.events import EVENTS
+from edl6dof.interface.capacities import MAX_PHASE_EVENTS, MAX_PHASES
+from edl6dof.interface.events import ACTIONS, EVENT_TABLE
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
 
-#: Events of a phase.
-MAX_EVENTS = 6
 NEVER = 1e9
 
 GUIDANCE = ("none", "hold_bank", "entry", "powered", "hover", "avoid", "descend")
@@ -63,9 +63,23 @@ class Trigger(Params):
 
 
 class Event(Params):
-    """Something that is done once inside a phase."""
+    """Something that is done once inside a phase; two phases may hold the same one, as on branches."""
 
-    do: Literal[EVENTS] = param(REQUIRED, "what is commanded")
+    former: ClassVar = {
+        "do": "name, action and thing: {name: heat_shield, action: jettison, thing: heat_shield, "
+        "delay_s: 0.013, when: {...}}"
+    }
+
+    name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
+    action: Literal[ACTIONS] = param(REQUIRED, "what is done", record=False)
+    thing: Key = param(
+        REQUIRED,
+        "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
+        record=False,
+    )
+    delay_s: float = param(
+        0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
+    )
     when: Trigger = section("condition")
 
 
@@ -87,8 +101,8 @@ class Phase(Params):
         gt=0.0,
         le=3.0,
     )
-    events: Annotated[list[Event], Capacity(MAX_EVENTS)] = param(
-        None, "events inside the phase", factory=list, max_length=MAX_EVENTS
+    events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
+        None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
     )
     until: Trigger | None = param(None, "trigger that ends the phase; none for the last")
 
@@ -108,5 +122,22 @@ class MissionParams(Params):
         None, "phases in order", factory=list, max_length=MAX_PHASES
     )
 
+    @property
+    def events(self) -> dict[str, Event]:
+        """Events by name in the order of their numbers: as the phases first name them."""
+        found: dict[str, Event] = {}
+        for phase in self.phases:
+            for event in phase.events:
+                found.setdefault(event.name, event)
+        return found
 
-MISSION = dtype_of(MissionParams)
+
+_TABLE = dtype_of(MissionParams)
+MISSION = np.dtype(
+    [
+        *[(name, _TABLE.fields[name][0]) for name in _TABLE.names],
+        ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
+        *[(name, EVENT_TABLE.fields[name][0]) for name in EVENT_TABLE.names],
+    ],
+    align=True,
+)

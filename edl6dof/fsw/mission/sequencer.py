@@ -6,7 +6,6 @@ It belongs to the flight software: it looks only at navigated quantities and nev
 from __future__ import annotations
 
 from edl6dof.fsw.mission.phases import (
-    MAX_EVENTS,
     Q_ALTITUDE,
     Q_DESCENT_RATE,
     Q_DRAG,
@@ -18,7 +17,7 @@ from edl6dof.fsw.mission.phases import (
     Q_TIME,
     Q_TIME_TO_GO,
 )
-from edl6dof.interface.capacities import MAX_PHASES
+from edl6dof.interface.capacities import MAX_PHASE_EVENTS, MAX_PHASES
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
@@ -26,7 +25,7 @@ from edl6dof.records import FLAG, TIME_IF_EVER, whole
 PHASE_MEMORY = [
     ("phase", whole(0, MAX_PHASES - 1, of="phases")),
     ("phase_start", "f8"),
-    ("event_done", FLAG, (MAX_EVENTS,)),
+    ("event_done", FLAG, (MAX_PHASE_EVENTS,)),
     ("entered", TIME_IF_EVER, (MAX_PHASES,)),
 ]
 
@@ -79,7 +78,7 @@ def sequence(mission, nav, guide, fsw, request):
         nav: navigation record.
         guide: guidance record (time to go).
         fsw: flight-software memory: ``phase``, ``phase_start``, ``event_done`` are updated.
-        request: written, one flag for each event name.
+        request: written, one flag for each event of the mission.
     """
     if mission.n_phases == 0:
         return
@@ -88,10 +87,10 @@ def sequence(mission, nav, guide, fsw, request):
     for i in range(phase.n_events):
         if fsw.event_done[i] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
             fsw.event_done[i] = 1
-            request[phase.events[i].do] = 1
+            request[mission.number[fsw.phase, i]] = 1
     if fsw.phase + 1 < mission.n_phases and fires(phase.until, nav, guide, elapsed):
         fsw.phase += 1
         fsw.phase_start = nav.t
         fsw.entered[fsw.phase] = nav.t
-        for i in range(MAX_EVENTS):
+        for i in range(MAX_PHASE_EVENTS):
             fsw.event_done[i] = 0

@@ -178,7 +178,7 @@ def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
     Returns:
         mesh, and the lines as segments (n, 2, 3).
     """
-    diameter, length = vehicle.parachute.diameter_m, vehicle.parachute.line_length_m
+    diameter, length = vehicle.main_parachute.diameter_m, vehicle.main_parachute.line_length_m
     r, band, gap, height = 0.34 * diameter, 0.12 * diameter, 0.035 * diameter, 0.20 * diameter
     gores, vent = 24, 0.06
 

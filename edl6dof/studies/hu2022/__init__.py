@@ -30,7 +30,6 @@ REMARKS = (
     (
         f"Rates and errors are the largest; the thrust direction counts as found within {FOUND_DEG:g} deg, "
         "a step as settled within"
-    )(
         f" {SETTLED_DEG:g} deg; roll in the powered descent is looked at from 8 s on; beside a phase margin "
         "stands its crossover frequency."
     ),
