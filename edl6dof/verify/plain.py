@@ -47,7 +47,7 @@ def setting(loaded: LoadedScenario, state: State) -> Setting:
     tables = records.build_tables(loaded.truth)
     fixed = {
         "case": records.build_case(loaded.truth, tables),
-        "onboard": records.build_onboard(loaded.scenario, tables),
+        "onboard": records.build_onboard(loaded.scenario),
     }
     moving = {"plant": state.plant.copy(), "sensors": state.sensors.copy(), "fsw": state.fsw.copy()}
     return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
