@@ -53,7 +53,7 @@ def setting(loaded: LoadedScenario, state: State) -> Setting:
     tables = records.build_tables(loaded.truth)
     fixed = {
         "case": records.build_case(loaded.truth, tables),
-        "onboard": records.build_onboard(loaded.scenario, tables),
+        "onboard": records.build_onboard(loaded.scenario),
     }
     moving = {name: getattr(state, name).copy() for name in ("plant", "peaks", "sensors", "fsw")}
     moving |= {"outputs": np.zeros(1, OUTPUTS), "work": np.zeros(1, WORKSPACE)}
