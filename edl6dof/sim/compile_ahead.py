@@ -48,11 +48,11 @@ def flight_software_beside() -> Iterator[bool]:
         other.wait()
 
 
-def compile_plant(case: np.ndarray, tables: np.ndarray, plant: np.ndarray) -> None:
-    """Compile the plant's steps for records of these layouts (arrays of one)."""
-    records = [numba.typeof(array[0]) for array in (case, tables, plant)]
-    advance.compile((*records, numba.float64))
-    retrace.compile(tuple(records))
+def compile_plant(*records: np.ndarray) -> None:
+    """Compile the plant's steps for records of these layouts (arrays of one), in the order they are taken."""
+    layouts = tuple(numba.typeof(array[0]) for array in records)
+    retrace.compile(layouts)
+    advance.compile((*layouts, numba.float64))
 
 
 def compile_flight_software() -> None:

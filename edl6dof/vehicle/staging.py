@@ -14,7 +14,6 @@ from edl6dof.interface.events import (
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
-from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.debris import LOOSE
 from edl6dof.vehicle.mass import compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
@@ -128,7 +127,7 @@ def jettison(case, plant, index):
 
 
 @kernel
-def carry_out(case, tables, plant, number):
+def carry_out(case, plant, number):
     """Change the vehicle as event ``number`` demands, at ``plant.t``."""
     event = case.events.events[number]
     action, thing = event.action, event.thing
@@ -147,5 +146,3 @@ def carry_out(case, tables, plant, number):
         plant.running = 1
     elif action == CUT_OFF:
         plant.running = 0
-    # the forces changed: sensors read the new ones
-    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])

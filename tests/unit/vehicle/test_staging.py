@@ -35,10 +35,10 @@ from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
     CANOPY_VELOCITY,
-    PLANT,
     POSITION,
     PROPELLANT,
     RATE,
+    STATE,
     VELOCITY,
 )
 from edl6dof.vehicle.point_mass import SIX_DOF
@@ -96,7 +96,7 @@ def tumbling(seed, gone=()):
     case.suspension["pack"][:2] = MAIN_PACK, DROGUE_PACK
     case.suspension["carrier"] = BACKSHELL
     fill_lander(case.lander, MASS, PARTS)
-    plant = np.zeros(1, PLANT).view(np.recarray)[0]
+    plant = np.zeros(1, STATE).view(np.recarray)[0]
     plant.attached[:] = [index not in gone for index in range(MAX_PARTS)]
     compose_dry(case.vehicle.parts, len(PARTS), case.lander, plant.attached, plant.dry)
     plant.y[POSITION : POSITION + 3] = rng.normal(size=3) * 100.0  # near the origin: no rounding
