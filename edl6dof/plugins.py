@@ -102,8 +102,7 @@ def require(document: Document) -> None:
         if path not in ACTIVE:
             message = (
                 "comes too late: this process has built its flight software without it; load this scenario "
-                "first "
-                f"(edl6dof.load), or set {VARIABLE} to the file before Python starts"
+                f"first (edl6dof.load), or set {VARIABLE} to the file before Python starts"
             )
             raise _problem(path, document, message)
     if paths:

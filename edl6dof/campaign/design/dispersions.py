@@ -193,8 +193,7 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
         target.place,
         (
             f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a "
-            "smaller "
-            "width"
+            "smaller width"
         ),
     )
     return False
