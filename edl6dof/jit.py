@@ -27,6 +27,8 @@ from numba.core.dispatcher import Dispatcher
 from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
 
+#: numba's settings: a module whose names it makes when it is imported.
+SETTINGS: Any = numba.config
 PACKAGE = Path(__file__).resolve().parent
 #: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X,
 #: Y``: the rest of it.
@@ -54,10 +56,10 @@ def _keep_code(compiled: Dispatcher) -> None:
     """Let a kernel keep its machine code in the first folder that can be written to; without any, it is
     compiled in each process.
     """
-    before = numba.config.CACHE_LOCATOR_CLASSES
+    before = SETTINGS.CACHE_LOCATOR_CLASSES
     # The locator is chosen at decoration; setting it only here leaves other users of numba in the process
     # alone.
-    numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
+    SETTINGS.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
         compiled.enable_caching()
     except RuntimeError:
@@ -66,8 +68,8 @@ def _keep_code(compiled: Dispatcher) -> None:
         )
         return
     finally:
-        numba.config.CACHE_LOCATOR_CLASSES = before
-    kept = compiled._cache
+        SETTINGS.CACHE_LOCATOR_CLASSES = before
+    kept: Any = compiled._cache  # type: ignore[attr-defined]  # private to numba
     kept._cache_file = CodeFiles(
         Path(kept.cache_path), kept._impl.filename_base, kept._impl.locator.get_source_stamp()
     )
@@ -93,7 +95,7 @@ class _TreeStamp:
         """numba's folder; below it one for each set of outside files, so that flights with and without them
         do not displace each other.
         """
-        folder = super().get_cache_path()
+        folder: str = super().get_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
         if not outside_sources or _FAMILIES not in _dependencies(str(Path(self._py_file).resolve())):
             return folder
         return str(
@@ -165,7 +167,7 @@ def tree_stamp(path: Path) -> str:
     What may call a member of a family also depends on the members from outside the package, and on all that
     these import.
     """
-    digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
+    digest = hashlib.sha256(f"boundscheck={SETTINGS.BOUNDSCHECK}".encode())
     files = _dependencies(str(path))
     if _FAMILIES in files:
         files = files.union(*map(_dependencies, outside_sources))
