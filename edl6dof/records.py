@@ -81,6 +81,16 @@ def first_not_finite(record: np.ndarray) -> str | None:
     return None
 
 
+def require_finite(table: np.ndarray) -> None:
+    """Refuse a table (a structured array of length one) with a float that is not finite.
+
+    Raises:
+        ValueError: there is one.
+    """
+    if first_not_finite(table) is not None:
+        raise ValueError("holds a number that is not finite, or one for which no table can be built")
+
+
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
     """Path and complaint of each whole number of a record (length one) that is not in its declared range.
 

@@ -30,7 +30,7 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.integrate import advance, refresh
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
@@ -53,15 +53,18 @@ def quiet(state: State) -> State:
     for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
         plant[name] = 0
     plant["due"] = 1e99
-    return State(state.cycle, plant, state.sensors, state.fsw, "")
+    return State(state.cycle, plant, state.peaks, state.sensors, state.fsw, "")
 
 
 def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
     """State after the window in the simulator's own steps."""
     plant = given.arrays["plant"].copy()
     start = float(plant["t"][0])
+    records = {**given.arrays, "plant": plant}
+    flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
+    refresh(*flown)
     for k in range(round(seconds / 0.01)):
-        advance(given.arrays["case"][0], given.arrays["tables"][0], plant[0], start + 0.01 * (k + 1))
+        advance(*flown, start + 0.01 * (k + 1))
     if plant["touched"][0]:
         raise RuntimeError("the window reaches the ground")
     return plant["y"][0]

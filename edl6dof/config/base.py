@@ -99,6 +99,9 @@ class Within:
         }
 
 
+_PLAIN = (str, int, float)
+
+
 class Params(BaseModel):
     """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for
     their unit are errors.
@@ -112,6 +115,13 @@ class Params(BaseModel):
     moved: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
+
+    def __hash__(self) -> int:
+        """By the model's own numbers and texts, which is quick; what lies deeper is left to the comparison.
+
+        So that what follows from a model can be kept by it: nobody changes a list in one.
+        """
+        return hash((type(self), *(value for value in vars(self).values() if isinstance(value, _PLAIN))))
 
     def __init_subclass__(cls, **options: Any) -> None:
         """Bound every number."""

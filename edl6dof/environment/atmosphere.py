@@ -15,14 +15,16 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, group, param
+from edl6dof.config.document.regular import content_key
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere_table import (
     MAX_ROWS,
-    build_table,
+    AirInputs,
     cubic,
     cubic_coefficients,
     row_at,
     straight_beyond,
+    table_path,
 )
 from edl6dof.environment.gas import pressure_and_sound
 from edl6dof.environment.layout import extended
@@ -153,13 +155,18 @@ def _table_air(gas, table, alt):
     return rho, pressure, temperature, sound
 
 
-def fill_atmosphere_table(record: np.void, params: AtmosphereParams, planet: PlanetParams) -> None:
-    """Build the table that all cases share (dtype ``ATMOSPHERE_TABLE``)."""
+def air_inputs(params: AtmosphereParams, planet: PlanetParams) -> AirInputs:
+    """What the table that all cases share follows from.
+
+    Raises:
+        ValueError: there must be a table and none is named.
+        OSError: its file cannot be read.
+    """
     if params.model == "table" and not params.table:
         raise ValueError("atmosphere model table needs a table file")
-    build_table(
-        record,
+    return AirInputs(
         params.table,
+        content_key(table_path(params.table)) if params.table else "",
         params.bottom_m,
         planet.gas.gas_constant_j_kg_k,
         params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,

@@ -156,10 +156,23 @@ def _one_minus_cosine(gust, alt):
     return 0.5 * gust.amplitude * (1.0 + cos(pi * offset))
 
 
-def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0, case: int = 0) -> None:
-    """Copy the parameters and draw the random gust that belongs to (seed, case)."""
+def require_winds(params: WindParams, table: np.void) -> None:
+    """Refuse the winds of a table that has none.
+
+    Raises:
+        ValueError: it has none.
+    """
     if params.model == "table" and not (np.any(table["east"]) or np.any(table["north"])):
         raise ValueError("wind model table: the atmosphere table has no winds")
+
+
+def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0, case: int = 0) -> None:
+    """Copy the parameters and draw the random gust that belongs to (seed, case).
+
+    Raises:
+        ValueError: as :func:`require_winds`.
+    """
+    require_winds(params, table)
     fill(record, params)
     gust = params.gust
     spacing, sigma = _gust_rows(gust)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,13 +9,13 @@ from math import cos, radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
-from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
-from edl6dof.config.errors import ConfigError, Inconsistent, Problem
-from edl6dof.config.validate import validate
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.validate import refuse, validate
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
@@ -176,13 +175,6 @@ class Scenario(Params):
         if (length := len(value.encode())) > _LONGEST_NAME:
             raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Scenario:
-        problems = {**self.section_problems(), **file_problems(self)}
-        if problems:
-            raise Inconsistent(problems)
-        return self
 
     def section_problems(self) -> dict[str, str]:
         """Dotted path to message of values of different sections that do not fit together."""
@@ -351,16 +343,21 @@ def check_document(document: Document) -> LoadedScenario:
     """
     require(document)
     try_out()
-    scenario = validate(Scenario, document)
+    scenario = _checked(document)
     wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
     if wrong:
         raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
-    changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
-    return LoadedScenario(
-        scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document
-    )
+    true = with_values(document, scenario.truth, Scenario, lambda path: document.mark(("truth", path)))
+    return LoadedScenario(scenario, _checked(true), document)
+
+
+def _checked(document: Document) -> Scenario:
+    """The scenario of a document: its values, how they fit together, and its tables."""
+    scenario = validate(Scenario, document)
+    refuse(document, {**scenario.section_problems(), **file_problems(scenario)})
+    return scenario
 
 
 #: Sections of a scenario file that say how it is flown many times; a single flight does not read them.

@@ -24,7 +24,7 @@ from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag, profile_range
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import corridor
 from edl6dof.fsw.mission.roles import LIFT
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies.drag_model import Design, Response, respond
@@ -72,7 +72,7 @@ def gust(t: float) -> float:
 def run(runs: int, progress: Progress) -> Report:
     """Integrate the design model with three disturbances, and fly the law."""
     loaded = load_scenario(SCENARIO, SETTINGS)
-    onboard = build_onboard(loaded.scenario, build_tables(loaded.scenario))
+    onboard = build_onboard(loaded.scenario)
     design = _design(onboard)
     responses = {
         "w = 0": _respond(design, onboard, lambda t: 0.0),

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
@@ -66,7 +67,7 @@ def run(runs: int, progress: Progress) -> Report:
         for k, (update, law) in enumerate(product((True, False), LAWS))
     }
     updated, plain, plain_fl = (
-        _history(fly(load_scenario(SCENARIO, cases[number].overrides({}))))
+        _history(fly(scenario_of(load_scenario(SCENARIO), cases[number])))
         for number in (0, 2 * runs, 3 * runs)
     )
     remarks = (

@@ -18,6 +18,7 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
@@ -55,7 +56,7 @@ def run(runs: int, progress: Progress) -> Report:
     cases = [_case(number, *choice) for number, choice in enumerate(product(WAYS, truths))]
     table = fly_cases(loaded, cases, collect=_figures, progress=lambda done, row: progress(done, len(cases)))
     updated, fixed, dense = (table[start : start + runs] for start in range(0, len(cases), runs))
-    shown = fly(load_scenario(SCENARIO, cases[runs].overrides({})))
+    shown = fly(scenario_of(load_scenario(SCENARIO), cases[runs]))
     history = _history(shown)
     findings = (
         *_accuracy(updated, fixed, dense),

@@ -6,7 +6,7 @@ import pytest
 from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
 
 TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.scenario", "edl6dof.sim")
-TRUTH_RECORDS = ("case", "cases", "plant", "plants", "tables", "tables_")
+TRUTH_RECORDS = ("case", "cases", "plant", "plants", "outputs", "outputs_", "tables", "tables_")
 ONBOARD = modules("fsw")
 SENSORS = modules("sensors")
 EVERYTHING = modules()
@@ -79,7 +79,7 @@ def test_results_and_command_line_know_no_physics(folder):
 @pytest.mark.parametrize(
     "planted",
     [
-        "from edl6dof.vehicle.plant import PLANT",
+        "from edl6dof.vehicle.plant import STATE",
         "import edl6dof.environment.atmosphere as a",
         "from edl6dof import environment",
         "def f():\n    from edl6dof.scenario.records import CASE",

@@ -114,7 +114,8 @@ GRID = (
 <dataTable>1.0 0.9 0.8  1.5 1.4 1.3  1.7 1.6 1.5</dataTable></griddedTableDef>
 <function name="CD"><independentVarRef varID="mach"/><independentVarRef varID="angleOfAttack"/>
 <dependentVarRef varID="totalCoefficientOfDrag"/>
-<functionDefn><griddedTableRef gtID="CD_T"/></functionDefn></function><function name="CL"><independentVarPts varID="angleOfAttack">0 8</independentVarPts>
+<functionDefn><griddedTableRef gtID="CD_T"/></functionDefn></function>
+<function name="CL"><independentVarPts varID="angleOfAttack">0 8</independentVarPts>
 <dependentVarPts varID="totalCoefficientOfLift">0.0 -0.4</dependentVarPts></function>"""
 )
 

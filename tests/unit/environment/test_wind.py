@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 import edl6dof
-from edl6dof.environment.atmosphere import AtmosphereParams, fill_atmosphere_table
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.atmosphere import AtmosphereParams, air_inputs
+from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.wind import (
     WIND,
     GustParams,
@@ -26,12 +26,9 @@ DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 
 
 def shared(**given) -> np.void:
-    table = np.zeros(1, ATMOSPHERE_TABLE)[0]
     scenario = edl6dof.load("tianwen1").scenario
-    fill_atmosphere_table(
-        table, AtmosphereParams(**{"table": scenario.atmosphere.table, **given}), scenario.planet
-    )
-    return table
+    params = AtmosphereParams(**{"table": scenario.atmosphere.table, **given})
+    return build_table(air_inputs(params, scenario.planet))[0]
 
 
 def build(seed: int = 0, case: int = 0, **given) -> np.void:
