@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.config.accepted import accept, is_accepted
+from edl6dof.config.base import stated
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
@@ -162,11 +163,11 @@ def _load(path: Path, document: Document | None) -> None:
 
 def _imported(path: Path, document: Document | None) -> Any:
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
-    spec = importlib.util.spec_from_file_location(name, path)
+    spec = stated(importlib.util.spec_from_file_location(name, path))  # there is one for every .py file
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # compiled code finds its globals by this name
     try:
-        spec.loader.exec_module(module)
+        stated(spec.loader).exec_module(module)
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
         raise _problem(

@@ -88,9 +88,11 @@ class Family:
         """The member called ``name``."""
         return self.members[self.names.index(name)]
 
-    def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
+    def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> Any:
         """Parameter model with one section for each member, and the choice of one unless it is made elsewhere
         (``choice`` None).
+
+        It is made for the members of this process, plugins included, so that its type is not known before.
         """
         fields: dict[str, Any] = {}
         if choice is not None:

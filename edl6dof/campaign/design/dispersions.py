@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from edl6dof.campaign.design.distributions import Normal
 from edl6dof.campaign.design.params import CampaignParams, Correlated, Of
 from edl6dof.campaign.readback import value_at
-from edl6dof.config.base import Params
+from edl6dof.config.base import Params, stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document
 from edl6dof.config.document.yamltree import Path
@@ -119,7 +119,7 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
 def _slot(keys: Path) -> Slot:
     slot = root_slot(Scenario)
     for key in keys:
-        slot = slot.child(key)
+        slot = stated(slot.child(key))
     return slot
 
 
