@@ -3,7 +3,7 @@ is built.
 
 A plugin file is what a member's file in the package is, with one line more that says where it belongs:
 
-    FAMILY = "entry_law"                         # or reversal, powered_law, controller
+    FAMILY = "entry_law"                         # or reversal, powered_law, controller, ...
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
 The families, their records and the compiled loop are made once in a process, so plugins are read first: the
@@ -39,6 +39,9 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "entry_law": ("entry guidance law", {"guide": ("onboard", "nav", "mem", "out")}),
     "reversal": ("bank-reversal logic", {"side": ("onboard", "nav", "mem", "out", "wanted", "sign")}),
     "powered_law": ("powered guidance law", {"guide": ("onboard", "nav", "mem", "guide")}),
+    "distribution": ("distribution", {}),
+    "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
+    "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
     "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 

@@ -88,18 +88,24 @@ class Family:
         """The member called ``name``."""
         return self.members[self.names.index(name)]
 
-    def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
+    def params_model(
+        self, class_name: str, choice: str | None, default: str, doc: str, *, bare: bool = False
+    ) -> type[Params]:
         """Parameter model with one section for each member, and the choice of one unless it is made elsewhere
         (``choice`` None).
+
+        A section may be left out; one that must hold something is then ``None``.  With ``bare`` a member
+        without parameters has none.
         """
         fields: dict[str, Any] = {}
         if choice is not None:
             fields[choice] = (Literal[self.names], param(default, f"which {self.title} flies"))
         for member in self.members:
-            fields[member.name] = (
-                member.params,
-                group(member.params, (member.params.__doc__ or "").strip().splitlines()[0]),
-            )
+            own, meaning = member.params.model_fields, (member.params.__doc__ or "").strip().splitlines()[0]
+            if any(info.is_required() for info in own.values()):
+                fields[member.name] = (member.params | None, param(None, meaning))
+            elif own or not bare:
+                fields[member.name] = (member.params, group(member.params, meaning))
         return create_model(class_name, __base__=Params, __doc__=doc, **fields)
 
     @property

@@ -15,6 +15,10 @@ from numba.core.errors import NumbaError
 from edl6dof import plugins
 from edl6dof.config.document.locate import shown
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.environment.atmosphere import ATMOSPHERE
+from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.gas import GAS
+from edl6dof.environment.wind import WIND
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
@@ -40,6 +44,14 @@ _RETURNS = {
         lambda value: isinstance(value, tuple) and len(value) == 4,
     ),
     "controller": ("nothing", lambda value: value is None),
+    "atmosphere": (
+        "four numbers: density, pressure, temperature and speed of sound",
+        lambda value: isinstance(value, tuple) and len(value) == 4,
+    ),
+    "wind": (
+        "two numbers: wind towards east and north",
+        lambda value: isinstance(value, tuple) and len(value) == 2,
+    ),
 }
 
 
@@ -70,14 +82,18 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 
 
 def _argument(name: str, key: str) -> Any:
-    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0}
+    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0}
     records = {
         "onboard": ONBOARD,
         "nav": NAV,
         "out": GUIDE,
         "guide": GUIDE,
         "fsw": FSW,
-        "mem": _FAMILIES[key].memory,
+        "mem": _FAMILIES[key].memory if key in _FAMILIES else None,
+        "atm": ATMOSPHERE,
+        "wind": WIND,
+        "gas": GAS,
+        "table": ATMOSPHERE_TABLE,
     }
     return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
 
