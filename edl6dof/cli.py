@@ -34,8 +34,8 @@ class Commands(TyperGroup):
             raise typer.Exit(ending.BROKEN_PIPE) from None
 
 
-EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is missing on this machine;
-70 a defect of the program; 130 interrupted."""
+EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is
+missing on this machine; 70 a defect of the program; 130 interrupted."""
 
 app = typer.Typer(
     cls=Commands,

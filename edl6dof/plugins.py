@@ -104,7 +104,8 @@ def require(document: Document) -> None:
     for path in paths:
         if path not in ACTIVE:
             message = (
-                "comes too late: this process has built its flight software without it; load this scenario first "
+                "comes too late: this process has built its flight software without it; load this scenario "
+                "first "
                 f"(edl6dof.load), or set {VARIABLE} to the file before Python starts"
             )
             raise _problem(path, document, message)

@@ -51,7 +51,8 @@ UNITS: dict[str, tuple[str, float]] = {
     "m": ("length", 1.0), "ft": ("length", 0.3048), "m2": ("area", 1.0), "ft2": ("area", 0.3048**2),
     "kg": ("mass", 1.0), "lbm": ("mass", 0.45359237), "slug": ("mass", 0.45359237 * 9.80665 / 0.3048),
     "kgm2": ("inertia", 1.0), "slugft2": ("inertia", 0.45359237 * 9.80665 * 0.3048),
-    "rad": ("angle", 1.0), "deg": ("angle", math.pi / 180.0), "rad_s": ("rate", 1.0), "deg_s": ("rate", math.pi / 180.0),
+    "rad": ("angle", 1.0), "deg": ("angle", math.pi / 180.0), "rad_s": ("rate", 1.0), "deg_s": ("rate",
+    math.pi / 180.0),
     "m_s": ("speed", 1.0), "ft_s": ("speed", 0.3048),
 }  # fmt: skip
 

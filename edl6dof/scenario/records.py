@@ -36,7 +36,7 @@ from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.faults import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
-from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -168,7 +168,7 @@ def build_records(loaded: LoadedScenario) -> Records:
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
-    """The plant at t = 0, shape (1,)."""
+    """The state of the plant at t = 0, shape (1,)."""
     plant = duplicate(_new_plant())
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
@@ -192,7 +192,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 @cache
 def _new_plant() -> np.ndarray:
     """What every plant begins with: nothing has left it, and nothing has happened."""
-    plant = np.zeros(1, PLANT)
+    plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
     record["due"][:] = 1e99
@@ -202,7 +202,6 @@ def _new_plant() -> np.ndarray:
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = 1e99
     record["touchdown_time"] = record["exhausted_time"] = np.nan
-    record["agl"] = 1e99
     return plant
 
 
@@ -234,6 +233,11 @@ def _new_fsw() -> np.ndarray:
     fsw["entered"] = np.nan
     fsw["entered"][0, 0] = 0.0
     return fsw
+
+
+def initial_peaks() -> np.ndarray:
+    """The largest loads met so far at t = 0, shape (1,)."""
+    return np.zeros(1, PEAKS)
 
 
 def initial_sensors() -> np.ndarray:

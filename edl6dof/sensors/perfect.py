@@ -27,9 +27,9 @@ SENSORS = np.dtype([("imu", READINGS), ("sensed", SENSED)], align=True)
 
 
 @kernel
-def sense(case, plant, sensors):
-    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure; reads
-    ``plant.out``.
+def sense(case, plant, outputs, sensors):
+    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure in the
+    state ``plant`` with its ``outputs``.
     """
     y, sensed = plant.y, sensors.sensed
     sensed.t = plant.t
@@ -37,10 +37,10 @@ def sense(case, plant, sensors):
         sensed.r_I[i] = y[POSITION + i]
         sensed.v_I[i] = y[VELOCITY + i]
         sensed.w_B[i] = y[RATE + i]
-        sensed.specific_force_B[i] = plant.out.specific_force_B[i]
+        sensed.specific_force_B[i] = outputs.specific_force_B[i]
     for i in range(4):
         sensed.q_I2B[i] = y[ATTITUDE + i]
-    sensed.height_above_ground = plant.agl
-    sensed.footpad_contact = 1 if plant.out.pads > 0 else 0
+    sensed.height_above_ground = outputs.agl
+    sensed.footpad_contact = 1 if outputs.pads > 0 else 0
     read_imu(case.sensors.imu, plant, sensors.imu, sensed)
-    sensed.wing_open = 1 if plant.out.wing_opening > END_SWITCH else 0
+    sensed.wing_open = 1 if outputs.wing_opening > END_SWITCH else 0

@@ -33,6 +33,8 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
     return (base + start) // 8, (base + end) // 8
 
 
+#: Fields of the state that follow from the outputs.
+_FROM_OUTPUTS = ("ground_elevation", "ground_slope")
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
@@ -64,11 +66,20 @@ def works_with_finite(sensors, memory):
     return wrong < _SIGN
 
 
-def first_cause(plant: np.ndarray, sensors: np.ndarray, fsw: np.ndarray) -> str | None:
+def first_cause(
+    plant: np.ndarray, outputs: np.ndarray, work: np.ndarray, sensors: np.ndarray, fsw: np.ndarray
+) -> str | None:
     """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when
     all are.
+
+    Args:
+        plant, outputs: state of the plant and what follows from it, shape (1,).
+        work: of the integrator, shape (1,): the stage in which a step failed.
+        sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
-    for name, record in (("plant", plant), ("sensors", sensors), ("fsw", fsw)):
+    own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
+    steps = (("plant", plant[own]), ("trial", work["trial"]), ("outputs", outputs), ("k", work["k"]))
+    for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
     return None
@@ -79,7 +90,7 @@ def _plain_name(record: str, path: str) -> str:
     ``fsw.guide.bank`` for anything else.
     """
     field, _, index = path.partition("[")
-    if record == "plant" and field in ("y", "trial", "k"):
+    if (record, field) == ("plant", "y") or record in ("trial", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
-        return f"rate of {state}" if field == "k" else state
+        return f"rate of {state}" if record == "k" else state
     return f"{record}.{path}".removeprefix("sensors.")

@@ -170,7 +170,7 @@ def _figures(flight: Flight) -> dict[str, float]:
 
 
 # ---- what came out
-# -------------------------------------------------------------------------------------------------------------
+# ------------------------------------------------------------------------------------------------------------
 
 
 def misses(table: pa.Table) -> np.ndarray:
@@ -215,9 +215,12 @@ def _grid(mission: str, tables: dict[str, pa.Table], calls: dict[str, float]) ->
     for law, table in sorted(tables.items(), key=lambda item: quantile(misses(item[1]), 0.99)):
         miss = misses(table)
         rows.append((
-            law, float(np.mean(miss)), quantile(miss, 0.99), 100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
-            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3, _mean(table, "parachute_mach"),
-            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table, "propellant_used_kg"),
+            law, float(np.mean(miss)), quantile(miss, 0.99),
+            100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
+            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3,
+            _mean(table, "parachute_mach"),
+            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table,
+            "propellant_used_kg"),
             _mean(table, "saturation_s"), calls[law],
         ))  # fmt: skip
     return Grid(

@@ -35,8 +35,10 @@ ENTRY = "flight_software.guidance.entry"
 SCENARIO = "wu2013"
 SETTINGS = (
     f"{ENTRY}.law=adaptive_hinf",
-    f"{ENTRY}.adaptive_hinf={{start_drag_m_s2: 7.0, disturbance_gain: 40.0, control_weight: 625.0, adaptation_energy: 20.0}}",
-    f"{ENTRY}.limits={{heat_rate_w_cm2: 100.0, nose_radius_m: 1.1, load_g0: 15.0, dynamic_pressure_pa: 18000.0}}",
+    f"{ENTRY}.adaptive_hinf={{start_drag_m_s2: 7.0, disturbance_gain: 40.0, "
+    "control_weight: 625.0, adaptation_energy: 20.0}",
+    f"{ENTRY}.limits={{heat_rate_w_cm2: 100.0, nose_radius_m: 1.1, "
+    "load_g0: 15.0, dynamic_pressure_pa: 18000.0}",
     f"{ENTRY}.tracking.update=false",
 )
 #: True theta of the design model, inside the law's set, and the drag error (m/s2) at its start.

@@ -24,12 +24,18 @@ from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sensors.perfect import SENSORS
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.channels import BRIEF, TICK
-from edl6dof.vehicle.plant import PLANT, STATES, STATES_VEHICLE
+from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, STATES, STATES_VEHICLE, WORKSPACE
 from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensors": SENSORS, "fsw": FSW
+<<<<<<< HEAD
+    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensors": SENSORS,
+    "fsw": FSW
+=======
+    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES,
+    "plant": STATE, "outputs": OUTPUTS, "peaks": PEAKS, "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
+>>>>>>> wt-b
 }  # fmt: skip
 
 
@@ -49,7 +55,8 @@ def setting(loaded: LoadedScenario, state: State) -> Setting:
         "case": records.build_case(loaded.truth, tables),
         "onboard": records.build_onboard(loaded.scenario),
     }
-    moving = {"plant": state.plant.copy(), "sensors": state.sensors.copy(), "fsw": state.fsw.copy()}
+    moving = {name: getattr(state, name).copy() for name in ("plant", "peaks", "sensors", "fsw")}
+    moving |= {"outputs": np.zeros(1, OUTPUTS), "work": np.zeros(1, WORKSPACE)}
     return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
 
 
@@ -65,7 +72,10 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
     if numba.config.DISABLE_JIT:
         arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
     _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, s.steps, *logs, 0)
-    return {**{name: s.arrays[name] for name in ("plant", "sensors", "fsw")}, "log": log[:rows]}
+    return {
+        **{name: s.arrays[name] for name in ("plant", "outputs", "peaks", "sensors", "fsw")},
+        "log": log[:rows],
+    }
 
 
 def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndarray]:
@@ -76,18 +86,18 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
 
     from edl6dof.vehicle.body import derivatives
 
-    case, tables, plant = (s.arrays[name][0] for name in ("case", "tables", "plant"))
+    case, tables, plant, outputs = (s.arrays[name][0] for name in ("case", "tables", "plant", "outputs"))
     full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
     count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
     seen = (
-        [Record(void) for void in (case, tables, plant)]
+        [Record(void) for void in (case, tables, plant, outputs)]
         if numba.config.DISABLE_JIT
-        else [case, tables, plant]
+        else [case, tables, plant, outputs]
     )
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         full[:count] = y
-        derivatives(*seen, t, full, out)
+        derivatives(*seen[:3], t, full, seen[3], out)
         return out[:count].copy()
 
     begin = full[:count].copy()

@@ -43,7 +43,7 @@ def test_every_figure_obeys_plotlys_own_schema(report):
 
 
 def test_page_carries_the_drawings_unharmed(report, html):
-    found = re.search(r"<script type='application/json' id='figure-data'>(.*?)</script>", html, re.DOTALL)
+    found = re.search(r'<script type="application/json" id="figure-data">(.*?)</script>', html, re.DOTALL)
     assert json.loads(found[1]) == {figure.key: drawing(figure) for figure in report.figures()}
 
 

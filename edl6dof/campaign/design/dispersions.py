@@ -190,7 +190,8 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
     locator.refuse(
         target.place,
         (
-            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a smaller "
+            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a "
+            "smaller "
             "width"
         ),
     )
