@@ -21,12 +21,14 @@ from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
 from edl6dof.scenario.schema import LoadedScenario, check_document
+from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams
 
 _GUIDANCE = ("flight_software", "guidance")
 #: Sections that plugins may add to, and the keys there that choose a member of a family.
 _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]], ...] = (
     (("atmosphere",), AtmosphereParams, {"model": ATMOSPHERES.names}),
     (("wind",), WindParams, {"model": WINDS.names}),
+    (("sensors",), SensorParams, {}),
     ((*_GUIDANCE, "entry"), EntryGuidanceParams, {"law": ENTRY_LAWS.names}),
     ((*_GUIDANCE, "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
     ((*_GUIDANCE, "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
@@ -63,6 +65,9 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
                 del section[key]
     for name, model in _STAND_INS.items():
         _section(data, (name,)).setdefault("model", model)
+    sensors = _section(data, ("sensors",))
+    if not set(sensors.get("carried", ())) <= set(SENSOR_FAMILY.names):
+        del sensors["carried"]
     for phase in _section(data, ("mission",)).get("phases", ()):
         if phase["control"] not in CONTROLLERS.names:
             phase["control"] = "off"
