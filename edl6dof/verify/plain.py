@@ -29,13 +29,8 @@ from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-<<<<<<< HEAD
-    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensors": SENSORS,
-    "fsw": FSW
-=======
     "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES,
     "plant": STATE, "outputs": OUTPUTS, "peaks": PEAKS, "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
->>>>>>> wt-b
 }  # fmt: skip
 
 

@@ -5,13 +5,8 @@ physics or no files.
 import pytest
 from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
 
-<<<<<<< HEAD
 TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.scenario", "edl6dof.sim")
-TRUTH_RECORDS = ("case", "cases", "plant", "plants", "tables", "tables_")
-=======
-TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.sim")
 TRUTH_RECORDS = ("case", "cases", "plant", "plants", "outputs", "outputs_", "tables", "tables_")
->>>>>>> wt-b
 ONBOARD = modules("fsw")
 SENSORS = modules("sensors")
 EVERYTHING = modules()
