@@ -26,8 +26,10 @@ from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
 from edl6dof.source_stamp import SourceTree
 
+#: numba's settings: a module whose names it makes when it is imported.
+SETTINGS: Any = numba.config
 PACKAGE = Path(__file__).resolve().parent
-TREE = SourceTree(PACKAGE, Path(numba.config.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
+TREE = SourceTree(PACKAGE, Path(SETTINGS.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
 #: numba puts a function's first line into the name of its files; a line more above it changes no code.
 _LINE = re.compile(r"-\d+(?=\.py\d+)")
 
@@ -49,10 +51,10 @@ def _keep_code(compiled: Dispatcher) -> None:
     """Let a kernel keep its machine code in the first folder that can be written to; without any, it is
     compiled in each process.
     """
-    before = numba.config.CACHE_LOCATOR_CLASSES
+    before = SETTINGS.CACHE_LOCATOR_CLASSES
     # The locator is chosen at decoration; setting it only here leaves other users of numba in the process
     # alone.
-    numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
+    SETTINGS.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
         compiled.enable_caching()
     except RuntimeError:
@@ -61,8 +63,8 @@ def _keep_code(compiled: Dispatcher) -> None:
         )
         return
     finally:
-        numba.config.CACHE_LOCATOR_CLASSES = before
-    kept = compiled._cache
+        SETTINGS.CACHE_LOCATOR_CLASSES = before
+    kept: Any = compiled._cache  # type: ignore[attr-defined]  # private to numba
     name = _LINE.sub("", kept._impl.filename_base)
     kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
 
@@ -87,7 +89,7 @@ class _TreeStamp:
         """numba's folder; below it one for each set of outside files, so that flights with and without them
         do not displace each other.
         """
-        folder = super().get_cache_path()
+        folder: str = super().get_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
         if not outside_sources or _FAMILIES not in TREE.reached(str(Path(self._py_file).resolve())):
             return folder
         return str(
@@ -160,7 +162,7 @@ def tree_stamp(path: Path) -> str:
     """
     calls_members = _FAMILIES in TREE.reached(str(path))
     stamp = TREE.stamp([str(path), *(outside_sources if calls_members else [])])
-    return hashlib.sha256(f"{stamp} boundscheck={numba.config.BOUNDSCHECK}".encode()).hexdigest()
+    return hashlib.sha256(f"{stamp} boundscheck={SETTINGS.BOUNDSCHECK}".encode()).hexdigest()
 
 
 def is_cached(compiled: Any) -> bool:

@@ -8,7 +8,7 @@ metadata of its dtype; so does a float that need not be finite.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Numbers(NamedTuple):
 
     path: str
     values: np.ndarray
-    declared: dict[str, object]
+    declared: Mapping[str, Any]
 
     @property
     def is_whole(self) -> bool:
@@ -54,6 +54,17 @@ def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
         return
     for name in record.dtype.names:
         yield from numbers(record[name], f"{path}.{name}" if path else name)
+
+
+def offset(layout: np.dtype, field: str) -> int:
+    """Bytes from the start of a record to one of its fields.
+
+    Raises:
+        KeyError: it has no field of this name.
+    """
+    if layout.fields is None:
+        raise KeyError(field)
+    return int(layout.fields[field][1])
 
 
 def first_not_finite(record: np.ndarray) -> str | None:

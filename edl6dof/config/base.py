@@ -10,9 +10,10 @@ import re
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from math import inf
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 
 from edl6dof.config.units import split_unit
@@ -34,6 +35,8 @@ STATUS_MARKS: dict[str, Status] = {
 REQUIRED: Any = ...
 
 Vec3 = tuple[float, float, float]
+
+Value = TypeVar("Value")
 
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _LONGEST_TITLE = 200
@@ -171,7 +174,7 @@ def param(
         factory: makes the default instead of ``default`` (for lists and sub-models).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
-    extra = {"status": status, "source": source, "record": record}
+    extra: JsonDict = {"status": status, "source": source, "record": record}
     if factory is not None:
         return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)
@@ -192,6 +195,17 @@ def unique_names(items: list[Any]) -> list[Any]:
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"names must be unique; given twice: {', '.join(twice)}")
     return items
+
+
+def stated(value: Value | None) -> Value:
+    """A value that may be missing in general, and that a check before has made sure of here.
+
+    Raises:
+        ValueError: it is missing all the same.
+    """
+    if value is None:
+        raise ValueError("a value is missing that a check before should have asked for")
+    return value
 
 
 def section(meaning: str, *, record: bool = True) -> Any:

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
@@ -86,7 +87,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
         path, slot, parent = _follow(model, document.data, error["loc"], error["type"])
         if error["type"] == "missing" and isinstance(error["loc"][-1], int):
             # A fixed-length list that is too short: one problem of the list, not one for each element.
-            path, slot, parent = path[:-1], parent, None
+            path, slot, parent = path[:-1], stated(parent), None
         value = _value_at(document.data, path)
         if error["type"] == "union_tag_invalid" and _holds(value, tag := _tag_key(error["ctx"])):
             path, value = (*path, tag), value[tag]
@@ -117,7 +118,8 @@ def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[t
     and its parent's.
     """
     path: list[str | int] = []
-    slot, parent, tagged = root_slot(model), None, False
+    slot, tagged = root_slot(model), False
+    parent: Slot | None = None
     for position, key in enumerate(loc):
         if len(slot.options) > 1 and not tagged:
             # Pydantic names the alternative before it goes on; narrow only models, so that messages list all

@@ -125,9 +125,10 @@ def _design(onboard: np.ndarray) -> Design:
     memory = np.zeros(1, MEMORY)[0]
     begin(law, memory)
     radius = float(planet["equatorial_radius"])
-    gains = (float(law[name]) for name in ("disturbance_gain", "control_weight", "adaptation_energy"))
     return Design(
-        *gains,
+        float(law["disturbance_gain"]),
+        float(law["control_weight"]),
+        float(law["adaptation_energy"]),
         memory["low"].copy(),
         memory["high"].copy(),
         float(planet["mu"]) / radius**2,

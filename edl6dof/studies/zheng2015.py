@@ -20,6 +20,7 @@ import pyarrow as pa
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
+from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.scenario.schema import load_scenario
@@ -133,7 +134,7 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gravity = planet.gravity.mu_m3_s2 / radius**2
     lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
-    scale_height = atmosphere.exponential.scale_height_m
+    scale_height = stated(atmosphere.exponential).scale_height_m
     state = zip(drag, speed, gamma, radius, gravity, lift, strict=True)
     authority = np.array([drag_dynamics(*values, scale_height)[1] for values in state])
     acceleration = np.gradient(np.gradient(drag, rows["t_s"]), rows["t_s"])

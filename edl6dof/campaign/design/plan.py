@@ -126,7 +126,9 @@ class Plan:
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
         """Faults that happen in each case; independent of the sampling plan, as they are rare."""
         found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
-        for k, draw in enumerate(self.campaign.faults if self.campaign is not None else ()):
+        if self.campaign is None:
+            return found
+        for k, draw in enumerate(self.campaign.faults):
             names = [f"faults.{k}.{what}" for what in ("happens", "which", "later")]
             unit = unit_numbers("monte_carlo", self.campaign.seed, names, self.campaign.cases, start, stop)
             for offset in np.flatnonzero(unit[:, 0] < draw.chance):

@@ -122,10 +122,10 @@ def _set(
     _forget(document, path)
     document.marks[path] = mark
     if isinstance(node, dict):
-        _drop_foreign(node, parent, key, value)
+        _drop_foreign(node, parent, parts[-1], value)
     node[key] = value
-    if len(path) == 1 and key in includes and isinstance(value, str):
-        include(document, key, value, includes[key])
+    if len(parts) == 1 and parts[0] in includes and isinstance(value, str):
+        include(document, parts[0], value, includes[parts[0]])
 
 
 def _reach(
@@ -135,7 +135,9 @@ def _reach(
 
     Containers on the way that the file leaves out are filled with their defaults.
     """
-    node, slot, path = document.data, root_slot(model), ()
+    node: Any = document.data
+    slot = root_slot(model)
+    path: Path = ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)
         path = (*path, key)

@@ -47,7 +47,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     across = axis[0] - (axis[0] @ h_hat) * h_hat
     across /= np.linalg.norm(across)
     outside = _slope(t, np.arctan2(axis @ np.cross(h_hat, across), axis @ across))
-    expected_outside = np.linalg.norm(momentum) / lateral
+    expected_outside = float(np.linalg.norm(momentum)) / lateral
     why = "phase error of RK4, (w h)^4 / 120, is 2e-10"
     return Outcome(
         (
