@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -183,6 +183,18 @@ def param(
 def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
     """Declare a sub-model that may be left out of the file when every one of its parameters has a default."""
     return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
+
+
+def unit_vector(value: Vec3) -> Vec3:
+    """A direction, brought to unit length.
+
+    Raises:
+        ValueError: its length is not one within 1e-3.
+    """
+    length = sqrt(sum(component * component for component in value))
+    if abs(length - 1.0) > 1e-3:
+        raise ValueError(f"must be a unit vector, its length is {length:.4f}")
+    return (value[0] / length, value[1] / length, value[2] / length)
 
 
 def unique_names(items: list[Any]) -> list[Any]:

@@ -16,7 +16,7 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import entry_guidance
 from edl6dof.fsw.guidance.powered.registry import powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import avoid, command_thrust, descend, hover, start_or_throttle
-from edl6dof.fsw.mission.deployments import note_requests
+from edl6dof.fsw.mission.deployments import note_requests, share_thrust
 from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import modulate
@@ -217,5 +217,5 @@ def run(onboard, sensed, k, fsw):
         steer(onboard, phase, dt * onboard.rates.control_every, fsw)
     command.steering, command.bank = 1, fsw.guide.bank
     command.alpha = 0.0 if fsw.wing_out != 0 else fsw.guide.alpha
-    command.thrust = fsw.guide.thrust
+    share_thrust(onboard.vehicle.engine, fsw)
     command.engine_mode = fsw.guide.engine_mode if fsw.ignited != 0 else ENGINE_OFF

@@ -34,7 +34,7 @@ from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import PHASE_MEMORY
 from edl6dof.fsw.modulation import MODULATOR, ModulationParams
 from edl6dof.fsw.navigation import NAV
-from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
 from edl6dof.records import FLAG, whole
 from edl6dof.spatial.frames import LOCAL_FRAME
@@ -210,6 +210,8 @@ ONBOARD = np.dtype(
                                 ("throttle_min", "f8"),
                                 ("throttle_max", "f8"),
                                 ("specific_impulse", "f8"),
+                                ("full_thrust_of", "f8", (MAX_ENGINES,)),
+                                ("count", "i8"),
                             ],
                             align=True,
                         ),
@@ -249,7 +251,8 @@ FSW = np.dtype(
         ("wing_failed", FLAG),  # and it did not open
         ("saturated", FLAG),
         ("healthy", FLAG, (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
-        ("ignited", FLAG),
+        ("ignited", FLAG),  # an engine is on
+        ("burning", FLAG, (MAX_ENGINES,)),  # which
         ("ignition_time", "f8"),
         ("activity", ACTIVITY),
         ("entry", ENTRY_MEMORY),

@@ -6,6 +6,9 @@ from __future__ import annotations
 MAX_THRUSTERS = 32
 #: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
 MAX_PARTS = 8
+#: Engines, and deployable surfaces, of a vehicle.
+MAX_ENGINES = 4
+MAX_SURFACES = 4
 #: Parachutes of a vehicle.
 MAX_PARACHUTES = 4
 #: Phases of a mission.

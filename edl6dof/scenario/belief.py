@@ -115,10 +115,14 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     hung = np.zeros(len(record["pack"]), SUSPENSION)
     fill_suspension(hung, vehicle)
     record["pack"] = hung["pack"]
-    engine, believed = vehicle.engine, record["engine"]
-    believed["full_thrust"], believed["throttle_min"] = engine.full_thrust_n, engine.throttle_min_n
-    believed["throttle_max"] = engine.throttle_max_n
-    believed["specific_impulse"] = engine.full_specific_impulse_s
+    believed, engines = record["engine"], vehicle.engines
+    believed["count"] = len(engines)
+    for name in ("full_thrust", "throttle_min", "throttle_max"):
+        believed[name] = sum(getattr(engine, f"{name}_n") for engine in engines)
+    believed["full_thrust_of"][: len(engines)] = [engine.full_thrust_n for engine in engines]
+    if engines:  # the mean that uses the propellant that all use together
+        flow = sum(engine.full_thrust_n / engine.full_specific_impulse_s for engine in engines)
+        believed["specific_impulse"] = believed["full_thrust"] / flow
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction

@@ -18,8 +18,9 @@ def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
     if action in ("deploy", "release"):
         return {chute.name: index for index, chute in enumerate(vehicle.parachutes)}
     if action == "extend":
-        return {"trim_wing": 0, "landing_gear": LANDING_GEAR}
-    return {"main": 0}
+        surfaces = {surface.name: index for index, surface in enumerate(vehicle.surfaces)}
+        return surfaces | {"landing_gear": LANDING_GEAR}
+    return {engine.name: index for index, engine in enumerate(vehicle.engines)}
 
 
 def event_problems(mission: MissionParams, vehicle: VehicleParams) -> dict[str, str]:

@@ -20,7 +20,7 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fil
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.onboard import FSW
-from edl6dof.interface.capacities import MAX_PARACHUTES
+from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
 from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.events import fill_events
@@ -42,7 +42,7 @@ from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
-from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
+from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(
     [
@@ -54,6 +54,7 @@ CASE = np.dtype(
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
         ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
+        ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
         ("events", EVENT_TABLE),
         ("dynamics", "i8"),
         ("ends_at_deployment", "i8"),
@@ -129,6 +130,7 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     fill_site(case["site"], s)
     fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts))
     fill_suspension(case["suspension"], s.vehicle)
+    case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
     fill_events(case["events"], s.mission, s.vehicle)
     fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
     case["dynamics"] = DYNAMICS.index(s.dynamics)

@@ -181,7 +181,6 @@ class Scenario(Params):
         """Dotted path to message of values of different sections that do not fit together."""
         return {
             **self._cycle_problems(),
-            **self._engine_problems(),
             **sensor_problems(self.sensors),
             **self._delay_problems(),
             **self._goal_problems(),
@@ -203,20 +202,6 @@ class Scenario(Params):
             f"{self.simulation.step_s:g})"
         )
         return {"simulation.step_s": message}
-
-    def _engine_problems(self) -> dict[str, str]:
-        engine = self.vehicle.engine
-        if engine.throttle_min_n > engine.throttle_max_n:
-            message = (
-                f"must not be above throttle_max_n {engine.throttle_max_n:g} (got {engine.throttle_min_n:g})"
-            )
-            return {"vehicle.engine.throttle_min_n": message}
-        if engine.throttle_max_n > engine.full_thrust_n:
-            message = (
-                f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {engine.throttle_max_n:g})"
-            )
-            return {"vehicle.engine.throttle_max_n": message}
-        return {}
 
     def _delay_problems(self) -> dict[str, str]:
         """The flight computer keeps its valve commands for the age of a reading."""

@@ -127,7 +127,8 @@ class Flight:
     @property
     def _wing(self) -> list[Moment]:
         """The trim wing at the end of its way, unless a fault stopped it before."""
-        opened = float(self.plant["wing_start"][0]) + self.loaded.truth.vehicle.trim_wing.deploy_time_s
+        starts = zip(self.plant["wing_start"][0], self.loaded.truth.vehicle.surfaces, strict=False)
+        opened = max((float(t) + one.deploy_time_s for t, one in starts if t < NOT_BEGUN), default=np.inf)
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
         stopped = any(fault.kind in _WING_FAULTS and since < opened for fault, since in begun)
         return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]

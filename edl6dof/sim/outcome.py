@@ -45,6 +45,15 @@ def deployed(case, plant):
 
 
 @kernel
+def burning(plant):
+    """Whether an engine is on."""
+    count = 0
+    for i in range(plant.running.shape[0]):
+        count += plant.running[i]
+    return count > 0
+
+
+@kernel
 def judge(case, plant, outputs):
     """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
     limits, out, y = case.limits, outputs, plant.y
@@ -66,7 +75,7 @@ def judge(case, plant, outputs):
         v = take3(out.v_air_B, 0)
         if acos(clamp(v[0] / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), -1.0, 1.0)) > limits.total_alpha:
             return LOST_ATTITUDE
-    if plant.running != 0:
+    if burning(plant):
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
         if cos(tilt(case, t, q, out)) < 0.0:
             return LOST_ATTITUDE

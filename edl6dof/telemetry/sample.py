@@ -28,8 +28,8 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
+from edl6dof.vehicle.surfaces import least_extension
 from edl6dof.vehicle.surroundings import turn_of_planet
-from edl6dof.vehicle.trim_wing import wing_opening
 
 
 @kernel
@@ -107,7 +107,7 @@ def record(case, plant, outputs, fsw, tick):
     if shield >= 0 and plant.debris[shield].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shield].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
-    truth.trim_wing = min(wing_opening(case.vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
+    truth.trim_wing = least_extension(case, plant, t)
 
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta

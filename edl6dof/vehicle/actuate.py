@@ -21,7 +21,8 @@ def actuate(case, command, plant):
         plant.valves.closes[i] = command.closes[i]
     if case.dynamics == POINT_MASS and command.steering != 0:
         command_bank(case, plant, command.bank, command.alpha)
-    plant.thrust_command = command.thrust
+    for i in range(vehicle.n_engines):
+        plant.thrust_command[i] = command.thrust[i]
     plant.starting = 1 if command.engine_mode == ENGINE_FULL else 0
     for i in range(case.events.n_events):
         if command.request[i] != 0:

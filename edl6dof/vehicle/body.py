@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from edl6dof.environment.gas import stagnation_heat_flux
+from edl6dof.interface.capacities import MAX_ENGINES
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
@@ -27,7 +28,7 @@ from edl6dof.spatial.vector import (
     sub,
     take3,
 )
-from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, aerodynamic_wrench
+from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
 from edl6dof.vehicle.mass import shape_of, with_propellant
@@ -51,8 +52,8 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
+from edl6dof.vehicle.surfaces import extension, least_extension, wing_force
 from edl6dof.vehicle.surroundings import surroundings
-from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
 
 @kernel
@@ -71,8 +72,8 @@ def derivatives(case, tables, plant, t, y, outputs, dy):
 
 @kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
-    """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach
-    number, dynamic pressure and opening of the wing.
+    """Aerodynamic force and moment about the centre of mass (two tuples, B), surfaces included; also Mach
+    number, dynamic pressure and least opening of the surfaces.
     """
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
@@ -98,13 +99,14 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
-    extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
-    if extension > 0.0 and shape != CONFIG_LANDER:
-        wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
-        wing_f = (wing[0], wing[1], wing[2])
-        force = add(force, wing_f)
-        moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
-    return force, moment, mach, qbar, extension
+    for i in range(vehicle.n_surfaces):
+        opening, carrier = extension(case, plant, i, t), case.carrier[i]
+        if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
+            wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air[0], v_air[1], v_air[2])
+            wing_f = (wing[0], wing[1], wing[2])
+            force = add(force, wing_f)
+            moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
+    return force, moment, mach, qbar, least_extension(case, plant, t)
 
 
 @kernel
@@ -202,27 +204,50 @@ def loads(case, tables, plant, t, y, outputs):
 
 
 @kernel
+def propulsion(case, plant, y, centre, dy):
+    """Force and moment about the centre of mass (B) of the engines, sum of the thrusts delivered (N) and
+    propellant flow (kg/s); writes the rates of the thrusts into ``dy``.
+    """
+    force = moment = (0.0, 0.0, 0.0)
+    delivered = flow = 0.0
+    for i in range(MAX_ENGINES):
+        dy[THRUST + i] = 0.0
+    for i in range(case.vehicle.n_engines):
+        engine, level = case.vehicle.engines[i], y[THRUST + i]
+        thrust = level * (1.0 - plant.thrust_lost[i])
+        own_force, own_moment = thrust_wrench(engine, thrust)
+        force = add(force, own_force)
+        moment = add(moment, sub(own_moment, cross(centre, own_force)))
+        delivered += thrust * engine.thrust_factor
+        flow += propellant_flow(engine, thrust)
+        running = plant.running[i] != 0
+        command = plant.thrust_command[i] if running and y[PROPELLANT] > 0.0 else 0.0
+        if command != 0.0 or level != 0.0:
+            dy[THRUST + i] = thrust_rate(engine, level, command, plant.starting != 0 or not running)
+    return force, moment, delivered, flow
+
+
+@kernel
 def motion(case, plant, y, outputs, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engine and the thrusters.
+    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engines and the thrusters.
 
     Thruster forces come from ``plant.rcs_*``: the mean over the current step (see
     :mod:`edl6dof.vehicle.rcs`).
     """
-    out, engine = outputs, case.vehicle.engine
+    out = outputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    thrust = y[THRUST] * (1.0 - plant.thrust_lost)
-    engine_force, engine_moment = thrust_wrench(engine, thrust)
+    engine_force, engine_moment, delivered, flow = propulsion(case, plant, y, centre, dy)
     rcs_force = take3(plant.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
-    disturbance = add(take3(out.load_moment_B, 0), sub(engine_moment, cross(centre, engine_force)))
+    disturbance = add(take3(out.load_moment_B, 0), engine_moment)
     moment = add(disturbance, sub(take3(plant.rcs_moment, 0), cross(centre, rcs_force)))
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)
-    out.engine_thrust = thrust * engine.thrust_factor
+    out.engine_thrust = delivered
 
     put3(dy, POSITION, take3(y, VELOCITY))
     put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
@@ -232,11 +257,7 @@ def motion(case, plant, y, outputs, dy):
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     dy[PROPELLANT] = 0.0
     if y[PROPELLANT] > 0.0:
-        dy[PROPELLANT] = -propellant_flow(engine, thrust) - plant.rcs_flow
-    command = plant.thrust_command if plant.running != 0 and y[PROPELLANT] > 0.0 else 0.0
-    dy[THRUST] = 0.0
-    if command != 0.0 or y[THRUST] != 0.0:
-        dy[THRUST] = thrust_rate(engine, y[THRUST], command, plant.starting != 0 or plant.running == 0)
+        dy[PROPELLANT] = -flow - plant.rcs_flow
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, take3(out.canopy_acceleration_I, 0))

@@ -21,7 +21,7 @@ from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.registry import Family, Member
 from edl6dof.vehicle.plant import NOT_BEGUN, THRUST, THRUSTER_KINDS
-from edl6dof.vehicle.trim_wing import wing_opening
+from edl6dof.vehicle.surfaces import wing_opening
 
 #: Longer than any base cycle, s: a valve held open is open all through it.
 LONG = 1.0
@@ -100,15 +100,17 @@ def degraded(fault, case, since, command, plant):
 
 @kernel
 def wing_stuck(fault, case, since, command, plant):
-    """Limit the opening of the trim wing."""
-    already = wing_opening(case.vehicle.trim_wing, since - plant.wing_start)
-    plant.wing_lost = 1.0 - max(fault.params.wing_stuck.opening, already)
+    """Limit the opening of every surface."""
+    for i in range(case.vehicle.n_surfaces):
+        already = wing_opening(case.vehicle.surfaces[i], since - plant.wing_start[i])
+        plant.wing_lost[i] = 1.0 - max(fault.params.wing_stuck.opening, already)
 
 
 @kernel
 def wing_lost(fault, case, since, command, plant):
-    """Take the trim wing away."""
-    plant.wing_lost = 1.0
+    """Take every surface away."""
+    for i in range(case.vehicle.n_surfaces):
+        plant.wing_lost[i] = 1.0
 
 
 @kernel
@@ -121,16 +123,19 @@ def parachute_delay(fault, case, since, command, plant):
 
 @kernel
 def engine_shortfall(fault, case, since, command, plant):
-    """Take away part of the engine's thrust."""
-    plant.thrust_lost = 1.0 - fault.params.engine_shortfall.thrust_factor
+    """Take away part of the thrust of every engine."""
+    for i in range(case.vehicle.n_engines):
+        plant.thrust_lost[i] = 1.0 - fault.params.engine_shortfall.thrust_factor
 
 
 @kernel
 def throttle_stuck(fault, case, since, command, plant):
-    """Hold the engine's level of the moment the fault began."""
-    if plant.t == since:
-        plant.thrust_held = plant.y[THRUST] if plant.running != 0 else case.vehicle.engine.full_thrust
-    plant.thrust_command = plant.thrust_held
+    """Hold the level of every engine of the moment the fault began."""
+    for i in range(case.vehicle.n_engines):
+        if plant.t == since:
+            running = plant.running[i] != 0
+            plant.thrust_held[i] = plant.y[THRUST + i] if running else case.vehicle.engines[i].full_thrust
+        plant.thrust_command[i] = plant.thrust_held[i]
 
 
 FAULT_KINDS = Family(

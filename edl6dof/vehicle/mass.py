@@ -202,7 +202,7 @@ def compose_dry(parts, count, lander, attached, dry):
 
 @kernel
 def shape_of(parts, count, attached):
-    """What meets the air: the shape of the first part still attached that shows one, else ``CONFIG_LANDER``."""
+    """Shape of the first part still attached that shows one to the air, else ``CONFIG_LANDER``."""
     for i in range(count):
         if attached[i] != 0 and parts[i].shape != CONFIG_LANDER:
             return parts[i].shape

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-import numpy as np
 from pydantic import field_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names
+from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
@@ -45,10 +44,7 @@ class Thruster(Hardware):
     @field_validator("direction")
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
-        length = float(np.linalg.norm(value))
-        if abs(length - 1.0) > 1e-3:
-            raise ValueError(f"must be a unit vector, its length is {length:.4f}")
-        return tuple(float(component) / length for component in value)
+        return unit_vector(value)
 
 
 class RcsParams(Hardware):

@@ -141,8 +141,8 @@ def carry_out(case, plant, number):
         if thing == LANDING_GEAR:
             plant.legs = 1
         else:
-            plant.wing_start = plant.t
+            plant.wing_start[thing] = plant.t
     elif action == IGNITE:
-        plant.running = 1
+        plant.running[thing] = 1
     elif action == CUT_OFF:
-        plant.running = 0
+        plant.running[thing] = 0

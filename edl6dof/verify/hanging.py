@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.verify.scene import BARE, ENDLESS, FLAT, ONE_BODY, UNIFORM, scenes, state_of, to_the_end, vectors
 
 GRAVITY = 3.72
@@ -134,8 +135,8 @@ def descend(
         y[3:6] = state[3] * east + state[4] * down
         y[6:10] = Rotation.from_matrix(axes).as_quat(scalar_first=True)
         y[10:13] = (0.0, state[5], 0.0)
-        y[16:19] = origin + state[6] * east + state[7] * down
-        y[19:22] = state[8] * east + state[9] * down
+        y[CANOPY_POSITION : CANOPY_POSITION + 3] = origin + state[6] * east + state[7] * down
+        y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] = state[8] * east + state[9] * down
         plant["attached"][:] = 0
         plant["attached"][1] = 1  # the backshell
         plant["canopy"], plant["line_stretch_time"] = 2, -1e3

@@ -144,7 +144,7 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
         truth={
             "vehicle.rcs.thrusters.D3.thrust_n": 240.0,
             "vehicle.mass.entry_centre_m.2": -0.035,
-            "vehicle.engine.misalignment_y_deg": 0.1,
+            "vehicle.engines.main.misalignment_y_deg": 0.1,
         },
     )
     variant, places = Pilot(loaded).variants.build(case), {}
@@ -154,7 +154,7 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
         }
     record = variant.parts.case[0]["vehicle"]
     assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
-    assert record["engine"]["misalignment_y"] == pytest.approx(np.radians(0.1))
+    assert record["engines"][0]["misalignment_y"] == pytest.approx(np.radians(0.1))
     record["rcs"]["thrusters"][2]["thrust"] = 250.0
     with pytest.raises(NotApplied, match="D3"):
         applied(variant, case.truth, {}, places)

@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
+from edl6dof.vehicle.plant import HEAT
 from edl6dof.verify.scene import doing
 
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.
@@ -66,5 +67,5 @@ def apart(a, b):
     quaternion with either sign.
     """
     q = min(np.abs(a[6:10] - b[6:10]).max(), np.abs(a[6:10] + b[6:10]).max())
-    others = np.abs(np.delete(a - b, [6, 7, 8, 9, 15])).max()
+    others = np.abs(np.delete(a - b, [6, 7, 8, 9, HEAT])).max()
     return max(float(q), float(others))

@@ -19,6 +19,27 @@ def take_off(vehicle, part, fsw):
 
 
 @kernel
+def any_burning(fsw):
+    """Whether an engine is on."""
+    count = 0
+    for i in range(fsw.burning.shape[0]):
+        count += fsw.burning[i]
+    return count > 0
+
+
+@kernel
+def share_thrust(engine, fsw):
+    """Command each engine that is on its share of the thrust, in proportion to what it can give."""
+    total = 0.0
+    for i in range(engine.count):
+        if fsw.burning[i] != 0:
+            total += engine.full_thrust_of[i]
+    for i in range(engine.count):
+        full = engine.full_thrust_of[i]
+        fsw.command.thrust[i] = min(fsw.guide.thrust * (full / total), full) if fsw.burning[i] != 0 else 0.0
+
+
+@kernel
 def note_requests(onboard, nav, fsw):
     """Conclude from every event requested in this cycle."""
     vehicle, mission = onboard.vehicle, onboard.mission
@@ -35,11 +56,13 @@ def note_requests(onboard, nav, fsw):
             fsw.wing_out = 1
             fsw.wing_time = nav.t
         elif event.action == IGNITE:
-            fsw.ignited = 1
+            fsw.ignited = fsw.burning[event.thing] = 1
             fsw.ignition_time = nav.t + event.delay
             fsw.guide.engine_mode = ENGINE_FULL
             fsw.guide.thrust = vehicle.engine.full_thrust
         elif event.action == CUT_OFF:
-            fsw.ignited = 0
-            fsw.guide.engine_mode = ENGINE_OFF
-            fsw.guide.thrust = 0.0
+            fsw.burning[event.thing] = 0
+            if not any_burning(fsw):
+                fsw.ignited = 0
+                fsw.guide.engine_mode = ENGINE_OFF
+                fsw.guide.thrust = 0.0

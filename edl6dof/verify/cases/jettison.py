@@ -20,7 +20,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.mass import with_propellant
-from edl6dof.vehicle.plant import PROPELLANT
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, PROPELLANT
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, doing, scenes, state_of, to_the_end
 
@@ -79,7 +79,10 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds:
     turn = Rotation.from_quat(before["y"][6:10], scalar_first=True)
     own = turn.apply(np.array(properties.inertia_kg_m2) * before["y"][10:13])
     gone = (
-        (after["y"][16:19], after["y"][19:22])
+        (
+            after["y"][CANOPY_POSITION : CANOPY_POSITION + 3],
+            after["y"][CANOPY_VELOCITY : CANOPY_VELOCITY + 3],
+        )
         if part == nominal.vehicle.main_parachute.pack
         else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
     )

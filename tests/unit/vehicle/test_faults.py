@@ -109,12 +109,12 @@ def test_mortar_fires_late_by_the_delay_and_nothing_else_does(tables):
 
 def test_stuck_throttle_holds_the_level_of_its_moment(tables):
     case, plant, command = broken(tables, "{kind: throttle_stuck, at: {time_s: 0.04}}")
-    plant["running"], plant["y"][THRUST] = 1, 3210.0
+    plant["running"][0], plant["y"][THRUST] = 1, 3210.0
     held = []
     for k in range(5):
-        plant["t"], command["thrust"] = k * CYCLE, 2000.0 + k
+        plant["t"], command["thrust"][0] = k * CYCLE, 2000.0 + k
         actuate(case, command, plant)
-        held.append(float(plant["thrust_command"]))
+        held.append(float(plant["thrust_command"][0]))
         plant["y"][THRUST] += 100.0
     assert held == [2000.0, 2001.0, 3410.0, 3410.0, 3410.0]
 
