@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 from scipy.special import ndtr, ndtri
+from scipy.stats import truncnorm
 
 from edl6dof.config.base import REQUIRED, Params, param
 
@@ -71,14 +72,14 @@ class TruncatedNormal(Spread):
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
         """Values of unit numbers."""
         mean, sigma = nominal if self.mean is None else self.mean, self.deviation(nominal)
-        first, last = (
-            ndtr((bound - mean) / sigma) if bound is not None else end
-            for bound, end in ((self.low, 0.0), (self.high, 1.0))
+        low, high = (
+            (bound - mean) / sigma if bound is not None else end
+            for bound, end in ((self.low, -np.inf), (self.high, np.inf))
         )
-        if not last - first > 1e-9:
+        if not ndtr(high) - ndtr(low) > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
-        values = mean + sigma * ndtri(np.clip(first + unit * (last - first), _EDGE, 1.0 - _EDGE))
-        return np.clip(values, self.low, self.high)
+        values = truncnorm.ppf(np.clip(unit, _EDGE, 1.0 - _EDGE), low, high, mean, sigma)
+        return np.clip(values, self.low, self.high)  # the last bit may be outside
 
 
 class Uniform(Params):
