@@ -13,7 +13,8 @@ class OffParams(Params):
 
 @kernel
 def control(onboard, nav, guide, dt, fsw):
-    """Demand nothing."""
+    """Demand nothing; no error is left to remove."""
+    fsw.attitude_error[0] = fsw.attitude_error[1] = fsw.attitude_error[2] = 0.0
 
 
 MEMBER = Member("off", OffParams, {"control": control}, "none")
