@@ -14,22 +14,14 @@ from numba.core.errors import NumbaError
 
 from edl6dof import plugins
 from edl6dof.config.document.locate import shown
+from edl6dof.config.dtype import dtype_of
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.control.inputs import CONTROL_INPUTS
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.registry import Member
-
-_FAMILIES = {
-    "entry_law": ENTRY_LAWS,
-    "reversal": REVERSALS,
-    "powered_law": POWERED_LAWS,
-    "controller": CONTROLLERS,
-}
 
 #: What a kernel of each role must return, and whether a value is that.
 _RETURNS = {
@@ -39,7 +31,11 @@ _RETURNS = {
         "four numbers: acceleration north, east, up, and tilt limit",
         lambda value: isinstance(value, tuple) and len(value) == 4,
     ),
-    "controller": ("nothing", lambda value: value is None),
+    "controller": (
+        "torque and attitude error, three numbers each",
+        lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
+    ),
+    "estimator": ("nothing", lambda value: value is None),
 }
 
 
@@ -58,7 +54,7 @@ def try_out() -> None:
 
 def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
     try:
-        value = member.kernels[role](*(_argument(name, key) for name in arguments))
+        value = member.kernels[role](*(_argument(name, key, member) for name in arguments))
     except NumbaError as error:
         return f"does not compile: {_first_cause(str(error))}"
     except KeyError as error:  # how numba reports an unknown field of a record
@@ -69,15 +65,19 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
     return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
 
 
-def _argument(name: str, key: str) -> Any:
+def _argument(name: str, key: str, member: Member) -> Any:
     scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0}
     records = {
+        "params": dtype_of(member.params),
+        "plan": member.tables,
+        "memory": member.memory,
         "onboard": ONBOARD,
+        "vehicle": ONBOARD["vehicle"],
         "nav": NAV,
-        "out": GUIDE,
-        "guide": GUIDE,
-        "fsw": FSW,
-        "mem": _FAMILIES[key].memory,
+        "goal": GUIDE,
+        "inputs": CONTROL_INPUTS,
+        "measured": MEASURED,
+        "out": DISTURBANCE if key == "estimator" else GUIDE,
     }
     return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
 

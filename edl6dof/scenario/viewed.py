@@ -11,6 +11,7 @@ from typing import Any
 from edl6dof.config.base import Params
 from edl6dof.config.document.source import parse_document
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.estimation.registry import ESTIMATORS, EstimationParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
@@ -25,6 +26,7 @@ _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]],
     (("guidance", "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
     (("guidance", "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
     (("control",), ControlParams, {}),
+    (("estimation",), EstimationParams, {"estimator": ESTIMATORS.names}),
 )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
@@ -37,8 +38,8 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
 _SENSED = _words(SENSED, "t", "imu_gain_B", SENSORS.fields["sensed"][1])
-_PHASE_START = _words(FSW, "phase_start", "phase_start")
-_WORKED_OUT = _words(FSW, "mass", "demand")
+_PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", FSW.fields["mission"][1])
+_WORKED_OUT = _words(FSW, "vehicle", "demand")
 _COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
 
 

@@ -201,7 +201,7 @@ class Flight:
     def phase(self) -> str:
         """Name of the last phase."""
         names = self.phase_names
-        return names[int(self.fsw["phase"][0])] if names else "free flight"
+        return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
 
     @property
     def resolved_scenario(self) -> str:
@@ -340,7 +340,7 @@ def _last_cycle(loaded: LoadedScenario) -> int:
 
 def _report(progress: Progress, scenario: Scenario, plant: np.ndarray, fsw: np.ndarray) -> None:
     phases = scenario.mission.phases
-    phase = phases[int(fsw["phase"][0])].name if phases else "free flight"
+    phase = phases[int(fsw["mission"]["phase"][0])].name if phases else "free flight"
     out = plant["out"][0]
     progress(
         float(plant["t"][0]),

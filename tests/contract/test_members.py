@@ -12,12 +12,13 @@ from edl6dof.config.base import Params
 from edl6dof.config.introspect import bounds, field_slot
 from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.estimation.registry import ESTIMATORS
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.vehicle.faults import FAULT_KINDS
 
-FAMILIES = (CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, FAULT_KINDS)
+FAMILIES = (CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, ESTIMATORS, FAULT_KINDS)
 MEMBERS = [(family, member) for family in FAMILIES for member in family.members]
 #: A law fills a file of its own; the kinds of faults are a few lines each and share one.
 LAWS = [(family, member) for family, member in MEMBERS if family is not FAULT_KINDS]

@@ -5,7 +5,7 @@ physics or no files.
 import pytest
 from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
 
-TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.sim")
+TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.scenario", "edl6dof.sim")
 TRUTH_RECORDS = ("case", "cases", "plant", "plants", "tables", "tables_")
 ONBOARD = modules("fsw")
 SENSORS = modules("sensors")

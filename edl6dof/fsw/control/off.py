@@ -12,9 +12,9 @@ class OffParams(Params):
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
-    """Demand nothing; no error is left to remove."""
-    fsw.attitude_error[0] = fsw.attitude_error[1] = fsw.attitude_error[2] = 0.0
+def control(params, nav, goal, inputs, dt, memory):
+    """Demand nothing."""
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 MEMBER = Member("off", OffParams, {"control": control}, "none")
