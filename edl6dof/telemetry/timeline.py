@@ -57,7 +57,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams) -> list[Moment
     """
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
-        for phase, t in zip(mission.phases, fsw["entered"], strict=False)
+        for phase, t in zip(mission.phases, fsw["mission"]["entered"], strict=False)
     ]
     found += [
         moment(t, event.name, in_words(event))

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import rotations as turns
-from edl6dof.replay.scene import vehicle_shapes as craft
+from edl6dof.replay.scene import vehicle_shapes as shapes
 from edl6dof.replay.scene.mesh import Mesh
 
 LINE = (222, 214, 204)
@@ -22,11 +22,11 @@ class Descent(Recorder):
         """What hangs and what falls."""
         vehicle, motion = self.vehicle, self.motion
         self._parachute()
-        for name, shape, place, mesh in (
-            ("heat_shield", "capsule", motion.heat_shield, craft.heat_shield(vehicle)),
-            ("backshell", "backshell", motion.backshell, craft.backshell(vehicle)),
+        for name, shown, place, mesh in (
+            ("heat_shield", "capsule", motion.heat_shield, shapes.heat_shield(vehicle)),
+            ("backshell", "backshell", motion.backshell, shapes.backshell(vehicle)),
         ):
-            if (part := vehicle.showing(shape)) is not None:
+            if (part := vehicle.showing(shown)) is not None:
                 self._discarded(name, place, part.centre_m, mesh)
 
     def _parachute(self) -> None:
@@ -34,13 +34,13 @@ class Descent(Recorder):
         rows, place, turn, scale = self.motion.parachute()
         if len(rows) == 0:
             return
-        mesh, lines = craft.canopy(self.vehicle)
+        mesh, lines = shapes.canopy(self.vehicle)
         start, entity = self.t[rows[0]], f"{self.root}/parachute"
         self.at(start, f"{entity}/canopy", self.mesh(mesh))
         self.at(start, f"{entity}/lines", rr.LineStrips3D(lines, colors=LINE, radii=rr.Radius.ui_points(0.7)))
         pose = rr.Transform3D.columns(translation=place, quaternion=turns.xyzw(turn), scale=scale)
         self.columns(entity, self.t[rows], pose)
-        lid_x, lid_r = craft.backshell_profile(self.vehicle)[-1]
+        lid_x, lid_r = shapes.backshell_profile(self.vehicle)[-1]
         ends = [[lid_x, lid_r * np.cos(a), lid_r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
         strips = [[end, self.vehicle.main_parachute.confluence_m] for end in ends]
         bridle = rr.LineStrips3D(strips, colors=LINE, radii=rr.Radius.ui_points(1.0))

@@ -5,9 +5,8 @@ import pytest
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.mission.phases import GUIDANCE, MISSION, Event, MissionParams, Phase, Trigger
-from edl6dof.fsw.mission.sequencer import sequence
+from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.events import ACTIONS
 from edl6dof.scenario.events import event_problems, fill_mission
@@ -37,7 +36,7 @@ class Sequencer:
     def __init__(self, plan, start=0.0):
         (self.mission, params), self.k, self.start = plan, 0, start
         self.names = list(params.events)
-        self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, FSW)[0]
+        self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, SEQUENCE)[0]
         self.fsw["phase_start"] = start
         self.events, self.entered = [], [(start, 0)]
 
