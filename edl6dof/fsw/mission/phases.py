@@ -15,7 +15,7 @@ from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.mission.roles import NO_ROLE, ROLES
-from edl6dof.interface.capacities import MAX_PHASE_EVENTS, MAX_PHASES
+from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_WAYS
 from edl6dof.interface.events import ACTIONS, EVENT_TABLE
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
 
@@ -36,6 +36,7 @@ QUANTITIES = (
     "descent_rate_m_s",
     "time_to_go_s",
     "footpad_contact",
+    "wing_open",
 )
 (
     Q_TIME,
@@ -49,15 +50,21 @@ QUANTITIES = (
     Q_DESCENT_RATE,
     Q_TIME_TO_GO,
     Q_CONTACT,
+    Q_WING_OPEN,
 ) = range(len(QUANTITIES))
 
 
-class Trigger(Params):
-    """A condition on one navigated quantity, in SI units, inside a time window of the phase."""
+class Condition(Params):
+    """A condition on one navigated quantity, in SI units."""
 
     quantity: Literal[QUANTITIES] = param(REQUIRED, "navigated quantity that is watched")
-    goes: Literal["below", "above"] = param(REQUIRED, "which side of the value fires the trigger")
+    goes: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
+
+
+class Trigger(Condition):
+    """A condition inside a time window of the phase."""
+
     earliest_s: float = param(0.0, "phase time before which the trigger cannot fire", ge=0.0)
     latest_s: float = param(NEVER, "phase time at which it fires whatever the quantity", gt=0.0)
 
@@ -83,8 +90,20 @@ class Event(Params):
     when: Trigger = section("condition")
 
 
+class WayOut(Params):
+    """One way in which a phase ends: conditions inside a time window of the phase, and what follows."""
+
+    when: Annotated[list[Condition], Capacity(MAX_CONDITIONS)] = param(
+        REQUIRED, "conditions", min_length=1, max_length=MAX_CONDITIONS
+    )
+    join: Literal["all", "any"] = param("all", "whether all conditions must hold, or any")
+    earliest_s: float = param(0.0, "phase time before which it is closed", ge=0.0)
+    latest_s: float = param(NEVER, "phase time at which it is taken whatever the conditions", gt=0.0)
+    next: Key | None = param(None, "phase that follows; none: the next of the list", record=False)
+
+
 class Phase(Params):
-    """One mission phase."""
+    """One mission phase.  Its ways out are tried in their order, then ``until``."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
     role: Literal[ROLES] = param(
@@ -104,7 +123,21 @@ class Phase(Params):
     events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
         None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
     )
-    until: Trigger | None = param(None, "trigger that ends the phase; none for the last")
+    ways_out: Annotated[list[WayOut], Capacity(MAX_WAYS)] = param(
+        None, "ways in which the phase may end, and the phase that follows each", factory=list
+    )
+    until: Trigger | None = param(
+        None, "short for one more way out, with one condition, to the next phase", record=False
+    )
+
+    @property
+    def exits(self) -> list[WayOut]:
+        """All ways out in the order in which they are tried."""
+        if self.until is None:
+            return self.ways_out
+        values = self.until.model_dump()
+        window = {name: values.pop(name) for name in ("earliest_s", "latest_s")}
+        return [*self.ways_out, WayOut(when=[Condition(**values)], **window)]
 
 
 class MissionParams(Params):
@@ -123,6 +156,11 @@ class MissionParams(Params):
     )
 
     @property
+    def exits(self) -> list[list[WayOut]]:
+        """Ways out of each phase; nothing follows the last of the list but what its ways name."""
+        return [*(phase.exits for phase in self.phases[:-1]), *(phase.ways_out for phase in self.phases[-1:])]
+
+    @property
     def events(self) -> dict[str, Event]:
         """Events by name in the order of their numbers: as the phases first name them."""
         found: dict[str, Event] = {}
@@ -137,6 +175,7 @@ MISSION = np.dtype(
     [
         *[(name, _TABLE.fields[name][0]) for name in _TABLE.names],
         ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
+        ("follows", "i8", (MAX_PHASES, MAX_WAYS)),  # phase that each way out of each phase leads to
         *[(name, EVENT_TABLE.fields[name][0]) for name in EVENT_TABLE.names],
     ],
     align=True,
