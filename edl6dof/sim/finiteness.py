@@ -34,7 +34,7 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 
 
 #: Fields of the state that follow from the outputs.
-_FROM_OUTPUTS = ("ground_elevation", "ground_slope")
+_FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.

@@ -26,7 +26,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
-from edl6dof.vehicle.surroundings import turn_of_planet
+from edl6dof.vehicle.surroundings import planet_rotation
 from edl6dof.vehicle.trim_wing import wing_opening
 
 
@@ -39,7 +39,7 @@ def record_brief(case, plant, outputs, fsw, tick):
     t = plant.t
     tick.t = t
     spin = case.planet.rotation_rate
-    c, s = turn_of_planet(case, plant.kept, t)
+    c, s = planet_rotation(case.planet, t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
     v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))
@@ -89,7 +89,7 @@ def record(case, plant, outputs, fsw, tick):
     truth.centre_x, truth.centre_y, truth.centre_z = take3(out.centre, 0)
     truth.aero_force_x, truth.aero_force_y, truth.aero_force_z = take3(out.aero_force_B, 0)
     truth.aero_moment_x, truth.aero_moment_y, truth.aero_moment_z = take3(out.aero_moment_B, 0)
-    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.rcs_force, 0)
+    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.inputs.rcs_force, 0)
     truth.load = norm(take3(out.specific_force_B, 0))
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
     truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads
