@@ -40,7 +40,7 @@ def sense(case, plant, outputs, sensors):
         sensed.specific_force_B[i] = outputs.specific_force_B[i]
     for i in range(4):
         sensed.q_I2B[i] = y[ATTITUDE + i]
-    sensed.height_above_ground = outputs.agl
+    sensed.height_above_ground = outputs.height
     sensed.footpad_contact = 1 if outputs.pads > 0 else 0
     read_imu(case.sensors.imu, plant, sensors.imu, sensed)
     sensed.wing_open = 1 if outputs.wing_opening > END_SWITCH else 0

@@ -78,7 +78,7 @@ def first_cause(
         sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
     own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
-    steps = (("plant", plant[own]), ("trial", work["trial"]), ("outputs", outputs), ("k", work["k"]))
+    steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
     for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
@@ -90,7 +90,7 @@ def _plain_name(record: str, path: str) -> str:
     ``fsw.guide.bank`` for anything else.
     """
     field, _, index = path.partition("[")
-    if (record, field) == ("plant", "y") or record in ("trial", "k"):
+    if (record, field) == ("plant", "y") or record in ("stage", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
         return f"rate of {state}" if record == "k" else state
     return f"{record}.{path}".removeprefix("sensors.")

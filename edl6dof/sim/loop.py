@@ -8,7 +8,7 @@ from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.perfect import sense
 from edl6dof.sim.finiteness import works_with_finite
-from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
+from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of
 from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
@@ -72,7 +72,7 @@ def fly(
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
             update_peaks(outputs, peaks)
-            outcome = judge(case, plant, outputs)
+            outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:
             write_row(case, plant, outputs, fsw, log, brief, log_first + rows)

@@ -41,10 +41,10 @@ def record_brief(case, plant, outputs, fsw, tick):
     spin = case.planet.rotation_rate
     c, s = planet_rotation(case.planet, t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
-    v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))
+    v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
+    v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel_I))
 
-    truth.altitude, truth.height = out.altitude, out.agl
+    truth.altitude, truth.height = out.altitude, out.height
     truth.latitude, truth.longitude = out.latitude, out.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.speed = norm(v_N)
@@ -61,13 +61,13 @@ def record_brief(case, plant, outputs, fsw, tick):
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     guide.phase, guide.bank = fsw.phase, fsw.guide.bank
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(fsw.attitude_error, 0)
-    return c, s, v_rel, v_N, airspeed
+    return c, s, v_rel_I, v_N, airspeed
 
 
 @kernel
 def record(case, plant, outputs, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
-    c, s, v_rel, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
+    c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
     t = plant.t
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
@@ -80,7 +80,7 @@ def record(case, plant, outputs, fsw, tick):
     truth.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     truth.azimuth = atan2(v_N[1], v_N[0])
     truth.airspeed = airspeed
-    truth.bank = bank_angle(v_rel, up, x, y_axis, z)
+    truth.bank = bank_angle(v_rel_I, up, x, y_axis, z)
     truth.density, truth.temperature = out.density, out.temperature
     truth.wind_north, truth.wind_east, truth.wind_down = take3(out.wind_N, 0)
     truth.q_I2B_w, truth.q_I2B_x, truth.q_I2B_y, truth.q_I2B_z = q

@@ -117,15 +117,15 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     acceleration without gravitation (I) and the share of gravitation that its apparent mass leaves it.
     """
     chute = case.vehicle.parachute
-    hook = sub(take3(chute.confluence, 0), centre)
-    hook_r = add(take3(y, POSITION), from_frame(q, hook))
-    hook_v = add(take3(y, VELOCITY), from_frame(q, cross(w, hook)))
-    line = sub(take3(y, CANOPY_POSITION), hook_r)
+    arm = sub(take3(chute.confluence, 0), centre)
+    confluence_r = add(take3(y, POSITION), from_frame(q, arm))
+    confluence_v = add(take3(y, VELOCITY), from_frame(q, cross(w, arm)))
+    line = sub(take3(y, CANOPY_POSITION), confluence_r)
     distance = max(norm(line), 1e-6)
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
     packed = case.vehicle.mass.parachute.mass
-    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, hook_v), line))
+    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
     fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
@@ -133,7 +133,7 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     inverse = 1.0 / (packed + apparent_mass(chute, density, fraction))
     acceleration = scale(inverse, sub(drag, scale(tension, line)))
     pull = to_frame(q, scale(tension, line))
-    return pull, cross(hook, pull), tension, acceleration, packed * inverse
+    return pull, cross(arm, pull), tension, acceleration, packed * inverse
 
 
 @kernel

@@ -101,7 +101,7 @@ OUTPUTS = np.dtype(
         ("disturbance_moment_B", "f8", (3,)),
         ("latitude", "f8"),
         ("longitude", "f8"),
-        ("agl", "f8"),
+        ("height", "f8"),  # above the ground
     ],
     align=True,
 )
@@ -182,7 +182,7 @@ STATE = np.dtype(
 #: why that step failed.
 WORKSPACE = np.dtype(
     [
-        ("trial", "f8", (STATES,)),  # a stage of the integrator
+        ("stage", "f8", (STATES,)),  # a stage of the integrator
         ("k", "f8", (4, STATES)),  # derivatives in its stages
         # at the start of the step
         ("t0", "f8"),

@@ -38,7 +38,7 @@ def survey(case, tables, plant, outputs):
     plant.inputs.ground_elevation = elevation
     plant.inputs.ground_slope[0] = slope_north
     plant.inputs.ground_slope[1] = slope_east
-    out.agl = out.altitude - elevation
+    out.height = out.altitude - elevation
 
 
 @kernel
@@ -91,7 +91,7 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
 
     ``middle`` and ``end`` are the rotation of the planet in the middle of the step and at its end.
     """
-    y, k, trial = plant.y, work.k, work.trial
+    y, k, stage = plant.y, work.k, work.stage
     n = STATES if plant.canopy == EXTRACTING or plant.canopy == INFLATING else STATES_VEHICLE
     k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
     t = plant.t
@@ -101,14 +101,14 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
     else:
         motion(case, plant, y, outputs, k1)
     for i in range(n):
-        trial[i] = y[i] + 0.5 * h * k1[i]
-    derivatives(case, tables, plant, t + 0.5 * h, middle, trial, outputs, k2)
+        stage[i] = y[i] + 0.5 * h * k1[i]
+    derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k2)
     for i in range(n):
-        trial[i] = y[i] + 0.5 * h * k2[i]
-    derivatives(case, tables, plant, t + 0.5 * h, middle, trial, outputs, k3)
+        stage[i] = y[i] + 0.5 * h * k2[i]
+    derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k3)
     for i in range(n):
-        trial[i] = y[i] + h * k3[i]
-    derivatives(case, tables, plant, t_end, end, trial, outputs, k4)
+        stage[i] = y[i] + h * k3[i]
+    derivatives(case, tables, plant, t_end, end, stage, outputs, k4)
     for i in range(n):
         y[i] += h * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0
     normalise(y)
@@ -168,9 +168,9 @@ def finite(y):
 
 @kernel
 def undo(plant, work):
-    """Return from a step that failed to its start; its result goes to ``work.trial``."""
+    """Return from a step that failed to its start; its result goes to ``work.stage``."""
     for i in range(STATES):
-        work.trial[i], plant.y[i] = plant.y[i], work.y0[i]
+        work.stage[i], plant.y[i] = plant.y[i], work.y0[i]
     work.t_failed, plant.t = plant.t, work.t0
 
 
@@ -179,8 +179,8 @@ def retrace(case, tables, plant, outputs, work):
     """Look for what made the step fail that :func:`undo` has undone: evaluate its stages again up to the
     first that is not finite.
 
-    The state of that stage is left in ``work.trial``, the quantities met there in ``outputs``, its derivative
-    in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.trial``.
+    The state of that stage is left in ``work.stage``, the quantities met there in ``outputs``, its derivative
+    in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.stage``.
     """
     dy, y = work.k[0], work.k[1]
     h = work.t_failed - plant.t
@@ -193,5 +193,5 @@ def retrace(case, tables, plant, outputs, work):
         derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, dy)
         if not (finite(y) and finite(dy)):
             for i in range(STATES):
-                work.trial[i] = y[i]
+                work.stage[i] = y[i]
             return
