@@ -41,7 +41,8 @@ BEGIN = {TRIM: 5.0, LIFT: 20.0, PARACHUTE: 5.0, POWERED_DECELERATION: 3.0}
 LONGEST = {POWERED_DECELERATION: 8.0, HOVER_IMAGING: 5.0, HAZARD_AVOIDANCE: 5.0, SLOW_DESCENT: 2.0}
 #: What is compared: name and place in the state.
 PARTS = {
-    "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10), "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
+    "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10),
+    "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
 }  # fmt: skip
 
 
@@ -106,10 +107,8 @@ def main() -> int:
             f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()
         ]
         print(
-            (
-                f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} "
-                f"{took:7.1f}"
-            ),
+            f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} "
+            f"{int(found['evaluations']):7d} {took:7.1f}",
             flush=True,
         )
     return 0

@@ -14,7 +14,7 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import FINDINGS
 from edl6dof.fsw.onboard import FSW
 from edl6dof.records import first_not_finite, out_of_range
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import PEAKS, STATE
 
 if TYPE_CHECKING:
@@ -60,7 +60,9 @@ class State:
     def save(self, path: Path) -> None:
         """Write to ``path`` atomically."""
         buffer = io.BytesIO()
-        records = {name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS}
+        records: dict[str, Any] = {
+            name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS
+        }
         np.savez_compressed(
             buffer,
             cycle=np.array(self.cycle),

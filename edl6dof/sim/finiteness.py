@@ -13,8 +13,8 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.records import first_not_finite
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.records import first_not_finite, offset
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
 #: Exponent of a number that is infinite or none, its lowest bit, and the sign.
@@ -29,7 +29,7 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
     """Eight-byte words of a record from one field through another; whole numbers between are never negative,
     and so look finite.
     """
-    start, end = layout.fields[first][1], layout.fields[last][1] + layout[last].itemsize
+    start, end = offset(layout, first), offset(layout, last) + layout[last].itemsize
     return (base + start) // 8, (base + end) // 8
 
 
@@ -38,10 +38,10 @@ _FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
-_SENSED = _words(SENSED, "t", "imu_gain_B", SENSORS.fields["sensed"][1])
+_SENSED = _words(SENSED, "t", "imu_gain_B", offset(SENSORS, "sensed"))
 _PHASE_START = _words(FSW, "phase_start", "phase_start")
 _WORKED_OUT = _words(FSW, "mass", "demand")
-_COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
+_COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
 
 
 @kernel

@@ -20,6 +20,7 @@ from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
 from edl6dof.sim.ending import Ending, ending, goal_code
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
@@ -251,8 +252,8 @@ def resolved_text(loaded: LoadedScenario) -> str:
 
     header = [
         (
-            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight "
-            "bit for bit"
+            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the "
+            "flight bit for bit"
         )
     ]
     return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
@@ -291,17 +292,20 @@ def fly(
         ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
-    case, tables, onboard = parts or records.build_records(loaded)
-    outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
-    if start is None:
-        plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
-        peaks, sensors, cycle = records.initial_peaks(), records.initial_sensors(), 0
-        prepare(case, plant)
-    else:
-        start.check_fits(scenario)
-        plant, fsw = duplicate(start.plant), duplicate(start.fsw)
-        peaks, sensors, cycle = duplicate(start.peaks), duplicate(start.sensors), start.cycle
-        take_up(case, plant, fsw)
+    with flight_software_beside() as compiling:
+        case, tables, onboard = parts or records.build_records(loaded)
+        outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
+        if start is None:
+            plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+            peaks, sensors, cycle = records.initial_peaks(), records.initial_sensors(), 0
+            prepare(case, plant)
+        else:
+            start.check_fits(scenario)
+            plant, fsw = duplicate(start.plant), duplicate(start.fsw)
+            peaks, sensors, cycle = duplicate(start.peaks), duplicate(start.sensors), start.cycle
+            take_up(case, plant, fsw)
+        if compiling:
+            compile_plant(case, tables, plant, outputs, work)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1

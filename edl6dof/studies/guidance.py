@@ -11,7 +11,7 @@ relative errors.  The miss is that of the point entry guidance steers to, at mor
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import degrees
 from typing import Any
 
@@ -21,15 +21,18 @@ import pyarrow as pa
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.campaign.readback import value_at
+from edl6dof.campaign.rows import Row
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
 from edl6dof.sim.flight import Flight
+from edl6dof.studies import plots
 from edl6dof.studies.call_time import call_time
 from edl6dof.studies.cases import Spread, draw, values
-from edl6dof.studies.study import Curve, Drawing, Finding, Grid, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 
 MISSIONS = ("tianwen1", "msl")
 #: A law of constant magnitude is no guidance.
@@ -113,12 +116,11 @@ def run(runs: int, progress: Progress) -> Report:
                 Case(i, truth=truth, profile=i, label={"mission": mission, "law": law})
                 for i, truth in enumerate(truths)
             ]
-            before = done
             tables[mission][law] = fly_cases(
                 loaded,
                 cases,
                 collect=_figures,
-                progress=lambda n, row, before=before: progress(before + n, total),
+                progress=_counted_from(done, total, progress),
             )
             done += runs
             calls[mission][law] = call_time(loaded)
@@ -128,6 +130,11 @@ def run(runs: int, progress: Progress) -> Report:
         [t for laws in tables.values() for t in laws.values()], promote_options="permissive"
     )
     return Report(tuple(_findings(tables, calls)), drawings, everything, total, _REMARKS, grids)
+
+
+def _counted_from(before: int, total: int, progress: Progress) -> Callable[[int, Row], None]:
+    """Tells how many flights of the study are done, from how many are done of one of its campaigns."""
+    return lambda flown, row: progress(before + flown, total)
 
 
 def overrides(law: str, nominal: LoadedScenario) -> list[str]:
@@ -169,8 +176,7 @@ def _figures(flight: Flight) -> dict[str, float]:
     }
 
 
-# ---- what came out
-# -------------------------------------------------------------------------------------------------------------
+# ---- what came out -----------------------------------------------------------------------------------------
 
 
 def misses(table: pa.Table) -> np.ndarray:
@@ -215,9 +221,12 @@ def _grid(mission: str, tables: dict[str, pa.Table], calls: dict[str, float]) ->
     for law, table in sorted(tables.items(), key=lambda item: quantile(misses(item[1]), 0.99)):
         miss = misses(table)
         rows.append((
-            law, float(np.mean(miss)), quantile(miss, 0.99), 100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
-            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3, _mean(table, "parachute_mach"),
-            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table, "propellant_used_kg"),
+            law, float(np.mean(miss)), quantile(miss, 0.99),
+            100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
+            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3,
+            _mean(table, "parachute_mach"),
+            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table,
+            "propellant_used_kg"),
             _mean(table, "saturation_s"), calls[law],
         ))  # fmt: skip
     return Grid(
@@ -232,22 +241,22 @@ def _findings(
 ) -> Iterator[Finding]:
     for mission, laws in tables.items():
         best = min(laws, key=lambda law: quantile(misses(laws[law]), 0.99))
-        target, bound = (TARGET_KM, "<=") if mission == "tianwen1" else (None, "")
+        has_target = mission == "tianwen1"
         kept = 100.0 * float(np.mean(np.array(laws[best]["success"].to_pylist())))
         yield Finding(
             f"{mission}: 99 % of misses, best law",
             "km",
             quantile(misses(laws[best]), 0.99),
-            target,
-            bound,
+            TARGET_KM if has_target else None,
+            "<=" if has_target else "",
             best,
         )
         yield Finding(
             f"{mission}: deployment box kept, best law",
             "%",
             kept,
-            100.0 if bound else None,
-            ">=" if bound else "",
+            100.0 if has_target else None,
+            ">=" if has_target else "",
             best,
         )
     failed = sum(
@@ -278,42 +287,44 @@ _REMARKS = (
 )
 
 
-def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Drawing]:
+def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Figure]:
     order = sorted(tables, key=lambda law: quantile(misses(tables[law]), 0.99))
     shares = [
-        Curve(np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law)
+        plots.curve(
+            np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law
+        )
         for law in order
     ]
     limit = max(10.0, 1.2 * min(quantile(misses(tables[law]), 0.99) for law in order))
-    share = Panel(
+    share = plots.panel(
         f"{mission}: miss at the mortar", "miss, km", "flights within, %", tuple(shares), x_range=(0.0, limit)
     )
     height = [
-        Curve(misses(tables[law]), _column(tables[law], "parachute_altitude_m") / 1e3, law, "dots")
+        plots.dots(misses(tables[law]), _column(tables[law], "parachute_altitude_m") / 1e3, law)
         for law in order[:4]
         if "parachute_altitude_m" in tables[law].column_names
     ]
-    altitude = Panel(
+    altitude = plots.panel(
         f"{mission}: altitude at the mortar, best four",
         "miss, km",
         "altitude, km",
         tuple(height),
         x_range=(0.0, limit),
     )
-    yield Drawing(f"{mission}_miss", (share, altitude))
-    yield Drawing(f"{mission}_footprint", tuple(_footprint(mission, law, tables[law]) for law in order[:3]))
+    yield plots.figure(f"{mission}_miss", (share, altitude))
+    yield plots.figure(
+        f"{mission}_footprint", tuple(_footprint(mission, law, tables[law]) for law in order[:3])
+    )
 
 
 def _footprint(mission: str, law: str, table: pa.Table) -> Panel:
-    dots = Curve(
+    dots = plots.dots(
         _column(table, "parachute_crossrange_m") / 1e3,
         _column(table, "parachute_downrange_m") / 1e3,
-        "",
-        "dots",
     )
     angle = np.linspace(0.0, 2.0 * np.pi, 100)
-    circle = Curve(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km", "reference")
-    return Panel(f"{mission}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)
+    circle = plots.reference(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km")
+    return plots.panel(f"{mission}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)
 
 
 STUDY = Study(

@@ -15,13 +15,17 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
+from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.studies import plots
 from edl6dof.studies.cases import Spread, draw, values
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Progress, Report, Study
 
 SCENARIO = "wu2013"
 SEED = 2013
@@ -64,10 +68,10 @@ def run(runs: int, progress: Progress) -> Report:
         (update, law): table[k * runs : (k + 1) * runs]
         for k, (update, law) in enumerate(product((True, False), LAWS))
     }
-    shown = [
-        _history(fly(load_scenario(SCENARIO, cases[number].overrides({}))))
+    updated, plain, plain_fl = (
+        _history(fly(scenario_of(load_scenario(SCENARIO), cases[number])))
         for number in (0, 2 * runs, 3 * runs)
-    ]
+    )
     remarks = (
         (
             "K = [0.4 0.04] is taken as gains on [rate, error]; in the printed order the error is nearly "
@@ -87,7 +91,11 @@ def run(runs: int, progress: Progress) -> Report:
         ),
     )
     return Report(
-        (*_misses(groups), *_tracking(groups)), _drawings(*shown, groups), table, len(table), remarks
+        (*_misses(groups), *_tracking(groups)),
+        _drawings(updated, plain, plain_fl, groups),
+        table,
+        len(table),
+        remarks,
     )
 
 
@@ -114,7 +122,8 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     rates = flight.scenario.flight_software.rates
     lift = flight.during(LIFT)[:: rates.entry_guidance_every]
     rows = {name: column[:: rates.entry_guidance_every][lift] for name, column in flight.telemetry.items()}
-    planet, scale_height = flight.scenario.planet, flight.scenario.atmosphere.exponential.scale_height_m
+    planet = flight.scenario.planet
+    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gamma = np.radians(rows["truth.flight_path_angle_deg"])
     state = zip(
@@ -215,23 +224,23 @@ def _drawings(
     kept: dict[str, np.ndarray],
     kept_fl: dict[str, np.ndarray],
     groups: dict[tuple[bool, str], pa.Table],
-) -> tuple[Drawing, ...]:
+) -> tuple[Figure, ...]:
     """Of one run of EHGO+FL with the range update, and of EHGO+FL and FL without; and of all misses."""
     t, time = h["t_s"], "time (s)"
-    drag = Curve(t, h["drag_estimate"], "estimate"), Curve(t, h["drag"], "true", "reference")
-    rate = Curve(t, h["rate_estimate"], "estimate"), Curve(t, h["rate"], "true", "reference")
-    followed = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
+    drag = plots.curve(t, h["drag_estimate"], "estimate"), plots.reference(t, h["drag"], "true")
+    rate = plots.curve(t, h["rate_estimate"], "estimate"), plots.reference(t, h["rate"], "true")
+    followed = plots.curve(t, h["drag"], "flown"), plots.reference(t, h["reference"], "reference")
     errors = tuple(
-        Curve(x["t_s"], x["drag"] - x["reference"], label)
+        plots.curve(x["t_s"], x["drag"] - x["reference"], label)
         for label, x in (("EHGO+FL", h), ("EHGO+FL, no range update", kept), ("FL, no range update", kept_fl))
     )
     return (
-        Drawing(
+        plots.figure(
             "fig3_estimates",
             (
-                Panel("Drag", time, "drag (m/s2)", drag),
-                Panel("Drag rate", time, "drag rate (m/s3)", rate),
-                Panel(
+                plots.panel("Drag", time, "drag (m/s2)", drag),
+                plots.panel("Drag rate", time, "drag rate (m/s3)", rate),
+                plots.panel(
                     "Drag rate at the start",
                     time,
                     "drag rate (m/s3)",
@@ -241,16 +250,18 @@ def _drawings(
                 ),
             ),
         ),
-        Drawing(
+        plots.figure(
             "fig4_tracking",
             (
-                Panel("Drag", time, "drag (m/s2)", followed),
-                Panel("Tracking error", time, "D - D_r (m/s2)", errors),
-                Panel("Bank angle", time, "bank (deg)", (Curve(t, h["bank_deg"]),)),
+                plots.panel("Drag", time, "drag (m/s2)", followed),
+                plots.panel("Tracking error", time, "D - D_r (m/s2)", errors),
+                plots.panel("Bank angle", time, "bank (deg)", (plots.curve(t, h["bank_deg"]),)),
             ),
         ),
-        Drawing("fig5_fig6_misses", tuple(_scatter(groups[True, law], label) for law, label in LAWS.items())),
-        Drawing(
+        plots.figure(
+            "fig5_fig6_misses", tuple(_scatter(groups[True, law], label) for law, label in LAWS.items())
+        ),
+        plots.figure(
             "misses_without_update",
             tuple(_scatter(groups[False, law], f"{label}, no update") for law, label in LAWS.items()),
         ),
@@ -259,8 +270,8 @@ def _drawings(
 
 def _scatter(table: pa.Table, title: str) -> Panel:
     cross, down = (values(table, f"parachute_{name}_m") / 1e3 for name in ("crossrange", "downrange"))
-    return Panel(
-        title, "across the track (km)", "along the track (km)", (Curve(cross, down, "", "dots"),), equal=True
+    return plots.panel(
+        title, "across the track (km)", "along the track (km)", (plots.dots(cross, down),), equal=True
     )
 
 

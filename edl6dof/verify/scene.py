@@ -80,7 +80,7 @@ def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda
     made consistent.
     """
     tables = records.build_tables(loaded.truth)
-    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario, tables)
+    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
     change(plant[0], fsw[0])
     prepare(case, plant)

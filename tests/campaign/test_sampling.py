@@ -9,7 +9,11 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
-from edl6dof.campaign.design.distributions import Discrete, LogNormal, Normal, TruncatedNormal, Uniform
+from edl6dof.campaign.design.distributions.discrete import Discrete
+from edl6dof.campaign.design.distributions.log_normal import LogNormal
+from edl6dof.campaign.design.distributions.normal import Normal
+from edl6dof.campaign.design.distributions.truncated_normal import TruncatedNormal
+from edl6dof.campaign.design.distributions.uniform import Uniform
 from edl6dof.campaign.design.sampling import unit_numbers
 
 PLANS = ("monte_carlo", "latin_hypercube", "sobol")
@@ -86,6 +90,13 @@ UNIT = (np.arange(20000) + 0.5) / 20000
 )
 def test_distribution_is_that_of_scipy(distribution, nominal, expected):
     assert distribution.values(UNIT, nominal) == pytest.approx(expected.ppf(UNIT), rel=1e-9, abs=1e-9)
+
+
+def test_a_tail_far_out_keeps_its_shape_and_its_bounds():
+    """Beyond six sigma the excess over the bound is exponential, of mean 1 / bound up to its square."""
+    tail = TruncatedNormal(kind="truncated_normal", sigma=1.0, low=5.9, high=20.0).values(UNIT, 0.0)
+    assert tail.min() >= 5.9 and tail.max() <= 20.0
+    assert np.mean(tail - 5.9) == pytest.approx(1.0 / 5.9, rel=2.0 / 5.9**2)
 
 
 def test_discrete_values_come_with_their_weights():

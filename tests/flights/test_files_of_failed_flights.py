@@ -86,7 +86,7 @@ def test_what_reads_them_does_so_or_says_why_not(flown, words):
 def test_drawings_of_the_page_are_strict_json(flown):
     assert program(flown, "report", "failed", "--out", "page.html", "--force").returncode == 0
     _, _, rest = (
-        (flown / "page.html").read_text().partition("<script type='application/json' id='figure-data'>")
+        (flown / "page.html").read_text().partition('<script type="application/json" id="figure-data">')
     )
     assert json.loads(rest.partition("</script>")[0], parse_constant=not_json)
 

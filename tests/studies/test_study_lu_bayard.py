@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies import lu_bayard
 from edl6dof.studies.drag_model import respond
@@ -22,7 +22,7 @@ def report():
 @pytest.fixture(scope="module")
 def design():
     scenario = load_scenario(lu_bayard.SCENARIO, lu_bayard.SETTINGS).scenario
-    return lu_bayard._design(build_onboard(scenario, build_tables(scenario)))
+    return lu_bayard._design(build_onboard(scenario))
 
 
 def finding(report, label):
@@ -83,7 +83,7 @@ def test_estimates_stay_in_the_set_under_a_disturbance_far_too_large(design):
 
 
 def test_figures_are_drawn(report):
-    assert [drawing.name for drawing in report.drawings] == [
+    assert [drawing.key for drawing in report.drawings] == [
         "fig1_corridor_and_profile",
         "design_model",
         "flights",
@@ -92,5 +92,5 @@ def test_figures_are_drawn(report):
         for panel in drawing.panels:
             assert all(
                 len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
-                for curve in panel.curves
+                for curve in panel.traces
             )

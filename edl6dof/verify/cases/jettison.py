@@ -58,11 +58,11 @@ def _sums(
     bodies: list[tuple[float, np.ndarray, np.ndarray]], spin: np.ndarray, origin: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Mass moment, momentum and angular momentum about ``origin``."""
-    moment = sum(m * (r - origin) for m, r, _ in bodies)
+    nothing = np.zeros(3)
     return (
-        moment,
-        sum(m * v for m, _, v in bodies),
-        spin + sum(m * np.cross(r - origin, v) for m, r, v in bodies),
+        sum((m * (r - origin) for m, r, _ in bodies), nothing),
+        sum((m * v for m, _, v in bodies), nothing),
+        spin + sum((m * np.cross(r - origin, v) for m, r, v in bodies), nothing),
     )
 
 
