@@ -112,8 +112,8 @@ STATE_EVENTS = (
     StateEvent("touchdown", clearance, touch_down),
 )
 
-_value = switch(tuple(event.value for event in STATE_EVENTS), 3)
-_carry_out = switch(tuple(event.action for event in STATE_EVENTS), 1)
+_value = switch([event.value for event in STATE_EVENTS], "case", "plant", "outputs")
+_carry_out = switch([event.action for event in STATE_EVENTS], "plant")
 _COUNT = len(STATE_EVENTS)
 
 
