@@ -3,7 +3,7 @@ is built.
 
 A plugin file is what a member's file in the package is, with one line more that says where it belongs:
 
-    FAMILY = "entry_law"                         # or reversal, powered_law, controller
+    FAMILY = "entry_law"                         # or reversal, powered_law, controller, ...
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
 The families, their records and the compiled loop are made once in a process, so plugins are read first: the
@@ -40,6 +40,10 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "entry_law": ("entry guidance law", {"guide": ("onboard", "nav", "mem", "out")}),
     "reversal": ("bank-reversal logic", {"side": ("onboard", "nav", "mem", "out", "wanted", "sign")}),
     "powered_law": ("powered guidance law", {"guide": ("onboard", "nav", "mem", "guide")}),
+    "distribution": ("distribution", {}),
+    "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
+    "sensor": ("sensor", {"measure": ("params", "memory", "plant", "outputs", "sensed")}),
+    "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
     "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 
@@ -103,8 +107,7 @@ def require(document: Document) -> None:
         if path not in ACTIVE:
             message = (
                 "comes too late: this process has built its flight software without it; load this scenario "
-                "first "
-                f"(edl6dof.load), or set {VARIABLE} to the file before Python starts"
+                f"first (edl6dof.load), or set {VARIABLE} to the file before Python starts"
             )
             raise _problem(path, document, message)
     if paths:
@@ -193,6 +196,8 @@ def _complaint(member: Member, roles: dict[str, tuple[str, ...]]) -> str:
     """What is wrong with a member; empty when nothing is."""
     if not member.name.isidentifier() or member.name != member.name.lower():
         return f"has a member whose name is no lower-case identifier (got {member.name!r})"
+    if not (member.params.__doc__ or "").strip():
+        return "must say in a docstring what its parameters are"
     if set(member.kernels) != set(roles):
         return (
             f"must give the kernel{'s' if len(roles) > 1 else ''} {', '.join(roles)} (got "

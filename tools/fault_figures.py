@@ -74,8 +74,7 @@ def single_faults(rows: list[Row]) -> str:
             "fault began"
         ),
         f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, sound thrusters "
-        f"condemned "
-        f"{sum(int(row['false_alarms']) for row in begun)}",
+        f"condemned {sum(int(row['false_alarms']) for row in begun)}",
         (
             f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
             f"largest {times.max():.2f} s"

@@ -52,7 +52,7 @@ class Slot:
 
     @property
     def moved(self) -> dict[str, str]:
-        """Keys of an older form inside, and the dotted path where each stands now."""
+        """Keys of an older form inside, and the dotted path where each stands now (several: ``or``)."""
         return {key: path for model in self.models for key, path in getattr(model, "moved", {}).items()}
 
     def child(self, key: str | int) -> Slot | None:

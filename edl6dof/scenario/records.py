@@ -24,7 +24,7 @@ from edl6dof.scenario.belief import believe
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, LoadedScenario, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
-from edl6dof.sensors.perfect import SENSORS, SensorParams
+from edl6dof.sensors.registry import SENSORS, SensorParams
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
     attitude_from_wind_angles,

@@ -30,7 +30,7 @@ from edl6dof.plugins import require
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
-from edl6dof.sensors.perfect import SensorParams
+from edl6dof.sensors.registry import SensorParams, sensor_problems
 from edl6dof.vehicle.faults import FaultParams, fault_problems
 from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -181,7 +181,8 @@ class Scenario(Params):
         return {
             **self._cycle_problems(),
             **self._engine_problems(),
-            **self._sensor_problems(),
+            **sensor_problems(self.sensors),
+            **self._delay_problems(),
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
@@ -215,7 +216,7 @@ class Scenario(Params):
             return {"vehicle.engine.throttle_max_n": message}
         return {}
 
-    def _sensor_problems(self) -> dict[str, str]:
+    def _delay_problems(self) -> dict[str, str]:
         """The flight computer keeps its valve commands for the age of a reading."""
         delay, oldest = self.sensors.imu.delay_cycles, self.flight_software.rates.control_every
         if delay <= oldest:

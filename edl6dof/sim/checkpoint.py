@@ -24,7 +24,7 @@ from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import FINDINGS
 from edl6dof.fsw.onboard import FSW
 from edl6dof.records import first_not_finite, out_of_range
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import PEAKS, STATE
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.records import first_not_finite, offset
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
 #: Exponent of a number that is infinite or none, its lowest bit, and the sign.

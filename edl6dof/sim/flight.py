@@ -253,8 +253,7 @@ def resolved_text(loaded: LoadedScenario) -> str:
     header = [
         (
             f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the "
-            "flight "
-            "bit for bit"
+            "flight bit for bit"
         )
     ]
     return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)

@@ -6,7 +6,7 @@ import numpy as np
 
 from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
-from edl6dof.sensors.perfect import sense
+from edl6dof.sensors.registry import sense
 from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
 from edl6dof.telemetry.sample import record, record_brief
@@ -64,7 +64,7 @@ def fly(
     for k in range(first, last):
         t = k * cycle
         refresh(case, tables, plant, outputs, work)
-        sense(case, plant, outputs, sensors)
+        sense(case.sensors, plant, outputs, sensors)
         run(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):

@@ -12,7 +12,7 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.records import FLAG, TIME_IF_EVER, first_not_finite, numbers, out_of_range, whole
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import SimulationParams
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim import checkpoint as state
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.plant import PEAKS, STATE

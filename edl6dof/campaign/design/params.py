@@ -7,7 +7,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.campaign.design.distributions import Distribution
+from edl6dof.campaign.design.distributions.registry import Distribution
 from edl6dof.config.base import REQUIRED, Params, param, stated
 
 #: Who knows of a change: nature alone, the flight computer alone, or both.

@@ -23,10 +23,11 @@ REMARKS = (
     "sign.",
     "The real descent under the parachute took 168.9 s; this vehicle needs 20 s less, so all later times are "
     "earlier.",
-    f"Rates and errors are the largest; the thrust direction counts as found within {FOUND_DEG:g} deg, a "
-    f"step as settled within {SETTLED_DEG:g} deg; roll in the powered descent is looked at from 8 s on; beside a phase "
-    "margin stands its crossover frequency.",
-    "Equal PID: the gains that the estimator is worth in its linear range, P + lambda D, lambda P and D + lambda.",
+    "Rates and errors are the largest; the thrust direction counts as found within "
+    f"{FOUND_DEG:g} deg, a step as settled within {SETTLED_DEG:g} deg; roll in the powered descent is looked "
+    "at from 8 s on; beside a phase margin stands its crossover frequency.",
+    "Equal PID: the gains that the estimator is worth in its linear range, P + lambda D, lambda P and "
+    "D + lambda.",
 )
 
 

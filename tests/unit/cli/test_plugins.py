@@ -59,8 +59,7 @@ def plugins_of_this_process(monkeypatch):
     jit.outside_sources[:] = before
 
 
-# ---- mistakes
-# ------------------------------------------------------------------------------------------------------------
+# ---- mistakes ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -153,8 +152,7 @@ def test_kernel_that_does_not_fit_is_refused_before_the_simulator_is_compiled(tm
     assert re.search(message, error)
 
 
-# ---- cache
-# ------------------------------------------------------------------------------------------------------------
+# ---- cache -------------------------------------------------------------------------------------------------
 
 
 def stamp(file, monkeypatch, folder):
@@ -234,8 +232,7 @@ def test_plugin_of_a_shipped_or_extended_scenario_is_found(tmp_path, extends):
     assert status == 0, error
 
 
-# ---- the example
-# ------------------------------------------------------------------------------------------------------------
+# ---- the example -------------------------------------------------------------------------------------------
 
 
 def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):

@@ -56,13 +56,13 @@ def test_table_is_smooth():
 def test_constant_shear_none():
     table = shared()
     foot = 0.3048
-    assert wind(build(model="constant", east_m_s=20 * foot, north_m_s=-1.0), table, 5e3) == (
+    assert wind(build(model="constant", constant={"east_m_s": 20 * foot, "north_m_s": -1.0}), table, 5e3) == (
         20 * foot,
         -1.0,
         0.0,
     )
     # NESC check case 8: wind of 0.003 h - 20 ft/s.
-    shear = build(model="shear", east_m_s=-20 * foot, east_shear=0.003)
+    shear = build(model="shear", shear={"east_m_s": -20 * foot, "east_shear": 0.003})
     assert wind(shear, table, 30000 * foot)[0] == pytest.approx(70 * foot, rel=1e-12)
     assert wind(build(model="none"), table, 5e3) == (0.0, 0.0, 0.0)
 

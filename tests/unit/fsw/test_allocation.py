@@ -283,8 +283,7 @@ def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard)
     assert memory["duty"][used] == 0.0
 
 
-# ---- the Tianwen-1 layout
-# ------------------------------------------------------------------------------------------------------
+# ---- the Tianwen-1 layout ----------------------------------------------------------------------------------
 
 
 def torques(onboard, configuration, failed=None, groups=THRUSTER_GROUPS):

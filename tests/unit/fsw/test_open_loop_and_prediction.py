@@ -57,8 +57,7 @@ def test_signed_profile_is_flown_with_its_own_signs():
     assert flight.metrics["bank_reversals"] == 1.0
 
 
-# ---- predictive reversal
-# -------------------------------------------------------------------------------------------------------
+# ---- predictive reversal -----------------------------------------------------------------------------------
 
 
 def heading(record, off_deg):
