@@ -37,7 +37,7 @@ from rich.table import Table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Threads
-from edl6dof.campaign.executor import Pilot, available_cores
+from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.storage.store import Store
 from edl6dof.sim import flight
 
@@ -112,7 +112,7 @@ class FigureClock:
 
 def fly(
     plan: Plan,
-    pilot: Pilot,
+    runner: CaseRunner,
     first: int,
     last: int,
     workers: int,
@@ -128,7 +128,7 @@ def fly(
         clock.steps,
         figures.cpu_s,
     )
-    flown = sum(1 for _ in pilot.rows(plan.cases(first, last), workers))
+    flown = sum(1 for _ in runner.rows(plan.cases(first, last), workers))
     cost.flights += flown
     cost.wall_s += time.perf_counter() - wall
     cost.cpu_s += time.process_time() - cpu
@@ -176,16 +176,16 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
     flight.Flight.metrics.func = figures
     one, every = "1 thread", f"{cores} threads"
     costs = {one: Cost(), every: Cost()}
-    pilot = Pilot(plan.loaded)
-    fly(plan, pilot, 0, 2, 1, Cost(), clock, figures)  # compile
+    runner = CaseRunner(plan.loaded)
+    fly(plan, runner, 0, 2, 1, Cost(), clock, figures)  # compile
     share = max(cases // (2 * ROUNDS), 1)
     peer = has_jsbsim()
     if not peer:
         console.print('JSBSim is not installed: pip install "edl6dof\\[bench]"')
     for index in range(ROUNDS):
         first = 2 * share * index
-        fly(plan, pilot, first, first + share, 1, costs[one], clock, figures)
-        fly(plan, pilot, first + share, first + 2 * share, cores, costs[every], clock, figures)
+        fly(plan, runner, first, first + share, 1, costs[one], clock, figures)
+        fly(plan, runner, first + share, first + 2 * share, cores, costs[every], clock, figures)
         if peer:
             fly_jsbsim(costs.setdefault(f"JSBSim {peers_jsbsim.version()}", Cost()))
     flight.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form

@@ -132,9 +132,9 @@ def _engine(options: CampaignOptions) -> Iterator[Engine]:
 def _warm_up(plan: Plan, talk: bool) -> None:
     """Compile before anything flies in parallel: two processes that compile would do the work twice."""
     if announce_compiling(talk):
-        from edl6dof.campaign.executor import Pilot
+        from edl6dof.campaign.executor import CaseRunner
 
-        Pilot(plan.loaded).fly(list(plan.cases(0, 1)))
+        CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
 
 
 @contextmanager

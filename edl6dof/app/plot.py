@@ -107,7 +107,7 @@ def _write(run: Run, figure: Figure, path: Path) -> None:
         )
         path.write_text(page(report), encoding="utf-8")
     else:
-        from edl6dof.report.paper import write_figure
+        from edl6dof.report.matplotlib_figure import write_figure
 
         write_figure(figure, path)
 

@@ -152,9 +152,9 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
     if not all(len(flight.t) for flight in flights):
         raise refusal(alone, "no row of the telemetry can be drawn")
     labels = _labels(options.runs[-len(flights) :]) if len(flights) > 1 else ()
-    swarm = trajectories(plan) if plan is not None else ()
+    ensemble = trajectories(plan) if plan is not None else ()
     with TemporaryDirectory(prefix="edl6dof-") as folder:
-        write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight", swarm)
+        write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight", ensemble)
         yield Path(folder) / RECORDING
 
 

@@ -22,7 +22,7 @@ def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool
     if png:
         _write_figures(report, target.with_suffix(""), force)
     if pdf:
-        from edl6dof.report.paper import write_pdf
+        from edl6dof.report.pdf import write_pdf
 
         with atomic_file(print_out, force) as partial:
             write_pdf(report, partial)
@@ -61,7 +61,7 @@ def write_page(report: Report, path: Path, force: bool) -> None:
 
 
 def _write_figures(report: Report, folder: Path, force: bool) -> None:
-    from edl6dof.report.paper import write_figure
+    from edl6dof.report.matplotlib_figure import write_figure
 
     for figure in report.figures():
         path = folder / f"{figure.key}.png"

@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Protocol
 
 from edl6dof.campaign.design.plan import Plan, parse_plan
-from edl6dof.campaign.executor import Pilot, available_cores
+from edl6dof.campaign.executor import CaseRunner, available_cores
 from edl6dof.campaign.rows import Row
 from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
 
@@ -61,7 +61,7 @@ class Threads:
                 yield from plan.cases(first, last)
 
         found: list[Row] = []
-        for row in Pilot(plan.loaded).rows(cases(), self.workers):
+        for row in CaseRunner(plan.loaded).rows(cases(), self.workers):
             found.append(row)
             if len(found) == pending[0][1] - pending[0][0]:
                 pending.popleft()
@@ -161,15 +161,15 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
 
 
 def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[Row]:
-    """Fly cases on a worker, which keeps the plan and its pilot for the tasks to come.
+    """Fly cases on a worker, which keeps the plan and its runner for the tasks to come.
 
     Raises:
         OSError: the worker is no copy of the program that sent the cases, or has other tables.
     """
     _require_same(differences(ordered, plan_text))
-    plan, pilot, present = _prepared(plan_text)
+    plan, runner, present = _prepared(plan_text)
     _require_same(compared(ordered, present))
-    rows = pilot.fly(list(plan.cases(first, last)))
+    rows = runner.fly(list(plan.cases(first, last)))
     _require_same([f"file {name}: changed meanwhile" for name in changed_files(ordered)])
     return rows
 
@@ -186,6 +186,6 @@ def _worker() -> str:
 
 
 @lru_cache(maxsize=2)
-def _prepared(plan_text: str) -> tuple[Plan, Pilot, Identity]:
+def _prepared(plan_text: str) -> tuple[Plan, CaseRunner, Identity]:
     plan = parse_plan(plan_text, "(campaign)")
-    return plan, Pilot(plan.loaded), identity(plan)
+    return plan, CaseRunner(plan.loaded), identity(plan)

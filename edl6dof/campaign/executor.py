@@ -31,9 +31,9 @@ from edl6dof.telemetry.channels import BRIEF, TICK
 Progress = Callable[[int, Row], None]
 
 #: Cases that a thread takes at a time.
-_HANDFUL = 4
+_BATCH = 4
 
-#: Handfuls begun ahead of the one whose rows are waited for, for each worker.
+#: Batches begun ahead of the one whose rows are waited for, for each worker.
 _AHEAD = 2
 
 Item = TypeVar("Item")
@@ -72,7 +72,7 @@ def fly_rows(
         collect: returns more columns of a flight; runs in the worker threads, and must not keep the flight.
         progress: called after each row, in the caller's thread.
     """
-    for done, row in enumerate(Pilot(loaded, collect).rows(cases, workers), start=1):
+    for done, row in enumerate(CaseRunner(loaded, collect).rows(cases, workers), start=1):
         if progress is not None:
             progress(done, row)
         yield row
@@ -103,12 +103,12 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _handfuls(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
+def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
     """Cases in the portions that threads take: first single ones, so that a few cases keep all workers
     busy.
     """
     cases = iter(cases)
-    for count in chain(repeat(1, _HANDFUL * workers), repeat(_HANDFUL)):
+    for count in chain(repeat(1, _BATCH * workers), repeat(_BATCH)):
         if not (some := list(islice(cases, count))):
             return
         yield some
@@ -125,7 +125,7 @@ def _reason(error: Exception) -> str:
     return " ".join(str(error).split())
 
 
-class Pilot:
+class CaseRunner:
     """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its
     own.
 
@@ -141,7 +141,7 @@ class Pilot:
     def rows(self, cases: Iterable[Case], workers: int | None = None) -> Iterator[Row]:
         """Fly cases in threads and yield their rows, in the order of the cases."""
         workers = workers or available_cores()
-        for rows in in_threads(self.fly, _handfuls(cases, workers), workers):
+        for rows in in_threads(self.fly, _batches(cases, workers), workers):
             yield from rows
 
     def fly(self, cases: Sequence[Case]) -> list[Row]:

@@ -5,11 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
-from scipy.special import ndtri
-from scipy.stats import rankdata
+from scipy.stats import binomtest, spearmanr, zscore
 
 
 @dataclass(frozen=True)
@@ -34,10 +32,8 @@ class Proportion:
         """Lower and upper end; all of 0..1 without trials."""
         if not self.trials:
             return 0.0, 1.0
-        n, p, z = self.trials, self.value, float(ndtri(0.5 + self.confidence / 2.0))
-        middle = (p + z * z / (2 * n)) / (1 + z * z / n)
-        half = z / (1 + z * z / n) * sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-        return max(middle - half, 0.0), min(middle + half, 1.0)
+        found = binomtest(self.successes, self.trials).proportion_ci(self.confidence, method="wilson")
+        return float(found.low), float(found.high)
 
     @property
     def half_width(self) -> float:
@@ -118,22 +114,16 @@ def drivers(inputs: dict[str, np.ndarray], figure: np.ndarray) -> tuple[list[Dri
     target = figure[usable]
     if len(target) <= len(columns) + 1 or not columns or np.ptp(target) == 0.0:
         return [], float("nan")
-    scaled = np.stack([(values - values.mean()) / values.std() for values in columns.values()], axis=1)
-    aim = (target - target.mean()) / target.std()
+    scaled, aim = zscore(np.stack(list(columns.values()), axis=1)), zscore(target)
     coefficients, *_ = np.linalg.lstsq(scaled, aim, rcond=None)
     explained = 1.0 - float(np.var(aim - scaled @ coefficients))
-    ranks = _standardised(rankdata(target))
     found = [
-        Driver(name, float(np.mean(_standardised(rankdata(values)) * ranks)), float(coefficient))
+        Driver(name, float(spearmanr(values, target).statistic), float(coefficient))
         for (name, values), coefficient in zip(columns.items(), coefficients, strict=True)
     ]
     return sorted(
         found, key=lambda driver: -max(abs(driver.rank_correlation), abs(driver.regression))
     ), explained
-
-
-def _standardised(values: np.ndarray) -> np.ndarray:
-    return (values - values.mean()) / values.std()
 
 
 def quantiles(values: np.ndarray, at: Sequence[float] = (0.0013, 0.01, 0.5, 0.99, 0.9987)) -> list[float]:

@@ -19,7 +19,7 @@ from edl6dof.replay.history import Flown, History
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows
 from edl6dof.replay.scene.descent import Descent
-from edl6dof.replay.scene.ensemble import Trajectory, write_swarm
+from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
@@ -57,11 +57,11 @@ def write_replay(
     path: Path,
     labels: Sequence[str] = (),
     page: str = "Flight",
-    swarm: Sequence[Trajectory] = (),
+    ensemble: Sequence[Trajectory] = (),
 ) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart; a single one needs none.  ``swarm`` are the trajectories of a
+    ``labels`` tell several flights apart; a single one needs none.  ``ensemble`` are the trajectories of a
     campaign.
     """
     import pyarrow as pa
@@ -72,7 +72,7 @@ def write_replay(
     name = first.name if len(flights) == 1 else " and ".join(labels)
     with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
         recording.save(
-            str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(swarm))).blueprint(page)
+            str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(ensemble))).blueprint(page)
         )
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [
@@ -87,8 +87,8 @@ def write_replay(
         ]
         for part in parts:
             part.statics()
-        if swarm:
-            write_swarm(recording, swarm)
+        if ensemble:
+            write_ensemble(recording, ensemble)
         recording.flush()  # or the viewer would find them at the end of the file
         for part in parts:
             part.motions()
@@ -96,7 +96,7 @@ def write_replay(
     pa.default_memory_pool().release_unused()
 
 
-def _shown(flights: Sequence[History], motion: Motion, swarm: bool) -> Shown:
+def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
     first = flights[0]
     span = (
         (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
@@ -117,7 +117,7 @@ def _shown(flights: Sequence[History], motion: Motion, swarm: bool) -> Shown:
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         flights=len(flights),
-        swarm=swarm,
+        ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )

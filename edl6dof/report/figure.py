@@ -1,9 +1,12 @@
-"""What a figure shows, apart from who draws it: one description becomes plotly in a page and matplotlib on
-paper.
+"""What a figure shows, apart from who draws it.
 
->>> t = np.linspace(0.0, 1.0, 11) >>> panel = Panel(Axis("time (s)"), Axis("height (m)"), (Trace(t, 1.0 -
-t**2, "fall"),), marks=(Mark("x", 1.0, "ground"),)) >>> figure = Figure("fall", "A fall", (panel,), "Height of
-a falling stone.")
+One description has two drawings: by plotly.js in a page, where a reader zooms and reads values off, and by
+matplotlib on paper.
+
+>>> t = np.linspace(0.0, 1.0, 11)
+>>> fall = Trace(t, 1.0 - t**2, "fall")
+>>> panel = Panel(Axis("time (s)"), Axis("height (m)"), [fall], marks=[Mark("x", 1.0)])
+>>> figure = Figure("fall", "A fall", [panel], "Height of a falling stone.")
 """
 
 from __future__ import annotations
@@ -63,6 +66,11 @@ class Trace:
     labels: Sequence[str] = ()
     legend: bool = True
     border: bool = False
+
+    def edges(self) -> np.ndarray:
+        """Where bars that touch each other begin and end, shape (n + 1,); they are of one width."""
+        half = 0.5 * np.min(np.diff(self.x)) if len(self.x) > 1 else 0.5
+        return np.append(self.x - half, self.x[-1:] + half)
 
 
 @dataclass(frozen=True)
@@ -135,6 +143,8 @@ class Panel:
         every = [
             np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))
         ]
+        if axis == "x":
+            every += [trace.edges() for trace in self.traces if trace.kind == "bars"]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
         values = np.concatenate([np.empty(0), *every])
         values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]

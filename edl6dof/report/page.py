@@ -14,8 +14,8 @@ from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.report.document import Cell, Listing, Report, Table
-from edl6dof.report.drawing import drawing
 from edl6dof.report.figure import Figure
+from edl6dof.report.plotly_figure import plotly_figure
 
 _HERE = Path(__file__).parent
 _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
@@ -31,7 +31,7 @@ def page(report: Report) -> str:
             style=_verbatim(_HERE / "page.css"),
             script=_verbatim(_HERE / "page.js"),
             plotly=plotly_js(),
-            drawings={figure.key: drawing(figure) for figure in report.figures()},
+            drawings={figure.key: plotly_figure(figure) for figure in report.figures()},
         )
     )
 

@@ -25,12 +25,14 @@ from edl6dof.campaign.rows import Row
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
 from edl6dof.sim.flight import Flight
+from edl6dof.studies import plots
 from edl6dof.studies.call_time import call_time
 from edl6dof.studies.cases import Spread, draw, values
-from edl6dof.studies.study import Curve, Drawing, Finding, Grid, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 
 MISSIONS = ("tianwen1", "msl")
 #: A law of constant magnitude is no guidance.
@@ -285,42 +287,44 @@ _REMARKS = (
 )
 
 
-def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Drawing]:
+def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Figure]:
     order = sorted(tables, key=lambda law: quantile(misses(tables[law]), 0.99))
     shares = [
-        Curve(np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law)
+        plots.curve(
+            np.sort(miss := misses(tables[law])), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law
+        )
         for law in order
     ]
     limit = max(10.0, 1.2 * min(quantile(misses(tables[law]), 0.99) for law in order))
-    share = Panel(
+    share = plots.panel(
         f"{mission}: miss at the mortar", "miss, km", "flights within, %", tuple(shares), x_range=(0.0, limit)
     )
     height = [
-        Curve(misses(tables[law]), _column(tables[law], "parachute_altitude_m") / 1e3, law, "dots")
+        plots.dots(misses(tables[law]), _column(tables[law], "parachute_altitude_m") / 1e3, law)
         for law in order[:4]
         if "parachute_altitude_m" in tables[law].column_names
     ]
-    altitude = Panel(
+    altitude = plots.panel(
         f"{mission}: altitude at the mortar, best four",
         "miss, km",
         "altitude, km",
         tuple(height),
         x_range=(0.0, limit),
     )
-    yield Drawing(f"{mission}_miss", (share, altitude))
-    yield Drawing(f"{mission}_footprint", tuple(_footprint(mission, law, tables[law]) for law in order[:3]))
+    yield plots.figure(f"{mission}_miss", (share, altitude))
+    yield plots.figure(
+        f"{mission}_footprint", tuple(_footprint(mission, law, tables[law]) for law in order[:3])
+    )
 
 
 def _footprint(mission: str, law: str, table: pa.Table) -> Panel:
-    dots = Curve(
+    dots = plots.dots(
         _column(table, "parachute_crossrange_m") / 1e3,
         _column(table, "parachute_downrange_m") / 1e3,
-        "",
-        "dots",
     )
     angle = np.linspace(0.0, 2.0 * np.pi, 100)
-    circle = Curve(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km", "reference")
-    return Panel(f"{mission}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)
+    circle = plots.reference(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km")
+    return plots.panel(f"{mission}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)
 
 
 STUDY = Study(

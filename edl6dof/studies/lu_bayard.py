@@ -24,11 +24,13 @@ from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile_drag, profile_range
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import corridor
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.studies import plots
 from edl6dof.studies.drag_model import Design, Response, respond
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Progress, Report, Study
 
 ENTRY = "flight_software.guidance.entry"
 #: The scenario of the vehicle, and what is changed in it; limits of the vehicle are estimates.
@@ -373,31 +375,34 @@ def _drawings(
     responses: dict[str, Response],
     fixed: Response,
     histories: dict[str, dict[str, np.ndarray]],
-) -> tuple[Drawing, ...]:
+) -> tuple[Figure, ...]:
     time, error = "time (s)", "D - D_r (m/s2)"
     names, still = ("C", "C'", "1 - (R/r) cos2", "1 - cos", "sin2"), responses["w = 0"]
     shares = (still.theta - still.theta.min(axis=0)) / np.maximum(np.ptp(still.theta, axis=0), 1e-12)
-    estimates = tuple(Curve(still.t, share, name) for share, name in zip(shares.T, names, strict=True))
-    errors = tuple(Curve(r.t, r.error, name) for name, r in responses.items())
-    flown = tuple(Curve(h["t_s"], h["error"], name) for name, h in histories.items())
-    banks = tuple(Curve(h["t_s"], h["bank_deg"], name) for name, h in histories.items())
+    estimates = tuple(plots.curve(still.t, share, name) for share, name in zip(shares.T, names, strict=True))
+    errors = tuple(plots.curve(r.t, r.error, name) for name, r in responses.items())
+    flown = tuple(plots.curve(h["t_s"], h["error"], name) for name, h in histories.items())
+    banks = tuple(plots.curve(h["t_s"], h["bank_deg"], name) for name, h in histories.items())
     return (
-        Drawing("fig1_corridor_and_profile", (_corridor_panel(onboard, histories["as planned"]),)),
-        Drawing(
+        plots.figure("fig1_corridor_and_profile", (_corridor_panel(onboard, histories["as planned"]),)),
+        plots.figure(
             "design_model",
             (
-                Panel(
+                plots.panel(
                     "Drag error",
                     time,
                     error,
-                    (*errors, Curve(fixed.t, fixed.error, "w = 0, theta not adapted", "reference")),
+                    (*errors, plots.reference(fixed.t, fixed.error, "w = 0, theta not adapted")),
                 ),
-                Panel("Estimate of theta, w = 0", time, "share of its travel", estimates),
+                plots.panel("Estimate of theta, w = 0", time, "share of its travel", estimates),
             ),
         ),
-        Drawing(
+        plots.figure(
             "flights",
-            (Panel("Drag error", time, error, flown), Panel("Bank angle", time, "|bank| (deg)", banks)),
+            (
+                plots.panel("Drag error", time, error, flown),
+                plots.panel("Bank angle", time, "|bank| (deg)", banks),
+            ),
         ),
     )
 
@@ -410,12 +415,12 @@ def _corridor_panel(onboard: np.ndarray, flown: dict[str, np.ndarray]) -> Panel:
     joints = np.array([float(profile["join"]), float(profile["level"])])
     names = ("heat rate", "load", "dynamic pressure", "equilibrium glide")
     curves = (
-        *(Curve(v, bound, name) for bound, name in zip(bounds, names, strict=True)),
-        Curve(v, np.array([profile_drag(profile, x)[0] for x in v]), "profile", "reference"),
-        Curve(joints, np.array([profile_drag(profile, x)[0] for x in joints]), "its joints", "dots"),
-        Curve(flown["speed"], flown["drag"], "flown, as planned"),
+        *(plots.curve(v, bound, name) for bound, name in zip(bounds, names, strict=True)),
+        plots.reference(v, np.array([profile_drag(profile, x)[0] for x in v]), "profile"),
+        plots.dots(joints, np.array([profile_drag(profile, x)[0] for x in joints]), "its joints"),
+        plots.curve(flown["speed"], flown["drag"], "flown, as planned"),
     )
-    return Panel("Entry corridor", "speed (m/s)", "drag (m/s2)", curves, y_range=(0.0, 200.0))
+    return plots.panel("Entry corridor", "speed (m/s)", "drag (m/s2)", curves, y_range=(0.0, 200.0))
 
 
 STUDY = Study(

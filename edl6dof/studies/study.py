@@ -8,8 +8,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-import numpy as np
 import pyarrow as pa
+
+from edl6dof.report.figure import Figure
 
 #: Called with (runs done, runs in all).
 Progress = Callable[[int, int], None]
@@ -46,44 +47,6 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Curve:
-    """A curve, or dots, of a panel.
-
-    Attributes:
-        x: values along the axis; for ``kind`` histogram the sample itself.
-        y: values up the axis; unused by a histogram.
-        label: entry of the legend; empty for none.
-        kind: how it is drawn; ``reference`` is a thin dashed line on top, ``filled`` an area down to zero.
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    label: str = ""
-    kind: Literal["line", "reference", "dots", "histogram", "filled"] = "line"
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One pair of axes; ``x_range`` and ``y_range`` narrow it to where something is to be seen."""
-
-    title: str
-    x_label: str
-    y_label: str
-    curves: tuple[Curve, ...]
-    equal: bool = False
-    x_range: tuple[float, float] | None = None
-    y_range: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """One PNG: a name for its file, and panels side by side."""
-
-    name: str
-    panels: tuple[Panel, ...]
-
-
-@dataclass(frozen=True)
 class Grid:
     """A table of figures: a row for each law or case, the first entry of a row its name."""
 
@@ -106,7 +69,7 @@ class Report:
     """
 
     findings: tuple[Finding, ...]
-    drawings: tuple[Drawing, ...]
+    drawings: tuple[Figure, ...]
     table: pa.Table
     runs: int
     remarks: tuple[str, ...] = ()

@@ -7,7 +7,7 @@ from pathlib import Path
 from edl6dof import __version__
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.units import split_unit
-from edl6dof.studies.draw import save_drawing
+from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.studies.study import Report, Study
 
 
@@ -16,7 +16,7 @@ def write_study(study: Study, report: Report, folder: Path) -> None:
     (folder / "summary.json").write_text(to_json(study, report), encoding="utf-8")
     write_table(study, report, folder / "runs.parquet")
     for drawing in report.drawings:
-        save_drawing(drawing, folder)
+        write_figure(drawing, folder / f"{drawing.key}.png")
 
 
 def to_json(study: Study, report: Report) -> str:

@@ -20,10 +20,12 @@ from edl6dof.campaign.executor import fly_cases
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.studies import plots
 from edl6dof.studies.cases import Spread, draw, values
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Progress, Report, Study
 
 SCENARIO = "wu2013"
 SEED = 2013
@@ -222,23 +224,23 @@ def _drawings(
     kept: dict[str, np.ndarray],
     kept_fl: dict[str, np.ndarray],
     groups: dict[tuple[bool, str], pa.Table],
-) -> tuple[Drawing, ...]:
+) -> tuple[Figure, ...]:
     """Of one run of EHGO+FL with the range update, and of EHGO+FL and FL without; and of all misses."""
     t, time = h["t_s"], "time (s)"
-    drag = Curve(t, h["drag_estimate"], "estimate"), Curve(t, h["drag"], "true", "reference")
-    rate = Curve(t, h["rate_estimate"], "estimate"), Curve(t, h["rate"], "true", "reference")
-    followed = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
+    drag = plots.curve(t, h["drag_estimate"], "estimate"), plots.reference(t, h["drag"], "true")
+    rate = plots.curve(t, h["rate_estimate"], "estimate"), plots.reference(t, h["rate"], "true")
+    followed = plots.curve(t, h["drag"], "flown"), plots.reference(t, h["reference"], "reference")
     errors = tuple(
-        Curve(x["t_s"], x["drag"] - x["reference"], label)
+        plots.curve(x["t_s"], x["drag"] - x["reference"], label)
         for label, x in (("EHGO+FL", h), ("EHGO+FL, no range update", kept), ("FL, no range update", kept_fl))
     )
     return (
-        Drawing(
+        plots.figure(
             "fig3_estimates",
             (
-                Panel("Drag", time, "drag (m/s2)", drag),
-                Panel("Drag rate", time, "drag rate (m/s3)", rate),
-                Panel(
+                plots.panel("Drag", time, "drag (m/s2)", drag),
+                plots.panel("Drag rate", time, "drag rate (m/s3)", rate),
+                plots.panel(
                     "Drag rate at the start",
                     time,
                     "drag rate (m/s3)",
@@ -248,16 +250,18 @@ def _drawings(
                 ),
             ),
         ),
-        Drawing(
+        plots.figure(
             "fig4_tracking",
             (
-                Panel("Drag", time, "drag (m/s2)", followed),
-                Panel("Tracking error", time, "D - D_r (m/s2)", errors),
-                Panel("Bank angle", time, "bank (deg)", (Curve(t, h["bank_deg"]),)),
+                plots.panel("Drag", time, "drag (m/s2)", followed),
+                plots.panel("Tracking error", time, "D - D_r (m/s2)", errors),
+                plots.panel("Bank angle", time, "bank (deg)", (plots.curve(t, h["bank_deg"]),)),
             ),
         ),
-        Drawing("fig5_fig6_misses", tuple(_scatter(groups[True, law], label) for law, label in LAWS.items())),
-        Drawing(
+        plots.figure(
+            "fig5_fig6_misses", tuple(_scatter(groups[True, law], label) for law, label in LAWS.items())
+        ),
+        plots.figure(
             "misses_without_update",
             tuple(_scatter(groups[False, law], f"{label}, no update") for law, label in LAWS.items()),
         ),
@@ -266,8 +270,8 @@ def _drawings(
 
 def _scatter(table: pa.Table, title: str) -> Panel:
     cross, down = (values(table, f"parachute_{name}_m") / 1e3 for name in ("crossrange", "downrange"))
-    return Panel(
-        title, "across the track (km)", "along the track (km)", (Curve(cross, down, "", "dots"),), equal=True
+    return plots.panel(
+        title, "across the track (km)", "along the track (km)", (plots.dots(cross, down),), equal=True
     )
 
 

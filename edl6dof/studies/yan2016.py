@@ -19,10 +19,12 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure, Panel
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.studies import plots
 from edl6dof.studies.cases import values
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Progress, Report, Study
 
 SCENARIO = "yan2016"
 LAWS = {"ftc_dob": "FTC+DOB", "pd_dob": "PD+DOB"}
@@ -181,7 +183,7 @@ def _mean(table: pa.Table, name: str, law: str, gains: tuple[float, float]) -> f
     return float(np.mean(values(table, name)[chosen]))
 
 
-def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Drawing, ...]:
+def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Figure, ...]:
     def column(name: str, per: float = 1.0) -> dict[str, np.ndarray]:
         return {law: flight.telemetry[name] / per for law, flight in (*shown.items(), ("nominal", nominal))}
 
@@ -189,7 +191,7 @@ def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Drawi
     drag = column("nav.drag_m_s2")
     rate = {law: np.gradient(drag[law], times[law]) for law in drag}
     ranges = {law: _downrange(flight) / 1e3 for law, flight in (*shown.items(), ("nominal", nominal))}
-    plots = (
+    compared = (
         ("fig2_speed", "speed (m/s)", column("truth.speed_m_s")),
         ("fig3_longitude", "longitude (deg)", column("truth.longitude_deg")),
         ("fig4_drag", "drag (m/s2)", drag),
@@ -198,32 +200,36 @@ def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Drawi
         ("fig7_range", "range (km)", ranges),
     )
     return tuple(
-        Drawing(name, tuple(_beside(label, times, curves, law) for law in ("pd_dob", "ftc_dob")))
-        for name, label, curves in plots
+        plots.figure(name, tuple(_beside(label, times, curves, law) for law in ("pd_dob", "ftc_dob")))
+        for name, label, curves in compared
     )
 
 
 def _beside(label: str, times: dict[str, np.ndarray], curves: dict[str, np.ndarray], law: str) -> Panel:
     pair = (
-        Curve(times[law], curves[law], "flown"),
-        Curve(times["nominal"], curves["nominal"], "nominal", "reference"),
+        plots.curve(times[law], curves[law], "flown"),
+        plots.reference(times["nominal"], curves["nominal"], "nominal"),
     )
-    return Panel(LAWS[law], "time (s)", label, pair)
+    return plots.panel(LAWS[law], "time (s)", label, pair)
 
 
-def _observer_drawings(flight: Flight) -> tuple[Drawing, ...]:
+def _observer_drawings(flight: Flight) -> tuple[Figure, ...]:
     t, estimate = _observed(flight)
     true = AMPLITUDE * np.sin(FREQUENCY * t)
-    both = Curve(t, estimate, "estimate"), Curve(t, true, "true", "reference")
+    both = plots.curve(t, estimate, "estimate"), plots.reference(t, true, "true")
     return (
-        Drawing(
-            "fig8_disturbance", (Panel("Disturbance of the flight-path rate", "time (s)", "d (rad/s)", both),)
+        plots.figure(
+            "fig8_disturbance",
+            (plots.panel("Disturbance of the flight-path rate", "time (s)", "d (rad/s)", both),),
         ),
-        Drawing(
+        plots.figure(
             "fig9_estimate_error",
             (
-                Panel(
-                    "Error of the estimate", "time (s)", "d - estimate (rad/s)", (Curve(t, true - estimate),)
+                plots.panel(
+                    "Error of the estimate",
+                    "time (s)",
+                    "d - estimate (rad/s)",
+                    (plots.curve(t, true - estimate),),
                 ),
             ),
         ),

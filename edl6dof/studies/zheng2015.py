@@ -23,10 +23,12 @@ from edl6dof.campaign.executor import fly_cases
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.report.figure import Figure
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.studies import plots
 from edl6dof.studies.cases import Spread, draw, values
-from edl6dof.studies.study import Curve, Drawing, Finding, Panel, Progress, Report, Study
+from edl6dof.studies.study import Finding, Progress, Report, Study
 
 SCENARIO = "zheng2015"
 SEED = 2015
@@ -226,52 +228,60 @@ def _ends(shown: Flight, table: pa.Table) -> tuple[Finding, ...]:
     )
 
 
-def _drawings(history: dict[str, np.ndarray], table: pa.Table) -> tuple[Drawing, ...]:
+def _drawings(history: dict[str, np.ndarray], table: pa.Table) -> tuple[Figure, ...]:
     h, t, time = history, history["t_s"], "time (s)"
     boundary = np.full_like(t, 0.1)
-    drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
-    bank = Curve(t, h["bank_deg"], "commanded"), Curve(t, h["planned_deg"], "reference", "reference")
+    drag = plots.curve(t, h["drag"], "flown"), plots.reference(t, h["reference"], "reference")
+    bank = plots.curve(t, h["bank_deg"], "commanded"), plots.reference(t, h["planned_deg"], "reference")
     surface = (
-        Curve(t, h["surface"]),
-        Curve(t, boundary, "c_s", "reference"),
-        Curve(t, -boundary, "", "reference"),
+        plots.curve(t, h["surface"]),
+        plots.reference(t, boundary, "c_s"),
+        plots.reference(t, -boundary),
     )
     disturbance = (
-        Curve(t, h["estimate"], "estimate"),
-        Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference"),
+        plots.curve(t, h["estimate"], "estimate"),
+        plots.reference(t[50:-2], h["disturbance"][50:-2], "true"),
     )
     down, cross, altitude = (
         values(table, f"parachute_{name}_m") / 1e3 for name in ("downrange", "crossrange", "altitude")
     )
     altitude = altitude + HEIGHT_OFFSET_M / 1e3
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
-    circles = (Curve(r * np.cos(angle), r * np.sin(angle), f"{r:g} km", "reference") for r in (3.0, 5.0))
-    misses = Curve(down, cross, "runs", "dots"), *circles
-    heights = (Curve(altitude, altitude, "", "histogram"),)
+    circles = (plots.reference(r * np.cos(angle), r * np.sin(angle), f"{r:g} km") for r in (3.0, 5.0))
+    misses = plots.dots(down, cross, "runs"), *circles
+    heights = (plots.histogram(altitude),)
     return (
-        Drawing(
+        plots.figure(
             "fig3_drag_and_bank",
-            (Panel("Drag", time, "drag (m/s2)", drag), Panel("Bank angle", time, "|bank| (deg)", bank)),
+            (
+                plots.panel("Drag", time, "drag (m/s2)", drag),
+                plots.panel("Bank angle", time, "|bank| (deg)", bank),
+            ),
         ),
-        Drawing(
+        plots.figure(
             "fig4_error_and_surface",
             (
-                Panel("Drag tracking error", time, "D - D_r (m/s2)", (Curve(t, h["drag"] - h["reference"]),)),
-                Panel("Sliding surface", time, "s (m/s3)", surface),
+                plots.panel(
+                    "Drag tracking error",
+                    time,
+                    "D - D_r (m/s2)",
+                    (plots.curve(t, h["drag"] - h["reference"]),),
+                ),
+                plots.panel("Sliding surface", time, "s (m/s3)", surface),
             ),
         ),
-        Drawing(
+        plots.figure(
             "fig5_disturbance",
             (
-                Panel("Lumped disturbance", time, "d (m/s4)", disturbance),
-                Panel("Virtual state", time, "zeta (m/s3)", (Curve(t, h["virtual"]),)),
+                plots.panel("Lumped disturbance", time, "d (m/s4)", disturbance),
+                plots.panel("Virtual state", time, "zeta (m/s3)", (plots.curve(t, h["virtual"]),)),
             ),
         ),
-        Drawing(
+        plots.figure(
             "fig6_miss_and_altitude",
             (
-                Panel("Miss at 400 m/s", "downrange (km)", "crossrange (km)", misses, equal=True),
-                Panel("Terminal altitude", "altitude above 3389.5 km (km)", "runs", heights),
+                plots.panel("Miss at 400 m/s", "downrange (km)", "crossrange (km)", misses, equal=True),
+                plots.panel("Terminal altitude", "altitude above 3389.5 km (km)", "runs", heights),
             ),
         ),
     )

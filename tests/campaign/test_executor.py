@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.executor import Pilot, fly_cases, in_threads
+from edl6dof.campaign.executor import CaseRunner, fly_cases, in_threads
 from edl6dof.campaign.readback import NotApplied, applied
 
 GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed=7"]
@@ -56,9 +56,9 @@ def test_rows_are_those_of_single_flights(loaded, table):
 def test_reused_telemetry_buffer_gives_the_same_log(loaded):
     """A long flight, then one that ends early, then the first again: nothing of one remains in the next."""
     logs = []
-    pilot = Pilot(loaded, lambda flight: logs.append(flight.log.tobytes()) or {})
+    runner = CaseRunner(loaded, lambda flight: logs.append(flight.log.tobytes()) or {})
     for case in (CASES[0], CASES[2], CASES[0], CASES[2]):
-        pilot.fly([case])
+        runner.fly([case])
     fresh = edl6dof.fly("tianwen1", [*GUSTY, *overrides(CASES[2])])
     assert logs[0] == logs[2]
     assert logs[1] == logs[3] == fresh.log.tobytes()
@@ -105,12 +105,12 @@ def test_cases_are_read_only_a_little_ahead():
 
 
 def test_a_few_cases_keep_all_workers_busy(loaded):
-    """Cases are taken by handfuls for the sake of the caches; few ones are spread over the workers
+    """Cases are taken in batches for the sake of the caches; few ones are spread over the workers
     instead.
     """
-    pilot, taken = Pilot(loaded), []
-    pilot.fly = lambda cases: taken.append(len(cases)) or [{"case": case.index} for case in cases]
-    rows = list(pilot.rows((Case(index) for index in range(30)), workers=3))
+    runner, taken = CaseRunner(loaded), []
+    runner.fly = lambda cases: taken.append(len(cases)) or [{"case": case.index} for case in cases]
+    rows = list(runner.rows((Case(index) for index in range(30)), workers=3))
     assert [row["case"] for row in rows] == list(range(30))
     assert taken.count(1) == 12 and sorted(taken)[12:] == [2, 4, 4, 4, 4]
 
@@ -123,7 +123,7 @@ def test_caller_may_not_hide_a_figure(loaded):
 @pytest.mark.parametrize("known", [False, True], ids=["first case", "later case"])
 def test_value_that_did_not_arrive_is_noticed(loaded, known):
     """The classic failure: a dispersion that nobody applies."""
-    variant, places = Pilot(loaded).variants.build(CASES[0]), {}
+    variant, places = CaseRunner(loaded).variants.build(CASES[0]), {}
     if known:
         applied(variant, CASES[0].truth, CASES[0].told, places)
         assert list(places) == ["vehicle.mass.entry_kg"]
@@ -147,7 +147,7 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
             "vehicle.engine.misalignment_y_deg": 0.1,
         },
     )
-    variant, places = Pilot(loaded).variants.build(case), {}
+    variant, places = CaseRunner(loaded).variants.build(case), {}
     for _ in range(2):
         assert applied(variant, case.truth, {}, places) == {
             f"truth.{path}": value for path, value in case.truth.items()

@@ -92,6 +92,13 @@ def test_distribution_is_that_of_scipy(distribution, nominal, expected):
     assert distribution.values(UNIT, nominal) == pytest.approx(expected.ppf(UNIT), rel=1e-9, abs=1e-9)
 
 
+def test_a_tail_far_out_keeps_its_shape_and_its_bounds():
+    """Beyond six sigma the excess over the bound is exponential, of mean 1 / bound up to its square."""
+    tail = TruncatedNormal(kind="truncated_normal", sigma=1.0, low=5.9, high=20.0).values(UNIT, 0.0)
+    assert tail.min() >= 5.9 and tail.max() <= 20.0
+    assert np.mean(tail - 5.9) == pytest.approx(1.0 / 5.9, rel=2.0 / 5.9**2)
+
+
 def test_discrete_values_come_with_their_weights():
     values = Discrete(kind="discrete", choices=["a", "b", 3], weights=[1.0, 2.0, 1.0]).values(UNIT, None)
     assert [list(values).count(choice) for choice in ("a", "b", 3)] == [5000, 10000, 5000]

@@ -31,7 +31,7 @@ from edl6dof.app.campaign import CampaignOptions
 from edl6dof.app.ending import INTERRUPTED
 from edl6dof.app.report import report_of
 from edl6dof.campaign.design.plan import Plan, load_plan
-from edl6dof.campaign.executor import Pilot
+from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.storage.identity import source_hash
 from edl6dof.campaign.storage.store import Store
@@ -161,7 +161,7 @@ class Harness:
         os.chdir(folder)
         self.file = write_drop(folder)
         self.plans = {seed: load_plan(self.file, cases=CASES, seed=seed) for seed in SEEDS}
-        flown = {seed: Pilot(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
+        flown = {seed: CaseRunner(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
         table_of(flown[SEEDS[0]]), source_hash()  # what these load or find is there for all children
         campaign_flight.load_plan = lambda file, sets, cases, seed: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))

@@ -317,10 +317,10 @@ def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path)
         Trajectory(line, "crashed"),
         Trajectory(np.full((3, 3), np.nan), "lost"),
     ]
-    write_replay([history(flight)], tmp_path / "swarm.rrd", swarm=cases)
+    write_replay([history(flight)], tmp_path / "ensemble.rrd", ensemble=cases)
     stored = {}
     for chunk in (
-        RrdReader(tmp_path / "swarm.rrd")
+        RrdReader(tmp_path / "ensemble.rrd")
         .stream()
         .filter(content=["/site/campaign/**", "/campaign"])
         .to_chunks()

@@ -15,7 +15,7 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
-from edl6dof.replay.scene import vehicle_shapes as craft
+from edl6dof.replay.scene import vehicle_shapes as shapes
 from edl6dof.replay.scene.globe import planet
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.site import Site
@@ -88,7 +88,7 @@ def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
 
 def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     vehicle = scenario.vehicle
-    shield, shell = craft.heat_shield(vehicle), craft.backshell(vehicle)
+    shield, shell = shapes.heat_shield(vehicle), shapes.backshell(vehicle)
     radius = np.hypot(shield.positions[:, 1], shield.positions[:, 2])
     assert 2.0 * radius.max() == pytest.approx(vehicle.aero.capsule.diameter_m, rel=1e-9)
     assert shield.positions[:, 0].max() == pytest.approx(0.0, abs=1e-9), "the nose is the origin"
@@ -103,13 +103,13 @@ def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     assert (
         np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
     )
-    lander = craft.lander(vehicle).positions
+    lander = shapes.lander(vehicle).positions
     for jet in vehicle.rcs.thrusters:
         assert np.min(np.linalg.norm(lander - jet.position_m, axis=1)) < 0.12, jet.name
-    feet = craft.legs(vehicle).positions
+    feet = shapes.legs(vehicle).positions
     for pad in vehicle.landing_gear.footpads_m:
         assert np.min(np.linalg.norm(feet - pad, axis=1)) < 0.01
-    canopy, lines = craft.canopy(vehicle)
+    canopy, lines = shapes.canopy(vehicle)
     assert np.hypot(canopy.positions[:, 1], canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
         0.68 * vehicle.parachute.diameter_m, rel=0.01
     )

@@ -20,7 +20,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table
-from edl6dof.report.paper import write_pdf
+from edl6dof.report.pdf import write_pdf
 from edl6dof.runs.run import Run
 
 

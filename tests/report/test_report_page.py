@@ -13,11 +13,11 @@ import pytest
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.report.document import Report, Section, Table, Text
-from edl6dof.report.drawing import drawing
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace, thinned
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.numbers import significant
 from edl6dof.report.page import page
+from edl6dof.report.plotly_figure import plotly_figure
 from edl6dof.runs.files import atomic_file
 
 
@@ -39,12 +39,12 @@ def unpacked(values) -> np.ndarray:
 
 def test_every_figure_obeys_plotlys_own_schema(report):
     for figure in report.figures():
-        go.Figure(drawing(figure))  # raises for any property plotly does not know
+        go.Figure(plotly_figure(figure))  # raises for any property plotly does not know
 
 
 def test_page_carries_the_drawings_unharmed(report, html):
     found = re.search(r'<script type="application/json" id="figure-data">(.*?)</script>', html, re.DOTALL)
-    assert json.loads(found[1]) == {figure.key: drawing(figure) for figure in report.figures()}
+    assert json.loads(found[1]) == {figure.key: plotly_figure(figure) for figure in report.figures()}
 
 
 def test_page_refers_to_nothing_outside_itself(html):
@@ -66,7 +66,7 @@ def test_verdict_limits_and_published_figures_are_on_the_page(run, html):
 
 
 def test_altitude_is_drawn_as_telemetry_has_it(run, report):
-    overview = drawing(next(figure for figure in report.figures() if figure.key == "overview"))
+    overview = plotly_figure(next(figure for figure in report.figures() if figure.key == "overview"))
     curve = next(trace for trace in overview["data"] if trace["name"] == "above the ellipsoid")
     t, altitude = unpacked(curve["x"]), unpacked(curve["y"])
     assert altitude == pytest.approx(np.interp(t, run.t, run["truth.altitude_m"]) / 1e3, abs=0.02)

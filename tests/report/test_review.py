@@ -12,9 +12,9 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
-from edl6dof.report.drawing import drawing
 from edl6dof.report.flight import actuators, phase_planes, site, trajectory
 from edl6dof.report.flight.build import flight_report
+from edl6dof.report.plotly_figure import plotly_figure
 from edl6dof.runs.results import write_run
 from edl6dof.runs.run import Run
 
@@ -175,7 +175,7 @@ def test_flight_without_flight_software_has_a_report_too(tmp_path):
         "software",
     }
     for figure in report.figures():
-        go.Figure(drawing(figure))
+        go.Figure(plotly_figure(figure))
 
 
 def test_point_mass_is_shown_without_an_attitude(tmp_path):

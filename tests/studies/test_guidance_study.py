@@ -136,4 +136,4 @@ def test_small_run_comes_out_whole(monkeypatch):
     assert rows["npc"]["miss mean km"] < 5.0 < rows["bank_profile"]["miss mean km"]
     assert rows["npc"]["in box %"] == 100.0
     assert 0.0 < rows["bank_profile"]["call us"] < rows["npc"]["call us"] < 2000.0
-    assert [d.name for d in report.drawings] == ["tianwen1_miss", "tianwen1_footprint"]
+    assert [d.key for d in report.drawings] == ["tianwen1_miss", "tianwen1_footprint"]

@@ -83,11 +83,11 @@ def test_yan2016_shows_the_gains_at_which_the_order_turns(yan):
 
 
 def test_figures_of_the_papers_are_drawn(zheng, yan):
-    assert [drawing.name[:4] for drawing in zheng.drawings] == ["fig3", "fig4", "fig5", "fig6"]
-    assert [drawing.name[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
+    assert [drawing.key[:4] for drawing in zheng.drawings] == ["fig3", "fig4", "fig5", "fig6"]
+    assert [drawing.key[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
     for drawing in (*zheng.drawings, *yan.drawings):
         for panel in drawing.panels:
             assert all(
                 len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
-                for curve in panel.curves
+                for curve in panel.traces
             )

@@ -83,7 +83,7 @@ def test_estimates_stay_in_the_set_under_a_disturbance_far_too_large(design):
 
 
 def test_figures_are_drawn(report):
-    assert [drawing.name for drawing in report.drawings] == [
+    assert [drawing.key for drawing in report.drawings] == [
         "fig1_corridor_and_profile",
         "design_model",
         "flights",
@@ -92,5 +92,5 @@ def test_figures_are_drawn(report):
         for panel in drawing.panels:
             assert all(
                 len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
-                for curve in panel.curves
+                for curve in panel.traces
             )

@@ -59,7 +59,7 @@ def test_misses_without_the_range_update_are_those_of_the_entry_errors(report):
 
 
 def test_figures_are_drawn(report):
-    assert [drawing.name for drawing in report.drawings] == [
+    assert [drawing.key for drawing in report.drawings] == [
         "fig3_estimates",
         "fig4_tracking",
         "fig5_fig6_misses",
@@ -69,5 +69,5 @@ def test_figures_are_drawn(report):
         for panel in drawing.panels:
             assert all(
                 len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
-                for curve in panel.curves
+                for curve in panel.traces
             )

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import rotations as turns
-from edl6dof.replay.scene import vehicle_shapes as craft
+from edl6dof.replay.scene import vehicle_shapes as shapes
 from edl6dof.replay.scene.mesh import Mesh
 
 LINE = (222, 214, 204)
@@ -23,22 +23,24 @@ class Descent(Recorder):
         mass, motion = self.vehicle.mass, self.motion
         self._parachute()
         self._discarded(
-            "heat_shield", motion.heat_shield, mass.heat_shield.centre_m, craft.heat_shield(self.vehicle)
+            "heat_shield", motion.heat_shield, mass.heat_shield.centre_m, shapes.heat_shield(self.vehicle)
         )
-        self._discarded("backshell", motion.backshell, mass.backshell.centre_m, craft.backshell(self.vehicle))
+        self._discarded(
+            "backshell", motion.backshell, mass.backshell.centre_m, shapes.backshell(self.vehicle)
+        )
 
     def _parachute(self) -> None:
         rr = self.rr
         rows, place, turn, scale = self.motion.parachute()
         if len(rows) == 0:
             return
-        mesh, lines = craft.canopy(self.vehicle)
+        mesh, lines = shapes.canopy(self.vehicle)
         start, entity = self.t[rows[0]], f"{self.root}/parachute"
         self.at(start, f"{entity}/canopy", self.mesh(mesh))
         self.at(start, f"{entity}/lines", rr.LineStrips3D(lines, colors=LINE, radii=rr.Radius.ui_points(0.7)))
         pose = rr.Transform3D.columns(translation=place, quaternion=turns.xyzw(turn), scale=scale)
         self.columns(entity, self.t[rows], pose)
-        lid_x, lid_r = craft.backshell_profile(self.vehicle)[-1]
+        lid_x, lid_r = shapes.backshell_profile(self.vehicle)[-1]
         ends = [[lid_x, lid_r * np.cos(a), lid_r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
         strips = [[end, self.vehicle.parachute.confluence_m] for end in ends]
         bridle = rr.LineStrips3D(strips, colors=LINE, radii=rr.Radius.ui_points(1.0))

@@ -23,7 +23,7 @@ class Trajectory(NamedTuple):
     cause: str
 
 
-def write_swarm(recording: rr.RecordingStream, trajectories: Sequence[Trajectory]) -> None:
+def write_ensemble(recording: rr.RecordingStream, trajectories: Sequence[Trajectory]) -> None:
     """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts as
     text.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from edl6dof.replay.history import spans, thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import rotations as turns
-from edl6dof.replay.scene import vehicle_shapes as craft
+from edl6dof.replay.scene import vehicle_shapes as shapes
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
 SHIELD_COLD, SHIELD_HOT = np.array([104.0, 84.0, 70.0]), np.array([255.0, 150.0, 70.0])
@@ -22,7 +22,7 @@ class Vehicle(Recorder):
 
     def statics(self) -> None:
         """Lander and nozzles."""
-        self.static(f"{self.root}/vehicle/lander", self.mesh(craft.lander(self.vehicle)))
+        self.static(f"{self.root}/vehicle/lander", self.mesh(shapes.lander(self.vehicle)))
 
     def motions(self) -> None:
         """Everything that moves, leaves or breaks."""
@@ -30,14 +30,14 @@ class Vehicle(Recorder):
         pose = self.rr.Transform3D.columns(translation=motion.nose, quaternion=turns.xyzw(motion.rotation))
         self.columns(f"{self.root}/vehicle", self.t, pose)
         for part, shape, place in (
-            ("heat_shield", craft.heat_shield(vehicle), motion.heat_shield),
-            ("backshell", craft.backshell(vehicle), motion.backshell),
+            ("heat_shield", shapes.heat_shield(vehicle), motion.heat_shield),
+            ("backshell", shapes.backshell(vehicle), motion.backshell),
         ):
             self.at(self.t[0], f"{self.root}/vehicle/{part}", self.mesh(shape))
             released = motion.released(place)
             if released is not None:
                 self.gone(self.t[released], f"{self.root}/vehicle/{part}")
-        legs = craft.legs(vehicle)
+        legs = shapes.legs(vehicle)
         if legs is not None and "landing_legs" in self.when:
             self.at(self.when["landing_legs"], f"{self.root}/vehicle/legs", self.mesh(legs))
         self._glow()
@@ -62,13 +62,13 @@ class Vehicle(Recorder):
 
     def _trim_wing(self) -> None:
         """It swings out about its hinge, and leaves with the backshell."""
-        entity, shape = f"{self.root}/vehicle/trim_wing", self.mesh(craft.trim_wing(self.vehicle))
-        hinge = craft.wing_hinge(self.vehicle)[0]
+        entity, shape = f"{self.root}/vehicle/trim_wing", self.mesh(shapes.trim_wing(self.vehicle))
+        hinge = shapes.wing_hinge(self.vehicle)[0]
         opening = np.nan_to_num(self.flight["truth.trim_wing"])
         released = self.motion.released(self.motion.backshell)
         rows = np.append(0, np.flatnonzero(np.diff(opening)) + 1)
         rows = rows[rows < (len(self.t) if released is None else released)]
-        turned = turns.xyzw(turns.from_axes(craft.wing_axes(self.vehicle, opening[rows])))
+        turned = turns.xyzw(turns.from_axes(shapes.wing_axes(self.vehicle, opening[rows])))
         self.at(self.t[0], entity, shape)
         pose = self.rr.Transform3D.columns(translation=np.tile(hinge, (len(rows), 1)), quaternion=turned)
         self.columns(entity, self.t[rows], pose)
@@ -85,7 +85,7 @@ class Vehicle(Recorder):
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
         for begin, end in spans(failed > 0):
-            self.at(self.t[begin], entity, self.mesh(craft.nozzle(jet, RED, 2.0)))
+            self.at(self.t[begin], entity, self.mesh(shapes.nozzle(jet, RED, 2.0)))
             self._mark(self.t[begin], entity, place, "failed")
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))

@@ -54,7 +54,7 @@ class Shown(NamedTuple):
         groups: thruster groups.
         jets: names of the thrusters.
         flights: number of flights in the recording.
-        swarm: whether a campaign's trajectories are in it.
+        ensemble: whether a campaign's trajectories are in it.
         globe_eye, globe_target: whence and whither the globe is seen, km in F.
     """
 
@@ -67,7 +67,7 @@ class Shown(NamedTuple):
     groups: tuple[str, ...]
     jets: tuple[str, ...]
     flights: int
-    swarm: bool
+    ensemble: bool
     globe_eye: np.ndarray
     globe_target: np.ndarray
 
@@ -117,7 +117,7 @@ class Layout:
     def _flight(self) -> rrb.Container:
         rrb = self.rrb
         readout = rrb.TextDocumentView(origin="/readout", name="Readout")
-        if self.flown.swarm:
+        if self.flown.ensemble:
             readout = rrb.Vertical(rrb.TextDocumentView(origin="/campaign", name="Campaign"), readout)
         left = rrb.Horizontal(self._chase(), readout, column_shares=[7, 2])
         views = rrb.Tabs(self._afar("Descent") or self._whole(), self._whole(), self._globe(), active_tab=0)

@@ -19,13 +19,13 @@ from edl6dof.studies.study import Progress, Report, Study
 
 SEED = 2022
 REMARKS = (
-    "Touchdown errors and rates of one flight are samples of a limit cycle: their size compares, not their "
-    "sign.",
+    "Touchdown errors and rates of one flight are samples of a limit cycle: their size compares, not "
+    "their sign.",
     "The real descent under the parachute took 168.9 s; this vehicle needs 20 s less, so all later times are "
     "earlier.",
-    "Rates and errors are the largest; the thrust direction counts as found within "
-    f"{FOUND_DEG:g} deg, a step as settled within {SETTLED_DEG:g} deg; roll in the powered descent is looked "
-    "at from 8 s on; beside a phase margin stands its crossover frequency.",
+    f"Rates and errors are the largest; the thrust direction counts as found within {FOUND_DEG:g} deg, a "
+    f"step as settled within {SETTLED_DEG:g} deg; roll in the powered descent is looked at from 8 s on; "
+    "beside a phase margin stands its crossover frequency.",
     "Equal PID: the gains that the estimator is worth in its linear range, P + lambda D, lambda P and "
     "D + lambda.",
 )

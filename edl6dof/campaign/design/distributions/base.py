@@ -36,7 +36,12 @@ class DistributionParams(Params):
 
 def deviates(unit: np.ndarray) -> np.ndarray:
     """Standard normal deviates of numbers in 0..1, finite at both ends."""
-    return ndtri(np.clip(unit, _EDGE, 1.0 - _EDGE))
+    return ndtri(inside(unit))
+
+
+def inside(unit: np.ndarray) -> np.ndarray:
+    """Numbers in 0..1 as near to both ends as every quantile function is finite."""
+    return np.clip(unit, _EDGE, 1.0 - _EDGE)
 
 
 class Spread(DistributionParams):

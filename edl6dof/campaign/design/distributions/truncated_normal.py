@@ -10,8 +10,9 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 from scipy.special import ndtr
+from scipy.stats import truncnorm
 
-from edl6dof.campaign.design.distributions.base import Spread, deviates
+from edl6dof.campaign.design.distributions.base import Spread, inside
 from edl6dof.config.base import REQUIRED, param
 from edl6dof.registry import Member
 
@@ -35,14 +36,14 @@ class TruncatedNormal(Spread):
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
         """Values of unit numbers."""
         mean, sigma = nominal if self.mean is None else self.mean, self.deviation(nominal)
-        first, last = (
-            ndtr((bound - mean) / sigma) if bound is not None else end
-            for bound, end in ((self.low, 0.0), (self.high, 1.0))
+        low, high = (
+            (bound - mean) / sigma if bound is not None else end
+            for bound, end in ((self.low, -np.inf), (self.high, np.inf))
         )
-        if not last - first > 1e-9:
+        if not ndtr(high) - ndtr(low) > 1e-9:
             raise ValueError("low and high leave nothing of the distribution")
-        values = mean + sigma * deviates(first + unit * (last - first))
-        return np.clip(values, self.low, self.high)
+        values = truncnorm.ppf(inside(unit), low, high, mean, sigma)
+        return np.clip(values, self.low, self.high)  # the last bit may be outside
 
 
 MEMBER = Member(

@@ -20,7 +20,7 @@ _BESIDE = ("top center", "bottom center", "middle right", "middle left")
 _DASHES = {"solid": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 
 
-def drawing(figure: Figure) -> dict[str, Any]:
+def plotly_figure(figure: Figure) -> dict[str, Any]:
     """``{"data": [...], "layout": {...}}`` for ``Plotly.newPlot``."""
     data: list[dict[str, Any]] = []
     layout = _layout(figure)
