@@ -85,7 +85,7 @@ def main() -> int:
         f"{'took s':>7}"
     )
     for index, phase in enumerate(nominal.scenario.mission.phases[:-1]):
-        begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
+        begin = float(nominal.fsw["mission"]["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
         seconds = min(options.window, LONGEST.get(phase.role, 60.0))
         state = fly(loaded, save_at_s=begin).saved
         if state is None:

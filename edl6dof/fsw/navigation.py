@@ -80,9 +80,10 @@ def model_atmosphere(table, altitude):
 
 
 @kernel
-def navigate(onboard, sensed, nav):
-    """Fill ``nav`` from ``sensed``."""
-    planet = onboard.planet
+def navigate(planet, atmosphere, site_frame, sensed, nav):
+    """Fill ``nav`` (``NAV``) from ``sensed`` (``SENSED``), with the believed planet and atmosphere and the
+    local frame of the landing site.
+    """
     t = sensed.t
     nav.t = t
     q = (sensed.q_I2B[0], sensed.q_I2B[1], sensed.q_I2B[2], sensed.q_I2B[3])
@@ -116,14 +117,14 @@ def navigate(onboard, sensed, nav):
     nav.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     nav.azimuth = atan2(v_N[1], v_N[0])
 
-    put3(nav.site_L, 0, to_local(onboard.site.frame, r_F))
+    put3(nav.site_L, 0, to_local(site_frame, r_F))
 
     v_B = to_frame(q, v_I)
     _, nav.alpha, nav.beta = wind_angles(v_B)
     nav.total_alpha = total_angle_of_attack(v_B)
     x, y, z = axes(q)
     nav.bank = bank_angle(v_I, up, x, y, z)
-    density, sound, _ = model_atmosphere(onboard.atmosphere, altitude)
+    density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed
     force_I = from_frame(q, take3(sensed.specific_force_B, 0))

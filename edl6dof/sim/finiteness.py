@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
@@ -39,8 +40,8 @@ _FROM_OUTPUTS = ("ground_elevation", "ground_slope")
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
 _SENSED = _words(SENSED, "t", "imu_gain_B", offset(SENSORS, "sensed"))
-_PHASE_START = _words(FSW, "phase_start", "phase_start")
-_WORKED_OUT = _words(FSW, "mass", "demand")
+_PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", offset(FSW, "mission"))
+_WORKED_OUT = _words(FSW, "vehicle", "demand")
 _COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
 
 

@@ -29,9 +29,9 @@ def take_up(cases, plants, memories):
     """Let a saved plant and flight-software memory forget what they worked out from parameters, which may
     have changed since.
     """
-    case, plant, allocator = cases[0], plants[0], memories[0].allocator
+    case, plant = cases[0], plants[0]
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
-    allocator.effect_of = allocator.gram_of = 0
+    memories[0].effectiveness.of = 0
 
 
 @kernel

@@ -59,8 +59,10 @@ def record_brief(case, plant, outputs, fsw, tick):
     if plant.debris[1].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
-    guide.phase, guide.bank = fsw.phase, fsw.guide.bank
-    tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(fsw.attitude_error, 0)
+    guide.phase, guide.bank = fsw.mission.phase, fsw.guide.bank
+    tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
+        fsw.demand.attitude_error, 0
+    )
     return c, s, v_rel, v_N, airspeed
 
 
@@ -107,7 +109,7 @@ def record(case, plant, outputs, fsw, tick):
 
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
-    tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.mass
+    tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
     tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = (
         guide.crossrange,
@@ -121,7 +123,7 @@ def record(case, plant, outputs, fsw, tick):
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
         direction
     )
-    torque, missing = take3(fsw.demand, 3), take3(fsw.allocator.undelivered, 3)
+    torque, missing = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
     estimated = fsw.disturbance
@@ -129,10 +131,10 @@ def record(case, plant, outputs, fsw, tick):
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
-    tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_found
+    tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
-        if fsw.healthy[i] != 0:
+        if fsw.health.thruster[i] != 0:
             in_use |= 1 << i
         tick.duty[i] = plant.valves.mean[i]
         tick.fault[i] = plant.valves.fault[i]

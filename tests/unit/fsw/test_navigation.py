@@ -57,7 +57,9 @@ def fly_state(
 
 def nav_of(onboard, sensed):
     nav = np.zeros(1, NAV)[0]
-    navigate(onboard[0], sensed, nav)
+    navigate(
+        *(onboard[0][name] for name in ("planet", "atmosphere")), onboard[0]["site"]["frame"], sensed, nav
+    )
     return nav
 
 
