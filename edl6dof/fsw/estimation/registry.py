@@ -40,7 +40,9 @@ DISTURBANCE = np.dtype(
     align=True,
 )
 
-_Estimators: Any = ESTIMATORS.params_model("Estimators", "estimator", "first_order", "Disturbance estimation.")
+_Estimators: Any = ESTIMATORS.params_model(
+    "Estimators", "estimator", "first_order", "Disturbance estimation."
+)
 
 
 class EstimationParams(_Estimators):
