@@ -59,7 +59,7 @@ class FlownRun:
         return self._run.phase_names
 
     @property
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> Sequence[Mapping[str, Any]]:
         """The timeline."""
         return self._run.events
 

@@ -31,12 +31,15 @@ class Cell:
     bar: float | None = None
 
 
+Row = Sequence[str | Cell]
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows under headings; a heading that ends in ``>`` is that of right-aligned numbers."""
 
     columns: Sequence[str]
-    rows: Sequence[Sequence[str | Cell]]
+    rows: Sequence[Row]
     caption: str = ""
 
 

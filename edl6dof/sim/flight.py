@@ -318,7 +318,7 @@ def fly(
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
-            held = (duplicate(record) for record in (plant, peaks, sensors, fsw))
+            held = duplicate(plant), duplicate(peaks), duplicate(sensors), duplicate(fsw)
             saved = State(cycle, *held, resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
