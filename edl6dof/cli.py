@@ -18,20 +18,20 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: typer.Context) -> object:
         """Run the command that was asked for."""
-        from edl6dof.app import ending
+        from edl6dof.app import exit_status
         from edl6dof.config.errors import ConfigError
 
         try:
             return super().invoke(ctx)
         except ConfigError as error:
             print(error, file=sys.stderr)
-            raise typer.Exit(ending.BAD_INPUT) from None
+            raise typer.Exit(exit_status.BAD_INPUT) from None
         except KeyboardInterrupt:
             print("interrupted; nothing was written", file=sys.stderr)
-            raise typer.Exit(ending.INTERRUPTED) from None
+            raise typer.Exit(exit_status.INTERRUPTED) from None
         except BrokenPipeError:
             sys.stdout = open(os.devnull, "w")  # noqa: SIM115  what is still in the buffer has nowhere to go
-            raise typer.Exit(ending.BROKEN_PIPE) from None
+            raise typer.Exit(exit_status.BROKEN_PIPE) from None
 
 
 EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is missing on this machine;
@@ -191,7 +191,7 @@ def replay(
 
     Exit status: 0 shown or written, 2 bad input, 69 the viewer does not run here.
     """
-    from edl6dof.app.ending import refusing_damage
+    from edl6dof.app.exit_status import refusing_damage
 
     if runs[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         _load_plugins(runs[0], trust=trust)
@@ -223,7 +223,7 @@ def report(
 
     The page opens offline, and its plots can be zoomed.
     """
-    from edl6dof.app.ending import refusing_damage
+    from edl6dof.app.exit_status import refusing_damage
     from edl6dof.app.report import run_report
 
     with refusing_damage(run):
@@ -253,7 +253,7 @@ def plot(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
 ) -> None:
     """Plot channels of a run; those of one unit share a panel."""
-    from edl6dof.app.ending import refusing_damage
+    from edl6dof.app.exit_status import refusing_damage
     from edl6dof.app.plot import run_plot
 
     with refusing_damage(run):
@@ -277,7 +277,7 @@ def compare(
     the other.
     """
     from edl6dof.app.compare import run_compare
-    from edl6dof.app.ending import refusing_damage
+    from edl6dof.app.exit_status import refusing_damage
 
     with refusing_damage(first, second):
         status = run_compare(first, second, out, force)
@@ -309,7 +309,7 @@ def export(
     """Write the telemetry of a run in the form of another program."""
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
-    from edl6dof.app.ending import refusing_damage
+    from edl6dof.app.exit_status import refusing_damage
     from edl6dof.app.export import run_export
 
     with refusing_damage(run):
@@ -536,7 +536,7 @@ def main() -> None:
     except Exception:
         import traceback
 
-        from edl6dof.app.ending import DEFECT
+        from edl6dof.app.exit_status import DEFECT
 
         traceback.print_exc()
         print(

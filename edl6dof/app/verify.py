@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.ending import refuse
+from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
