@@ -94,7 +94,7 @@ def fly(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
     replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
     report: Annotated[bool, typer.Option("--report", help="Write the report too.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the verdict only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the outcome only.")] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the summary as JSON instead of tables.")
     ] = False,
@@ -211,7 +211,7 @@ def report(
     pdf: Annotated[
         bool,
         typer.Option(
-            "--pdf", help=("Write report.pdf instead: verdict, tables, and each figure as a vector page.")
+            "--pdf", help=("Write report.pdf instead: outcome, tables, and each figure as a vector page.")
         ),
     ] = False,
     png: Annotated[

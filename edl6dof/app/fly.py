@@ -92,13 +92,13 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
-    from edl6dof.report.terminal import show_flight, verdict
+    from edl6dof.report.terminal import headline, show_flight
 
     console = Console(highlight=False, soft_wrap=True)
     if options.as_json:
         print((target / "summary.json").read_text(encoding="utf-8"), end="")
     elif options.quiet:
-        console.print(verdict(flight))
+        console.print(headline(flight))
     else:
         show_flight(console, flight)
         console.print(f"{target}: {listed(target)}", markup=False)

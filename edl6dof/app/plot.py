@@ -95,12 +95,12 @@ def channel_plot(run: Run, channels: Sequence[str], x: str, rows: np.ndarray) ->
 
 def _write(run: Run, figure: Figure, path: Path) -> None:
     if path.suffix == ".html":
-        from edl6dof.report.flight.words import mood, verdict
+        from edl6dof.report.flight.words import headline, mood
         from edl6dof.report.page import page
 
         report = Report(
             run.name,
-            verdict(run),
+            headline(run),
             mood(run.summary),
             str(run.folder),
             sections=[Section("plots", figure.title, [figure])],

@@ -89,7 +89,7 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
     for report in reports:
         if report.skipped:
             console.print(f"skipped: {report.name}: {report.note}", markup=False)
-    console.print(_verdict(reports, seconds))
+    console.print(_summary_line(reports, seconds))
 
 
 def _comparisons(results: Sequence[Result]) -> Table:
@@ -113,7 +113,7 @@ def _comparisons(results: Sequence[Result]) -> Table:
     return table
 
 
-def _verdict(reports: Sequence[Report], seconds: float) -> Text:
+def _summary_line(reports: Sequence[Report], seconds: float) -> Text:
     failed = [report.name for report in reports if not report.passed]
     count = sum(len(report.results) for report in reports)
     if failed:

@@ -22,14 +22,14 @@ _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Verdict and tables on A4 pages, then every figure on a page of its own size."""
+    """Headline and tables on A4 pages, then every figure on a page of its own size."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
         from matplotlib.backends.backend_pdf import PdfPages
 
         with PdfPages(
-            path, metadata={"Title": report.title, "Subject": report.verdict, "CreationDate": None}
+            path, metadata={"Title": report.title, "Subject": report.headline, "CreationDate": None}
         ) as pages:
             for canvas in _word_pages(report):
                 pages.savefig(canvas)
@@ -38,7 +38,7 @@ def write_pdf(report: Report, path: Path) -> None:
 
 
 def _word_pages(report: Report) -> Iterator[Canvas]:
-    """A4 pages with title, verdict, facts and all tables."""
+    """A4 pages with title, headline, facts and all tables."""
     from matplotlib.figure import Figure as Canvas
 
     lines = list(_lines(report))
@@ -62,7 +62,7 @@ def _lines(report: Report) -> Iterator[list[Words]]:
     yield []
     yield [(0.0, "left", report.subtitle, {"fontsize": 9, "color": GREY})]
     yield [
-        (0.0, "left", report.verdict, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
+        (0.0, "left", report.headline, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
     ]
     yield []
     for first in range(0, len(report.facts), 4):

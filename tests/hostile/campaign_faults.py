@@ -143,7 +143,7 @@ def read() -> dict[str, str]:
     said = {}
     for name, reader in (
         ("table", lambda: Store(RUN).table().num_rows),
-        ("report", lambda: report_of(RUN).verdict),
+        ("report", lambda: report_of(RUN).headline),
     ):
         try:
             said[name] = str(reader())

@@ -33,7 +33,7 @@ def campaign_report(folder: Path) -> Report:
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
-        verdict=f"{results.success.successes} of {results.success.trials} flights succeed: {results.success}",
+        headline=f"{results.success.successes} of {results.success.trials} flights succeed: {results.success}",
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],
