@@ -29,7 +29,7 @@ class FigureOfMerit(NamedTuple):
         meaning: what it is, in the words of reports.
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
-            ground contact, ``diagnosis`` for the findings.
+            ground contact, ``diagnosis`` for fault isolation.
         comparison: how a published value is to be read.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
