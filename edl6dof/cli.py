@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -16,7 +16,7 @@ class Commands(TyperGroup):
     traceback.
     """
 
-    def invoke(self, ctx: typer.Context) -> object:
+    def invoke(self, ctx: Any) -> object:
         """Run the command that was asked for."""
         from edl6dof.app import exit_status
         from edl6dof.config.errors import ConfigError
@@ -34,8 +34,8 @@ class Commands(TyperGroup):
             raise typer.Exit(exit_status.BROKEN_PIPE) from None
 
 
-EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is missing on this machine;
-70 a defect of the program; 130 interrupted."""
+EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is
+missing on this machine; 70 a defect of the program; 130 interrupted."""
 
 app = typer.Typer(
     cls=Commands,

@@ -1,9 +1,7 @@
 """The ``@kernel`` decorator: compiled, cached, GIL-free functions whose cache is never stale.
 
-numba stamps a cache entry with the file of the compiled function only.  When a helper in another module is
-edited, its callers keep running the old machine code (numba issues 1833 and 8851).  Here the stamp of a
-function is the hash of its own file and, recursively, of every module of this package that the file imports,
-so an edit recompiles exactly what depends on it.
+The stamp of a function's machine code is that of :mod:`edl6dof.source_stamp`, so an edit recompiles exactly
+what depends on it, and words recompile nothing.
 """
 
 from __future__ import annotations
@@ -11,10 +9,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
-from os.path import isabs, isfile, join
+from os.path import isabs, join
 from pathlib import Path
 from stat import S_IMODE, S_ISDIR
 from tempfile import gettempdir
@@ -26,15 +24,14 @@ from numba.core.dispatcher import Dispatcher
 
 from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
+from edl6dof.source_stamp import SourceTree
 
+#: numba's settings: a module whose names it makes when it is imported.
+SETTINGS: Any = numba.config
 PACKAGE = Path(__file__).resolve().parent
-#: ``from X import a, (b``: X and the names up to the closing parenthesis or the end of the line; ``import X,
-#: Y``: the rest of it.
-_IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*(\([^)]*|[^\n]*)|import[ \t]+([^\n]*))", re.MULTILINE
-)
-#: Comments and line continuations, taken out before the statements are looked for.
-_NOISE = re.compile(r"#[^\n]*|\\\r?\n")
+TREE = SourceTree(PACKAGE, Path(SETTINGS.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
+#: numba puts a function's first line into the name of its files; a line more above it changes no code.
+_LINE = re.compile(r"-\d+(?=\.py\d+)")
 
 
 def kernel(function: Callable[..., Any]) -> Any:
@@ -54,10 +51,10 @@ def _keep_code(compiled: Dispatcher) -> None:
     """Let a kernel keep its machine code in the first folder that can be written to; without any, it is
     compiled in each process.
     """
-    before = numba.config.CACHE_LOCATOR_CLASSES
+    before = SETTINGS.CACHE_LOCATOR_CLASSES
     # The locator is chosen at decoration; setting it only here leaves other users of numba in the process
     # alone.
-    numba.config.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
+    SETTINGS.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
     try:
         compiled.enable_caching()
     except RuntimeError:
@@ -66,11 +63,10 @@ def _keep_code(compiled: Dispatcher) -> None:
         )
         return
     finally:
-        numba.config.CACHE_LOCATOR_CLASSES = before
-    kept = compiled._cache
-    kept._cache_file = CodeFiles(
-        Path(kept.cache_path), kept._impl.filename_base, kept._impl.locator.get_source_stamp()
-    )
+        SETTINGS.CACHE_LOCATOR_CLASSES = before
+    kept: Any = compiled._cache  # type: ignore[attr-defined]  # private to numba
+    name = _LINE.sub("", kept._impl.filename_base)
+    kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
 
 
 #: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set
@@ -93,8 +89,8 @@ class _TreeStamp:
         """numba's folder; below it one for each set of outside files, so that flights with and without them
         do not displace each other.
         """
-        folder = super().get_cache_path()
-        if not outside_sources or _FAMILIES not in _dependencies(str(Path(self._py_file).resolve())):
+        folder: str = super().get_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
+        if not outside_sources or _FAMILIES not in TREE.reached(str(Path(self._py_file).resolve())):
             return folder
         return str(
             Path(folder)
@@ -159,73 +155,14 @@ def _user() -> int:
 
 @cache
 def tree_stamp(path: Path) -> str:
-    """Hash of ``path`` and, recursively, of every package module it imports, and of the flags that change
-    compiled code.
+    """Stamp of ``path`` with all that it imports, and of the flags that change compiled code.
 
     What may call a member of a family also depends on the members from outside the package, and on all that
     these import.
     """
-    digest = hashlib.sha256(f"boundscheck={numba.config.BOUNDSCHECK}".encode())
-    files = _dependencies(str(path))
-    if _FAMILIES in files:
-        files = files.union(*map(_dependencies, outside_sources))
-    for module in sorted(files):
-        digest.update(_read(module)[0])
-    return digest.hexdigest()
-
-
-def _dependencies(path: str) -> set[str]:
-    """``path`` and all package files it reaches by imports; each file is read once in a process, and a cycle
-    ends here.
-    """
-    seen = {path}
-    queue = [path]
-    while queue:
-        new = _read(queue.pop())[1] - seen
-        seen |= new
-        queue += new
-    return seen
-
-
-@cache
-def _read(path: str) -> tuple[bytes, frozenset[str]]:
-    """Hash of a file, and the package files that it imports itself."""
-    content = Path(path).read_bytes()
-    names = _imported(_NOISE.sub("", content.decode()), path)
-    return hashlib.sha256(content).digest(), frozenset(file for name in names if (file := _file_of(name)))
-
-
-def _imported(text: str, path: str) -> Iterator[str]:
-    """Dotted names that the import statements of a source mention; some are not modules but names in one."""
-    for origin, names, plain in _IMPORT.findall(text):
-        if origin.startswith("."):
-            origin = _absolute(origin, path)
-        if origin:
-            yield origin
-        for item in (names or plain).lstrip("(").split(","):
-            name = item.split(None, 1)[:1]
-            yield ".".join([origin, *name] if origin else name)
-
-
-def _absolute(dotted: str, path: str) -> str:
-    """The origin of a relative import in ``path`` as a name that begins with this package; empty when it lies
-    outside.
-    """
-    tail = dotted.lstrip(".")
-    folder = Path(path).parents[len(dotted) - len(tail) - 1]
-    if not folder.is_relative_to(PACKAGE):
-        return ""
-    return ".".join(part for part in (PACKAGE.name, *folder.relative_to(PACKAGE).parts, tail) if part)
-
-
-@cache
-def _file_of(dotted: str) -> str:
-    """File of a module of this package; empty for anything else."""
-    first, *inside = dotted.split(".")
-    if first != PACKAGE.name:
-        return ""
-    base = str(PACKAGE.joinpath(*inside))
-    return next((file for file in (f"{base}.py", f"{base}/__init__.py") if isfile(file)), "")
+    calls_members = _FAMILIES in TREE.reached(str(path))
+    stamp = TREE.stamp([str(path), *(outside_sources if calls_members else [])])
+    return hashlib.sha256(f"{stamp} boundscheck={SETTINGS.BOUNDSCHECK}".encode()).hexdigest()
 
 
 def is_cached(compiled: Any) -> bool:

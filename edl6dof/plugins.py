@@ -3,7 +3,7 @@ is built.
 
 A plugin file is what a member's file in the package is, with one line more that says where it belongs:
 
-    FAMILY = "entry_law"                         # or reversal, powered_law, controller
+    FAMILY = "entry_law"                         # or reversal, powered_law, controller, ...
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
 The families, their records and the compiled loop are made once in a process, so plugins are read first: the
@@ -27,6 +27,7 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.config.accepted import accept, is_accepted
+from edl6dof.config.base import stated
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
@@ -39,6 +40,10 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "entry_law": ("entry guidance law", {"guide": ("onboard", "nav", "mem", "out")}),
     "reversal": ("bank-reversal logic", {"side": ("onboard", "nav", "mem", "out", "wanted", "sign")}),
     "powered_law": ("powered guidance law", {"guide": ("onboard", "nav", "mem", "guide")}),
+    "distribution": ("distribution", {}),
+    "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
+    "sensor": ("sensor", {"measure": ("params", "memory", "plant", "outputs", "sensed")}),
+    "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
     "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 
@@ -101,8 +106,8 @@ def require(document: Document) -> None:
     for path in paths:
         if path not in ACTIVE:
             message = (
-                "comes too late: this process has built its flight software without it; load this scenario first "
-                f"(edl6dof.load), or set {VARIABLE} to the file before Python starts"
+                "comes too late: this process has built its flight software without it; load this scenario "
+                f"first (edl6dof.load), or set {VARIABLE} to the file before Python starts"
             )
             raise _problem(path, document, message)
     if paths:
@@ -162,11 +167,11 @@ def _load(path: Path, document: Document | None) -> None:
 
 def _imported(path: Path, document: Document | None) -> Any:
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
-    spec = importlib.util.spec_from_file_location(name, path)
+    spec = stated(importlib.util.spec_from_file_location(name, path))  # there is one for every .py file
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module  # compiled code finds its globals by this name
     try:
-        spec.loader.exec_module(module)
+        stated(spec.loader).exec_module(module)
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
         raise _problem(
@@ -191,6 +196,8 @@ def _complaint(member: Member, roles: dict[str, tuple[str, ...]]) -> str:
     """What is wrong with a member; empty when nothing is."""
     if not member.name.isidentifier() or member.name != member.name.lower():
         return f"has a member whose name is no lower-case identifier (got {member.name!r})"
+    if not (member.params.__doc__ or "").strip():
+        return "must say in a docstring what its parameters are"
     if set(member.kernels) != set(roles):
         return (
             f"must give the kernel{'s' if len(roles) > 1 else ''} {', '.join(roles)} (got "

@@ -8,7 +8,7 @@ metadata of its dtype; so does a float that need not be finite.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class Numbers(NamedTuple):
 
     path: str
     values: np.ndarray
-    declared: dict[str, object]
+    declared: Mapping[str, Any]
 
     @property
     def is_whole(self) -> bool:
@@ -56,6 +56,17 @@ def numbers(record: np.ndarray, path: str = "") -> Iterator[Numbers]:
         yield from numbers(record[name], f"{path}.{name}" if path else name)
 
 
+def offset(layout: np.dtype, field: str) -> int:
+    """Bytes from the start of a record to one of its fields.
+
+    Raises:
+        KeyError: it has no field of this name.
+    """
+    if layout.fields is None:
+        raise KeyError(field)
+    return int(layout.fields[field][1])
+
+
 def first_not_finite(record: np.ndarray) -> str | None:
     """Path of the first float of a record (length one) that should be finite and is not; ``None`` when there
     is none.
@@ -68,6 +79,16 @@ def first_not_finite(record: np.ndarray) -> str | None:
         ):
             return field.place(~finite)
     return None
+
+
+def require_finite(table: np.ndarray) -> None:
+    """Refuse a table (a structured array of length one) with a float that is not finite.
+
+    Raises:
+        ValueError: there is one.
+    """
+    if first_not_finite(table) is not None:
+        raise ValueError("holds a number that is not finite, or one for which no table can be built")
 
 
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:

@@ -49,6 +49,7 @@ class Member:
         tables: record layout of what is planned for it on the ground.
         plan: fills those tables, before a flight in which the member is chosen; the family decides the
             arguments.
+        writes: fields it fills, where the members of a family fill one record together.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Member:
     memory: np.dtype = field(default=EMPTY_MEMORY)
     tables: np.dtype = field(default=EMPTY_MEMORY)
     plan: Callable[..., None] | None = None
+    writes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,18 +90,25 @@ class Family:
         """The member called ``name``."""
         return self.members[self.names.index(name)]
 
-    def params_model(self, class_name: str, choice: str | None, default: str, doc: str) -> type[Params]:
+    def params_model(
+        self, class_name: str, choice: str | None, default: str, doc: str, *, bare: bool = False
+    ) -> Any:
         """Parameter model with one section for each member, and the choice of one unless it is made elsewhere
         (``choice`` None).
+
+        It is made for the members of this process, plugins included, so that its type is not known before.
+        A section may be left out; one that must hold something is then ``None``.  With ``bare`` a member
+        without parameters has none.
         """
         fields: dict[str, Any] = {}
         if choice is not None:
             fields[choice] = (Literal[self.names], param(default, f"which {self.title} flies"))
         for member in self.members:
-            fields[member.name] = (
-                member.params,
-                group(member.params, (member.params.__doc__ or "").strip().splitlines()[0]),
-            )
+            own, meaning = member.params.model_fields, (member.params.__doc__ or "").strip().splitlines()[0]
+            if any(info.is_required() for info in own.values()):
+                fields[member.name] = (member.params | None, param(None, meaning))
+            elif own or not bare:
+                fields[member.name] = (member.params, group(member.params, meaning))
         return create_model(class_name, __base__=Params, __doc__=doc, **fields)
 
     @property
@@ -118,6 +127,14 @@ class Family:
         """
         return switch(tuple(member.kernels[role] for member in self.members), arity)
 
+    def own(self, role: str, arity: int) -> Callable[..., Any]:
+        """As :meth:`switch`, ``f(index, params, memory, a1 .. a_arity)``; the member gets its own section of
+        the parameters and its own memory.
+        """
+        sections = [f"params.{member.name}, memory.{member.name}, " for member in self.members]
+        functions = tuple(member.kernels[role] for member in self.members)
+        return _dispatch(functions, "params, memory, ", sections, arity)
+
 
 def switch(functions: tuple[Callable[..., Any], ...], arity: int) -> Callable[..., Any]:
     """Dispatch on an integer among compiled functions of one signature.
@@ -125,15 +142,22 @@ def switch(functions: tuple[Callable[..., Any], ...], arity: int) -> Callable[..
     numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
     ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
     """
-    names = ", ".join(f"a{i}" for i in range(arity))
-    lines = [f"def chain(index, {names}):"]
+    return _dispatch(functions, "", [""] * len(functions), arity)
+
+
+def _dispatch(
+    functions: tuple[Callable[..., Any], ...], taken: str, passed: list[str], arity: int
+) -> Callable[..., Any]:
+    """``f(index, <taken>a1 .. a_arity)`` that calls function ``index`` with ``<passed>a1 .. a_arity``."""
+    rest = ", ".join(f"a{i}" for i in range(arity))
+    lines = [f"def chain(index, {taken}{rest}):"]
     for i in range(1, len(functions)):
-        lines += [f"    if index == {i}:", f"        return f{i}({names})"]
-    lines.append(f"    return f0({names})")
+        lines += [f"    if index == {i}:", f"        return f{i}({passed[i]}{rest})"]
+    lines.append(f"    return f0({passed[0]}{rest})")
     scope: dict[str, Any] = {f"f{i}": function for i, function in enumerate(functions)}
     exec("\n".join(lines), scope)
-    exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
+    exec(f"def dispatch(index, {taken}{rest}): return chain(index, {taken}{rest})", scope)
     dispatch = scope["dispatch"]
-    exec(f"def choose(index, {names}): return chain", scope)
+    exec(f"def choose(index, {taken}{rest}): return chain", scope)
     overload(dispatch)(scope["choose"])
     return dispatch

@@ -30,7 +30,7 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.integrate import advance, refresh
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
@@ -40,7 +40,8 @@ BEGIN = {TRIM: 5.0, LIFT: 20.0, PARACHUTE: 5.0, POWERED_DECELERATION: 3.0}
 LONGEST = {POWERED_DECELERATION: 8.0, HOVER_IMAGING: 5.0, HAZARD_AVOIDANCE: 5.0, SLOW_DESCENT: 2.0}
 #: What is compared: name and place in the state.
 PARTS = {
-    "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10), "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
+    "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10),
+    "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
 }  # fmt: skip
 
 
@@ -52,15 +53,18 @@ def quiet(state: State) -> State:
     for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
         plant[name] = 0
     plant["due"] = 1e99
-    return State(state.cycle, plant, state.sensors, state.fsw, "")
+    return State(state.cycle, plant, state.peaks, state.sensors, state.fsw, "")
 
 
 def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
     """State after the window in the simulator's own steps."""
     plant = given.arrays["plant"].copy()
     start = float(plant["t"][0])
+    records = {**given.arrays, "plant": plant}
+    flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
+    refresh(*flown)
     for k in range(round(seconds / 0.01)):
-        advance(given.arrays["case"][0], given.arrays["tables"][0], plant[0], start + 0.01 * (k + 1))
+        advance(*flown, start + 0.01 * (k + 1))
     if plant["touched"][0]:
         raise RuntimeError("the window reaches the ground")
     return plant["y"][0]
@@ -102,10 +106,8 @@ def main() -> int:
             f"{np.linalg.norm(own[p] - y[p]):12.1e}" if p.stop <= len(y) else " " * 12 for p in PARTS.values()
         ]
         print(
-            (
-                f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} {int(found['evaluations']):7d} "
-                f"{took:7.1f}"
-            ),
+            f"{phase.name:20} {begin:6.1f} {seconds:8.1f} {' '.join(gaps)} "
+            f"{int(found['evaluations']):7d} {took:7.1f}",
             flush=True,
         )
     return 0

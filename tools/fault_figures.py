@@ -73,9 +73,8 @@ def single_faults(rows: list[Row]) -> str:
             f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the "
             "fault began"
         ),
-        f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, "
-        "healthy thrusters isolated "
-        f"{sum(int(row['false_alarms']) for row in begun)}",
+        f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, healthy thrusters "
+        f"isolated {sum(int(row['false_alarms']) for row in begun)}",
         (
             f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
             f"largest {times.max():.2f} s"

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from edl6dof.app.exit_status import INTERRUPTED
+from edl6dof.config.base import stated
 from edl6dof.config.errors import ConfigError, Problem
 
 
@@ -44,7 +45,7 @@ def run_campaign(options: CampaignOptions) -> int:
     except KeyboardInterrupt:
         if not options.resume:
             raise  # nothing was written
-        place = [options.scenario, *(["--out", str(options.out)] if options.out else [])]
+        place = [stated(options.scenario), *(["--out", str(options.out)] if options.out else [])]
         print(
             (
                 "interrupted; what has flown is kept; go on with: edl6dof "

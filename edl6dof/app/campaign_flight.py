@@ -21,6 +21,7 @@ from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.statistics import Until
 from edl6dof.campaign.storage.files import StoreError, refused
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.base import stated
 
 
 def fly_new(options: CampaignOptions) -> int:
@@ -30,7 +31,7 @@ def fly_new(options: CampaignOptions) -> int:
         ConfigError: the campaign is wrong, or there is something in its folder that it must not replace.
     """
     _check(options)
-    plan = load_plan(options.scenario, options.sets, options.cases, options.seed)
+    plan = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
     store = Store(options.out or Path("runs") / plan.name)
     try:
         with store.lock(make=True):
@@ -94,9 +95,9 @@ def _check(options: CampaignOptions) -> None:
 
 def _folder(options: CampaignOptions) -> Path:
     """The folder of a campaign, which its file may stand for."""
-    folder = Path(options.scenario)
+    folder = Path(stated(options.scenario))
     if not lexists(folder / "campaign.json") and not folder.is_dir():
-        given = load_plan(options.scenario, options.sets, options.cases, options.seed)
+        given = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
         folder = options.out or Path("runs") / given.name
         if given.text != Store(folder).plan_text:
             raise refused(

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from edl6dof.config.errors import refusal
 from edl6dof.config.wording import counted
 from edl6dof.runs.files import atomic_file
 from edl6dof.runs.run import Run
+
+if TYPE_CHECKING:
+    from edl6dof.export.tables import Description
 
 #: Forms that can be written, and the file each goes to inside the run folder.
 FILES = {
@@ -67,7 +71,7 @@ def _netcdf(run: Run, path: Path) -> int:
     return len(run.t)
 
 
-def _about(run: Run) -> object:
+def _about(run: Run) -> Description:
     from edl6dof.export.tables import Description
 
     summary = run.summary

@@ -20,6 +20,7 @@ from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly
+from edl6dof.sim.flight import Progress as FlightProgress
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def _problem(place: str, message: str) -> ConfigError:
 
 
 @contextmanager
-def _progress(talk: bool) -> Iterator[object]:
+def _progress(talk: bool) -> Iterator[FlightProgress | None]:
     """A progress line with time, phase, altitude and Mach number on stderr, if that is a terminal."""
     console = Console(stderr=True)
     if not (talk and console.is_terminal):

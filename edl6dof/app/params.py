@@ -80,7 +80,8 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         limits = row.bounds.replace(" and ", ", ")
         is_range = limits.startswith(("<", ">"))
         yield (
-            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  {limits if is_range else ''}".rstrip(),
+            f"  {name:<{key_width}}  {default:>{SHORT}}  {row.unit:<8}  "
+            f"{limits if is_range else ''}".rstrip(),
             "",
         )
         if not is_short:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
@@ -97,7 +97,15 @@ def _comparisons(results: Sequence[Result]) -> Table:
     reason is left out.
     """
     table = Table(box=None, pad_edge=False, show_header=False)
-    for width, align in ((25, "left"), (7, "right"), (1, "left"), (5, "right"), (5, "left"), (4, "left")):
+    columns: tuple[tuple[int, JustifyMethod], ...] = (
+        (25, "left"),
+        (7, "right"),
+        (1, "left"),
+        (5, "right"),
+        (5, "left"),
+        (4, "left"),
+    )
+    for width, align in columns:
         table.add_column(width=width, justify=align)
     table.add_column(style="dim")
     reason = ""

@@ -83,11 +83,12 @@ def compare(first: Store, second: Store) -> Comparison:
     names = (first.folder.name, second.folder.name)
     _require_common(a, b, first, second)
     success = [table["success"].to_numpy(zero_copy_only=False) for table in (a, b)]
-    counts = tuple(int(np.sum(pair)) for pair in _pairs(*success))
-    proportions = tuple(Proportion(int(ok.sum()), len(ok)) for ok in success)
-    single = counts[1] + counts[2]
-    p_value = binomtest(counts[1], single).pvalue if single else 1.0
-    return Comparison(names, proportions, counts, float(p_value), tuple(_differences(a, b)))
+    both, only_a, only_b, neither = (int(np.sum(pair)) for pair in _pairs(*success))
+    of_a, of_b = (Proportion(int(ok.sum()), len(ok)) for ok in success)
+    single = only_a + only_b
+    p_value = float(binomtest(only_a, single).pvalue) if single else 1.0
+    counts = both, only_a, only_b, neither
+    return Comparison(names, (of_a, of_b), counts, p_value, tuple(_differences(a, b)))
 
 
 def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:

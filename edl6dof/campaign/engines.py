@@ -78,7 +78,9 @@ class Dask:
         self.client = client
 
     def __str__(self) -> str:
-        return f"Dask, {len(self.client.nthreads())} workers at {self.client.scheduler.address}"
+        scheduler = self.client.scheduler
+        address = "a closed scheduler" if scheduler is None else scheduler.address
+        return f"Dask, {len(self.client.nthreads())} workers at {address}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[list[Row]]:
         """Rows of each range.

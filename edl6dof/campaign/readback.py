@@ -17,6 +17,7 @@ from pydantic import BaseModel
 from edl6dof.campaign.design.variants import Variant
 from edl6dof.config.dtype import in_record
 from edl6dof.config.units import split_unit
+from edl6dof.records import offset
 from edl6dof.scenario.records import CASE
 from edl6dof.scenario.schema import Scenario
 
@@ -41,7 +42,7 @@ def applied(
             value.
     """
     true, believed = variant.loaded.truth, variant.loaded.scenario
-    words = {kind: variant.parts.case.view(kind) for kind in (np.float64, np.int64)}
+    words: dict[type, np.ndarray] = {kind: variant.parts.case.view(kind) for kind in (np.float64, np.int64)}
     row: dict[str, Any] = {}
     for path, wanted in case_truth.items():
         place = places.get(path)
@@ -106,12 +107,12 @@ class Place(NamedTuple):
     """
 
     kind: type
-    index: int
+    word: int
     to_si: float
 
 
 def _held(words: Mapping[type, np.ndarray], place: Place) -> float:
-    return float(words[place.kind][place.index])
+    return float(words[place.kind][place.word])
 
 
 def _holds(words: Mapping[type, np.ndarray], place: Place, value: float) -> bool:
@@ -121,13 +122,14 @@ def _holds(words: Mapping[type, np.ndarray], place: Place, value: float) -> bool
 @cache
 def _place(keys: Keys) -> Place | None:
     """Place of a parameter in the case record; ``None`` where its value stays in Python."""
-    dtype, model, offset, to_si = CASE, Scenario, 0, 1.0
+    dtype, start, to_si = CASE, 0, 1.0
+    model: Any = Scenario
     for depth, key in enumerate(keys):
         if isinstance(key, int):
             if not dtype.shape:
                 return None
             dtype, model = dtype.base, (get_args(model) or (None,))[0]
-            offset += key * dtype.itemsize
+            start += key * dtype.itemsize
             continue
         target, unit = split_unit(key)
         info = (
@@ -135,12 +137,8 @@ def _place(keys: Keys) -> Place | None:
         )
         if info is None or (depth and not in_record(info)) or target not in (dtype.names or ()):
             return None
-        dtype, model, offset, to_si = (
-            dtype[target],
-            info.annotation,
-            offset + dtype.fields[target][1],
-            unit.to_si,
-        )
+        start += offset(dtype, target)
+        dtype, model, to_si = dtype[target], info.annotation, unit.to_si
     if dtype.names is not None or dtype.shape:
         return None
-    return Place(np.float64 if dtype.kind == "f" else np.int64, offset // dtype.itemsize, to_si)
+    return Place(np.float64 if dtype.kind == "f" else np.int64, start // dtype.itemsize, to_si)

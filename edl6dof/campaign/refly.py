@@ -6,7 +6,7 @@ import math
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.storage.store import Store
-from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.flight import Flight, fly
@@ -21,10 +21,8 @@ def case_scenario(plan: Plan, number: int) -> LoadedScenario:
     if not 0 <= number < plan.count:
         raise ConfigError([Problem("case", 0, 0, "", f"must be 0 .. {plan.count - 1} (got {number})")])
     case = next(plan.cases(number, number + 1))
-    name = f"name={plan.name}_case{number}"
-    return check_document(
-        apply_overrides(plan.loaded.document, [*case.overrides(plan.loaded.scenario.truth), name], Scenario)
-    )
+    changes = {**case.changes(plan.loaded.scenario.truth), "name": f"{plan.name}_case{number}"}
+    return check_document(with_values(plan.loaded.document, changes, Scenario))
 
 
 def reflown(plan: Plan, number: int) -> Flight:

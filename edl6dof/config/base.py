@@ -10,9 +10,10 @@ import re
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from math import inf
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic.config import JsonDict
 from pydantic.fields import FieldInfo
 
 from edl6dof.config.units import split_unit
@@ -34,6 +35,8 @@ STATUS_MARKS: dict[str, Status] = {
 REQUIRED: Any = ...
 
 Vec3 = tuple[float, float, float]
+
+Value = TypeVar("Value")
 
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _LONGEST_TITLE = 200
@@ -96,6 +99,9 @@ class Within:
         }
 
 
+_PLAIN = (str, int, float)
+
+
 class Params(BaseModel):
     """Base of every parameter model: unknown keys, wrong types, and numbers not finite or absurdly large for
     their unit are errors.
@@ -109,6 +115,13 @@ class Params(BaseModel):
     moved: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
+
+    def __hash__(self) -> int:
+        """By the model's own numbers and texts, which is quick; what lies deeper is left to the comparison.
+
+        So that what follows from a model can be kept by it: nobody changes a list in one.
+        """
+        return hash((type(self), *(value for value in vars(self).values() if isinstance(value, _PLAIN))))
 
     def __init_subclass__(cls, **options: Any) -> None:
         """Bound every number."""
@@ -159,7 +172,7 @@ def param(
         factory: makes the default instead of ``default`` (for lists and sub-models).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
-    extra = {"status": status, "source": source, "record": record}
+    extra: JsonDict = {"status": status, "source": source, "record": record}
     if factory is not None:
         return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)
@@ -168,6 +181,17 @@ def param(
 def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
     """Declare a sub-model that may be left out of the file when every one of its parameters has a default."""
     return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
+
+
+def stated(value: Value | None) -> Value:
+    """A value that may be missing in general, and that a check before has made sure of here.
+
+    Raises:
+        ValueError: it is missing all the same.
+    """
+    if value is None:
+        raise ValueError("a value is missing that a check before should have asked for")
+    return value
 
 
 def section(meaning: str, *, record: bool = True) -> Any:

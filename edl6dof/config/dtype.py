@@ -52,28 +52,10 @@ def dtype_of(model: type[BaseModel]) -> np.dtype:
 def fill(record: np.ndarray | np.void, model: BaseModel) -> None:
     """Copy a validated model into a zeroed record of its dtype, converting to SI units."""
     for place in _places(type(model)):
-        _put(record, place, getattr(model, place.name))
-
-
-def refill(record: np.ndarray | np.void, model: BaseModel, before: BaseModel) -> None:
-    """Copy into a record that was filled from ``before`` what ``model``, of the same type, holds otherwise.
-
-    Values that both share are the same objects and are passed over: that makes it quick.
-    """
-    for place in _places(type(model)):
-        value, old = getattr(model, place.name), getattr(before, place.name)
-        if value is old:
-            continue
-        if isinstance(value, BaseModel) and type(value) is type(old):
-            refill(record[place.target], value, old)
-        elif place.slots is not None and _alike(value, old):
-            for slot, item, other in zip(record[place.target], value, old, strict=False):
-                if item is not other:
-                    refill(slot, item, other)
-        elif isinstance(value, float):
+        value = getattr(model, place.name)
+        if type(value) is float:  # most are, and every case of a campaign is filled
             record[place.target] = value * place.to_si
-        elif place.target in record.dtype.names:
-            record[place.target] = np.zeros((), record.dtype[place.target])
+        else:
             _put(record, place, value)
 
 
@@ -82,13 +64,6 @@ def duplicate(records: np.ndarray) -> np.ndarray:
     in fifty times the time.
     """
     return records.view(np.uint8).copy().view(records.dtype)
-
-
-def _alike(items: list[Any], others: list[Any]) -> bool:
-    """Whether two lists hold models of the same types in the same order."""
-    return list(map(type, items)) == list(map(type, others)) and all(
-        isinstance(item, BaseModel) for item in items
-    )
 
 
 def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
@@ -102,8 +77,6 @@ def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
         record[place.target] = place.names.index(value)
     elif isinstance(value, bool | int) and not place.is_float:
         record[place.target] = int(value)
-    elif isinstance(value, float):
-        record[place.target] = value * place.to_si
     else:
         record[place.target] = np.asarray(value, dtype=np.float64) * place.to_si
 

@@ -14,7 +14,7 @@ from edl6dof.config.document.scalars import write_flow, write_scalar
 
 WIDTH = 110
 
-_LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
+_LETTERS: dict[str, str] = {status: letter for letter, status in STATUS_MARKS.items()}
 
 
 def dump_resolved(
@@ -126,7 +126,8 @@ def _has_entries(value: Any) -> bool:
 
 def _declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
     """Status and source of the declaration, if the value is the declared default."""
-    extra = info.json_schema_extra if info is not None else None
-    if not isinstance(extra, dict) or value != info.get_default(call_default_factory=True):
+    if info is None or value != info.get_default(call_default_factory=True):
+        return "", ""
+    if not isinstance(extra := info.json_schema_extra, dict):
         return "", ""
     return str(extra.get("status", "")), str(extra.get("source", ""))

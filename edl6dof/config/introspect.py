@@ -52,7 +52,7 @@ class Slot:
 
     @property
     def moved(self) -> dict[str, str]:
-        """Keys of an older form inside, and the dotted path where each stands now."""
+        """Keys of an older form inside, and the dotted path where each stands now (several: ``or``)."""
         return {key: path for model in self.models for key, path in getattr(model, "moved", {}).items()}
 
     def child(self, key: str | int) -> Slot | None:
@@ -132,12 +132,11 @@ def _child(name: str, option: Any, key: str | int) -> Slot | None:
     if option is Any:
         return Slot(name, (Any,), True)
     origin, args = get_origin(option), get_args(option)
-    is_index = isinstance(key, int)
-    if origin is dict and not is_index:
-        return type_slot(str(key), args[1])
-    if origin is list and is_index:
+    if not isinstance(key, int):
+        return type_slot(key, args[1]) if origin is dict else None
+    if origin is list:
         return type_slot(name, args[0])
-    if origin is tuple and is_index:
+    if origin is tuple:
         if len(args) == 2 and args[1] is Ellipsis:
             return type_slot(name, args[0])
         return type_slot(name, args[key]) if 0 <= key < len(args) else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.document.scalars import write_flow
@@ -38,7 +39,7 @@ def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
         path = f"{prefix}.{name}" if prefix else name
         inner = [(path + suffix, sub) for option in slot.options for suffix, sub in _inside(option)]
         if not slot.models or slot.optional:
-            table.append(_row(path + ("[]" if any(p == path + "[]" for p, _ in inner) else ""), slot))
+            table.append(_row(path + ("[]" if any(p == path + "[]" for p, _ in inner) else ""), slot, info))
         for sub_path, sub_model in inner:
             table += rows(sub_model, sub_path)
     return list(dict.fromkeys(table))
@@ -56,8 +57,7 @@ def _inside(option: Any) -> list[tuple[str, type[BaseModel]]]:
     return [(suffix + deeper, model) for inner in item.options for deeper, model in _inside(inner)]
 
 
-def _row(path: str, slot: Slot) -> Row:
-    info = slot.info
+def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     words = [word.removeprefix("a ") for word in kinds(slot)]
     limits = in_bounds(slot).removesuffix(slot.unit.label).strip()
@@ -67,15 +67,15 @@ def _row(path: str, slot: Slot) -> Row:
         type=" or ".join(words),
         unit=slot.unit.label if any("number" in word for word in words) else "",
         bounds=limits or (f"{length} entries" if length and "list" in words[0] else length),
-        default=_default(slot),
+        default=_default(info),
         meaning=info.description or "",
         status=str(extra.get("status", "")),
         source=str(extra.get("source", "")),
     )
 
 
-def _default(slot: Slot) -> str:
-    default = slot.info.get_default(call_default_factory=True)
+def _default(info: FieldInfo) -> str:
+    default = info.get_default(call_default_factory=True)
     if default is PydanticUndefined:
         return "required"
     plain = to_jsonable_python(default)

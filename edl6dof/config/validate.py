@@ -6,11 +6,14 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from functools import cache
+from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.introspect import Slot, is_tag_of, literal_names, root_slot
@@ -39,6 +42,42 @@ def validate(model: type[Model], document: Document) -> Model:
     raise ConfigError(_problems(model, document, found)) from None
 
 
+def revalidated(base: Model, document: Document, names: Iterable[str]) -> Model:
+    """``base`` with some of its fields validated anew, by themselves, from a document; the others are shared.
+
+    Raises:
+        ConfigError: every problem of every value of those fields.
+    """
+    model, fields, found = type(base), {}, []
+    for name in names:
+        try:
+            text = json.dumps(document.data[name], allow_nan=False)
+            fields[name] = _adapter(model, name).validate_json(text, strict=True)
+        except ValidationError as error:
+            errors = error.errors(include_url=False)
+            found += [{**item, "loc": (name, *item["loc"])} for item in errors]
+    if found:
+        raise ConfigError(_problems(model, document, found))
+    return base.model_copy(update=fields)
+
+
+@cache
+def _adapter(model: type[BaseModel], name: str) -> TypeAdapter[Any]:
+    """What validates one field of a model."""
+    info = model.model_fields[name]
+    return TypeAdapter(Annotated[info.annotation, info])
+
+
+def refuse(document: Document, problems: Mapping[str, str]) -> None:
+    """Refuse a document for problems by dotted path, if there are any.
+
+    Raises:
+        ConfigError: there are.
+    """
+    if problems:
+        raise ConfigError(document.problem(_steps(path), message) for path, message in problems.items())
+
+
 def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> list[Problem]:
     problems: dict[tuple, Problem] = {}
     refused: set[tuple] = set()  # values that one alternative of a union refused as a whole
@@ -46,7 +85,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
         path, slot, parent = _follow(model, document.data, error["loc"], error["type"])
         if error["type"] == "missing" and isinstance(error["loc"][-1], int):
             # A fixed-length list that is too short: one problem of the list, not one for each element.
-            path, slot, parent = path[:-1], parent, None
+            path, slot, parent = path[:-1], stated(parent), None
         value = _value_at(document.data, path)
         if error["type"] == "union_tag_invalid" and _holds(value, tag := _tag_key(error["ctx"])):
             path, value = (*path, tag), value[tag]
@@ -71,7 +110,8 @@ def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[t
     and its parent's.
     """
     path: list[str | int] = []
-    slot, parent, tagged = root_slot(model), None, False
+    slot, tagged = root_slot(model), False
+    parent: Slot | None = None
     for position, key in enumerate(loc):
         if len(slot.options) > 1 and not tagged:
             # Pydantic names the alternative before it goes on; narrow only models, so that messages list all

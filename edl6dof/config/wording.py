@@ -30,7 +30,8 @@ def unknown_key(key: str, inside: Slot | None) -> str:
     """Message for a key that does not exist ``inside`` a place, with the key that was probably meant."""
     allowed = inside.keys if inside is not None else []
     if inside is not None and key in inside.moved:
-        return f"has moved: it is now {inside.moved[key]} (in YAML {_nested(inside.moved[key])})"
+        paths = inside.moved[key].split(" or ")
+        return f"has moved: it is now {inside.moved[key]} (in YAML {' or '.join(map(_nested, paths))})"
     same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
     if same:
         return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"

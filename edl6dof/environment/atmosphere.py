@@ -1,54 +1,35 @@
-"""Density, pressure, temperature and speed of sound against altitude, with optional random density
-perturbation.
-
-Pressure is p = rho R T throughout.  The Mars-GRAM table holds density and temperature, and they balance the
-weight of the air only to a few per cent (tides, rounding); p = rho R T is the choice that agrees with both
-and keeps a^2 = gamma p / rho.
+"""Density, pressure, temperature and speed of sound against altitude: one of several models, with a bias and
+an optional random perturbation of density.
 """
 
 from __future__ import annotations
 
-from math import exp
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Params, group, param
+from edl6dof.config.base import Params, group, param
+from edl6dof.config.document.regular import content_key
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere_table import (
     MAX_ROWS,
-    build_table,
+    AirInputs,
     cubic,
     cubic_coefficients,
     row_at,
-    straight_beyond,
+    table_path,
 )
-from edl6dof.environment.gas import pressure_and_sound
+from edl6dof.environment.atmospheres.registry import ATMOSPHERES, AtmosphereChoice, air_of_model
 from edl6dof.environment.layout import extended
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.profiles import DENSITY_STREAM, central_slopes, gauss_markov, stream
-from edl6dof.environment.us76 import us76
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held
-
-TABLE, EXPONENTIAL, US76, NONE = range(4)
 
 #: Lowest factor that a perturbation may put on density: reached only where sigma is above 30 %, beyond 100 km
 #: (sigma_scale 1).
 _LEAST = 0.05
-
-
-class ExponentialParams(Params):
-    """Isothermal atmosphere: density falls by e every scale height above the areoid; a uniform one is a very
-    large scale height.
-    """
-
-    density_kg_m3: float = param(REQUIRED, "density at altitude 0", gt=0.0, le=1e20)
-    scale_height_m: float = param(REQUIRED, "scale height", gt=0.0, le=1e16)
-    temperature_k: float = param(
-        REQUIRED, "temperature; also that of model none, for a finite Mach number", gt=0.0
-    )
 
 
 class PerturbationParams(Params):
@@ -64,7 +45,7 @@ class PerturbationParams(Params):
     )
 
 
-class AtmosphereParams(Params):
+class AtmosphereParams(AtmosphereChoice):
     """Atmosphere of the truth."""
 
     moved: ClassVar = {
@@ -72,9 +53,6 @@ class AtmosphereParams(Params):
         "heat_capacity_ratio": "planet.gas.heat_capacity_ratio",
     }
 
-    model: Literal["table", "exponential", "us76", "none"] = param(
-        "table", "which atmosphere (us76 brings its own gas)"
-    )
     table: str = param(
         "",
         (
@@ -100,16 +78,15 @@ class AtmosphereParams(Params):
         gt=0.0,
     )
     density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
-    exponential: ExponentialParams | None = param(
-        None, ("used by the models exponential and, for its temperature, none")
-    )
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
 
     @model_validator(mode="after")
     def _has_what_its_model_needs(self) -> Self:
-        if self.model in ("exponential", "none") and self.exponential is None:
-            needed = "{density_kg_m3: ..., scale_height_m: ..., temperature_k: ...}"
-            raise ValueError(f"model {self.model!r} needs exponential: {needed}")
+        section = "exponential" if self.model == "none" else self.model
+        if section in AtmosphereChoice.model_fields and getattr(self, section) is None:
+            params = ATMOSPHERES.member(section).params
+            keys = ", ".join(f"{key}: ..." for key, info in params.model_fields.items() if info.is_required())
+            raise ValueError(f"model {self.model!r} needs {section}: {{{keys}}}")
         return self
 
 
@@ -124,18 +101,7 @@ def air(atm, gas, table, alt):
 
     ``gas``: the ``GAS`` record of the planet.
     """
-    if atm.model == TABLE:
-        rho, pressure, temperature, sound = _table_air(gas, table, alt)
-    elif atm.model == EXPONENTIAL:
-        temperature = atm.exponential.temperature
-        rho = atm.exponential.density * exp(-alt / atm.exponential.scale_height)
-        pressure, sound = pressure_and_sound(gas, rho, temperature)
-    elif atm.model == US76:
-        rho, pressure, temperature, sound = us76(alt)
-    else:
-        temperature = atm.exponential.temperature
-        rho = 0.0
-        pressure, sound = pressure_and_sound(gas, rho, temperature)
+    rho, pressure, temperature, sound = air_of_model(atm.model, atm, gas, table, alt)
     factor = atm.density_factor
     if atm.perturbation.enabled:
         row, t = row_at(table, alt)
@@ -143,23 +109,18 @@ def air(atm, gas, table, alt):
     return rho * factor, pressure * factor, temperature, sound
 
 
-@kernel
-def _table_air(gas, table, alt):
-    row, t = row_at(table, alt)
-    inside = held(t)
-    rho = exp(cubic(table.ln_density, row, inside) + straight_beyond(table.ln_density, row, t))
-    temperature = cubic(table.temperature, row, inside)
-    pressure, sound = pressure_and_sound(gas, rho, temperature)
-    return rho, pressure, temperature, sound
+def air_inputs(params: AtmosphereParams, planet: PlanetParams) -> AirInputs:
+    """What the table that all cases share follows from.
 
-
-def fill_atmosphere_table(record: np.void, params: AtmosphereParams, planet: PlanetParams) -> None:
-    """Build the table that all cases share (dtype ``ATMOSPHERE_TABLE``)."""
+    Raises:
+        ValueError: there must be a table and none is named.
+        OSError: its file cannot be read.
+    """
     if params.model == "table" and not params.table:
         raise ValueError("atmosphere model table needs a table file")
-    build_table(
-        record,
+    return AirInputs(
         params.table,
+        content_key(table_path(params.table)) if params.table else "",
         params.bottom_m,
         planet.gas.gas_constant_j_kg_k,
         params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,

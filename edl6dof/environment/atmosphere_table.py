@@ -12,12 +12,15 @@ mean).
 from __future__ import annotations
 
 import csv
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.config.document.regular import read_regular_text
 from edl6dof.jit import kernel
+from edl6dof.records import require_finite
 from edl6dof.spatial.lookups import cell
 
 MAX_ROWS = 512
@@ -90,16 +93,39 @@ def read_table(name: str) -> dict[str, np.ndarray]:
     return found
 
 
-def build_table(
-    record: np.void, name: str, bottom_m: float, gas_constant: float, gravity: float, sigma: float = 0.0
-) -> None:
-    """Fill the shared table from a csv; ``sigma`` holds where the csv has none; without a csv only the grid
+class AirInputs(NamedTuple):
+    """What the table follows from.
+
+    Attributes:
+        name: of the csv; empty for none.
+        content: key of the content of the csv.
+        bottom_m: altitude down to which it is extended, m.
+        gas_constant: J/(kg K).
+        gravity: of the extension, m/s2.
+        sigma: relative sigma of density where the csv has none.
+    """
+
+    name: str
+    content: str
+    bottom_m: float
+    gas_constant: float
+    gravity: float
+    sigma: float
+
+
+@lru_cache(maxsize=8)
+def build_table(inputs: AirInputs) -> np.ndarray:
+    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, for nobody to write to; without a csv only the grid
     and sigma count.
 
     Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls
     by g / (R T) per metre; this is also the shape of the COSPAR reference below 0 km.  Winds and sigma keep
     their lowest value [E].  Beyond both ends the kernels continue ln density, the rest is held.
+
+    Raises:
+        ValueError: the csv is no such table.
     """
+    name, _, bottom_m, gas_constant, gravity, sigma = inputs
     if not name:
         altitude = np.array([bottom_m, 200e3])
         ones = np.ones(2)
@@ -117,18 +143,20 @@ def build_table(
     grid = first + step * np.arange(-below, above + 1)
     if len(grid) > MAX_ROWS:
         raise ValueError(f"{name}: {len(grid)} rows of {step} m, at most {MAX_ROWS} fit")
+    table = np.zeros(1, ATMOSPHERE_TABLE)
+    record = table[0]
     record["bottom"], record["per_step"], record["rows"] = grid[0], 1.0 / step, len(grid)
     data["ln_density"] = np.log(data["density"])
-    record["sigma"] = 0.0
     record["sigma"][: len(grid)] = np.interp(grid, data["altitude"], data["sigma"])
     for key in _CURVES:
         curve = np.interp(grid, data["altitude"], data[key])
         if key == "ln_density" and name:
             curve[:below] += (first - grid[:below]) * gravity / (gas_constant * data["temperature"][0])
-        record[key] = 0.0
         record[key][: len(grid) - 1] = cubic_coefficients(
             curve, monotone_slopes(curve, sloping_ends=key == "ln_density")
         )
+    require_finite(table)
+    return table
 
 
 def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:

@@ -26,7 +26,8 @@ class GasParams(Params):
         lt=1.7,
     )
     shock_layer_heat_capacity_ratio: float = param(
-        REQUIRED, "ratio of specific heats behind the bow shock: stagnation pressure", status="estimate", source="planet file",
+        REQUIRED, "ratio of specific heats behind the bow shock: stagnation pressure", status="estimate",
+        source="planet file",
         record=False, gt=1.0, lt=1.7,
     )  # fmt: skip
     molecular_diameter_m: float = param(

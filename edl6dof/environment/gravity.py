@@ -12,6 +12,7 @@ out: tides, polar motion, other bodies.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import factorial, sqrt
 from pathlib import Path
 from typing import Literal
@@ -20,10 +21,11 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param
-from edl6dof.config.document.regular import read_regular_text
+from edl6dof.config.document.regular import content_key, read_regular_text
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
+from edl6dof.records import require_finite
 from edl6dof.spatial.vector import add, scale
 
 MAX_DEGREE = 12
@@ -170,18 +172,32 @@ def read_coefficients(name: str) -> tuple[float, float, np.ndarray, np.ndarray]:
 
 
 def fill_gravity(record: np.void, params: GravityParams) -> None:
-    """Copy the parameters and, for harmonics, work out the weights that :func:`gravity_F` sums."""
+    """Copy the parameters and, for harmonics, the weights that :func:`gravity_F` sums.
+
+    Raises:
+        ValueError: the coefficients are of another field.
+        OSError: their file cannot be read.
+    """
     fill(record, params)
     record["term"] = 0.0
-    if params.model != "harmonics":
-        return
+    if params.model == "harmonics":
+        record["term"] = _terms(params, content_key(coefficients_path(params.coefficients)))
+
+
+@lru_cache(maxsize=8)
+def _terms(params: GravityParams, content: str) -> np.ndarray:
+    """Weights of the harmonics, shape (_ROWS, 7); ``content``: key of the file of coefficients."""
+    field = np.zeros(1, GRAVITY)
+    fill(field[0], params)
     radius, mu, C, S = read_coefficients(params.coefficients)
     if abs(radius / params.reference_radius_m - 1.0) > 1e-9 or abs(mu / params.mu_m3_s2 - 1.0) > 1e-6:
         raise ValueError(
             f"{params.coefficients} holds for reference_radius_m {radius!r} and mu_m3_s2 {mu!r}, "
             f"not {params.reference_radius_m!r} and {params.mu_m3_s2!r}"
         )
-    fill_terms(record, C, S)
+    fill_terms(field[0], C, S)
+    require_finite(field)
+    return field["term"][0]
 
 
 def fill_terms(record: np.void, C: np.ndarray, S: np.ndarray) -> None:

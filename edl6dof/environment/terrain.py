@@ -16,7 +16,7 @@ import numpy as np
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
-from edl6dof.environment.terrain_map import read_map
+from edl6dof.environment.terrain_map import read_map, require_map_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import cell, held_cell, wrapped
 
@@ -120,11 +120,16 @@ def fill_terrain_grid(record: np.void) -> None:
 
 
 def fill_terrain(record: np.void, params: TerrainParams, grid: np.void, planet_radius_m: float) -> None:
-    """Copy the parameters, fit the map to the site and resolve the tilt, on a planet of this mean radius."""
+    """Copy the parameters, fit the map to the site and resolve the tilt, on a planet of this mean radius.
+
+    Raises:
+        ValueError: the map is of another planet.
+    """
     fill(record, params)
     record["radius"] = planet_radius_m
     record["offset"] = 0.0
     if params.model == "mola":
+        require_map_of(planet_radius_m)
         at_site = mola(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
         record["offset"] = params.site_elevation_m - at_site
     steepness = -tan(radians(params.slope_deg))

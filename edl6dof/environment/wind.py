@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, log, pi, sin
-from typing import Literal
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients, row_at
+from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov, stream
+from edl6dof.environment.winds.registry import WindChoice, wind_of_model
 from edl6dof.jit import kernel
-from edl6dof.spatial.lookups import held, held_cell
-
-TABLE, CONSTANT, SHEAR, NONE = range(4)
+from edl6dof.spatial.lookups import held_cell
 
 #: Altitudes (m) that the random gust covers; beyond them its end value is held.
 _GUST_BOTTOM, _GUST_TOP = -8000.0, 200e3
@@ -72,19 +71,17 @@ class DiscreteGustParams(Params):
     )
 
 
-class WindParams(Params):
+class WindParams(WindChoice):
     """Wind of the truth."""
 
-    model: Literal["table", "constant", "shear", "none"] = param("table", "mean wind")
+    moved: ClassVar = {
+        "east_m_s": "wind.constant.east_m_s or wind.shear.east_m_s",
+        "north_m_s": "wind.constant.north_m_s or wind.shear.north_m_s",
+        "east_shear": "wind.shear.east_shear",
+        "north_shear": "wind.shear.north_shear",
+    }
+
     scale: float = param(1.0, "factor on the mean wind", ge=-10.0, le=10.0)
-    east_m_s: float = param(0.0, "wind towards east; of model shear at altitude 0", ge=-200.0, le=200.0)
-    north_m_s: float = param(0.0, "wind towards north; of model shear at altitude 0", ge=-200.0, le=200.0)
-    east_shear: float = param(
-        0.0, "growth of the wind towards east, (m/s) per metre of altitude", ge=-1.0, le=1.0
-    )
-    north_shear: float = param(
-        0.0, "growth of the wind towards north, (m/s) per metre of altitude", ge=-1.0, le=1.0
-    )
     gust: GustParams = group(GustParams, "random gust")
     discrete_gust: DiscreteGustParams = group(DiscreteGustParams, "single gust of shape 1-cosine")
 
@@ -103,20 +100,10 @@ WIND = extended(
 @kernel
 def wind(w, table, alt):
     """Wind towards east, north and up, m/s, at ``alt``, m."""
-    east = 0.0
-    north = 0.0
+    east, north = wind_of_model(w.model, w, table, alt)
+    east *= w.scale
+    north *= w.scale
     up = 0.0
-    if w.model == TABLE:
-        row, t = row_at(table, alt)
-        t = held(t)
-        east = w.scale * cubic(table.east, row, t)
-        north = w.scale * cubic(table.north, row, t)
-    elif w.model == CONSTANT:
-        east = w.scale * w.east
-        north = w.scale * w.north
-    elif w.model == SHEAR:
-        east = w.scale * (w.east + w.east_shear * alt)
-        north = w.scale * (w.north + w.north_shear * alt)
     if w.gust.enabled:
         gust_east, gust_north, up = _random_gust(w, alt)
         east += gust_east
@@ -156,10 +143,23 @@ def _one_minus_cosine(gust, alt):
     return 0.5 * gust.amplitude * (1.0 + cos(pi * offset))
 
 
-def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0, case: int = 0) -> None:
-    """Copy the parameters and draw the random gust that belongs to (seed, case)."""
+def require_winds(params: WindParams, table: np.void) -> None:
+    """Refuse the winds of a table that has none.
+
+    Raises:
+        ValueError: it has none.
+    """
     if params.model == "table" and not (np.any(table["east"]) or np.any(table["north"])):
         raise ValueError("wind model table: the atmosphere table has no winds")
+
+
+def fill_wind(record: np.void, params: WindParams, table: np.void, seed: int = 0, case: int = 0) -> None:
+    """Copy the parameters and draw the random gust that belongs to (seed, case).
+
+    Raises:
+        ValueError: as :func:`require_winds`.
+    """
+    require_winds(params, table)
     fill(record, params)
     gust = params.gust
     spacing, sigma = _gust_rows(gust)

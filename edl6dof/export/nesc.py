@@ -54,10 +54,12 @@ _DIRECT: tuple[tuple[str, str, float], ...] = (
 #: Columns in the order of the check cases.
 COLUMNS = [
     "time", "eiPosition_ft_X", "eiPosition_ft_Y", "eiPosition_ft_Z", "eiVelocity_ft_s_X", "eiVelocity_ft_s_Y",
-    "eiVelocity_ft_s_Z", "feVelocity_ft_s_X", "feVelocity_ft_s_Y", "feVelocity_ft_s_Z", "altitudeMsl_ft", "longitude_deg",
+    "eiVelocity_ft_s_Z", "feVelocity_ft_s_X", "feVelocity_ft_s_Y", "feVelocity_ft_s_Z", "altitudeMsl_ft",
+    "longitude_deg",
     "latitude_deg", "localGravity_ft_s2", "eulerAngle_deg_Yaw", "eulerAngle_deg_Pitch", "eulerAngle_deg_Roll",
     "bodyAngularRateWrtEi_deg_s_Roll", "bodyAngularRateWrtEi_deg_s_Pitch", "bodyAngularRateWrtEi_deg_s_Yaw",
-    "speedOfSound_ft_s", "airDensity_slug_ft3", "ambientPressure_lbf_ft2", "ambientTemperature_dgR", "aero_bodyForce_lbf_X",
+    "speedOfSound_ft_s", "airDensity_slug_ft3", "ambientPressure_lbf_ft2", "ambientTemperature_dgR",
+    "aero_bodyForce_lbf_X",
     "aero_bodyForce_lbf_Y", "aero_bodyForce_lbf_Z", "aero_bodyMoment_ftlbf_L", "aero_bodyMoment_ftlbf_M",
     "aero_bodyMoment_ftlbf_N", "mach", "dynamicPressure_lbf_ft2",
 ]  # fmt: skip

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.xmlfile import local_name, read_xml, refused
+from edl6dof.interchange.xmlfile import line_of, local_name, read_xml, refused, text_of
 
 if TYPE_CHECKING:
     from lxml.etree import _Element
@@ -51,7 +51,8 @@ UNITS: dict[str, tuple[str, float]] = {
     "m": ("length", 1.0), "ft": ("length", 0.3048), "m2": ("area", 1.0), "ft2": ("area", 0.3048**2),
     "kg": ("mass", 1.0), "lbm": ("mass", 0.45359237), "slug": ("mass", 0.45359237 * 9.80665 / 0.3048),
     "kgm2": ("inertia", 1.0), "slugft2": ("inertia", 0.45359237 * 9.80665 * 0.3048),
-    "rad": ("angle", 1.0), "deg": ("angle", math.pi / 180.0), "rad_s": ("rate", 1.0), "deg_s": ("rate", math.pi / 180.0),
+    "rad": ("angle", 1.0), "deg": ("angle", math.pi / 180.0), "rad_s": ("rate", 1.0), "deg_s": ("rate",
+    math.pi / 180.0),
     "m_s": ("speed", 1.0), "ft_s": ("speed", 0.3048),
 }  # fmt: skip
 
@@ -101,7 +102,7 @@ class Model:
         if identifier in self.functions:
             parts: set[str] = set(self.functions[identifier].inputs)
         elif variable.formula is not None:
-            parts = {ci.text.strip() for ci in variable.formula.iter("{*}ci")}
+            parts = {text_of(ci) for ci in variable.formula.iter("{*}ci")}
         else:
             return set() if variable.value is not None and not variable.is_input else {identifier}
         return set().union(*(self.inputs_of(part, (*seen, identifier)) for part in parts))
@@ -128,9 +129,9 @@ class Model:
     def _formula(self, variable: Variable, node: _Element, given: Mapping[str, float]) -> float:
         kind = local_name(node)
         if kind == "ci":
-            return self.evaluate(node.text.strip(), given)
+            return self.evaluate(text_of(node), given)
         if kind == "cn":
-            return float(node.text)
+            return float(text_of(node))
         operator, *arguments = node
         try:
             return float(
@@ -139,7 +140,7 @@ class Model:
                 )
             )
         except (ArithmeticError, ValueError, TypeError) as error:
-            raise self.error(node.sourceline, f"cannot be calculated: {error}", variable.name) from None
+            raise self.error(line_of(node), f"cannot be calculated: {error}", variable.name) from None
 
     def error(self, line: int, message: str, name: str = "") -> ConfigError:
         """An error at a line of this file."""
@@ -169,7 +170,7 @@ def read_daveml(path: Path) -> Model:
     if local_name(root) != "DAVEfunc":
         raise refused(
             path,
-            root.sourceline,
+            line_of(root),
             (f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>"),
         )
     model, reader = Model(path), _Reader(path)
@@ -198,10 +199,8 @@ def read_daveml(path: Path) -> Model:
 def _check_references(model: Model) -> None:
     for variable in model.variables.values():
         for ci in () if variable.formula is None else variable.formula.iter("{*}ci"):
-            if (ci.text or "").strip() not in model.variables:
-                raise model.error(
-                    ci.sourceline, f"unknown variable {(ci.text or '').strip()!r}", variable.name
-                )
+            if text_of(ci) not in model.variables:
+                raise model.error(line_of(ci), f"unknown variable {text_of(ci)!r}", variable.name)
     for output, function in model.functions.items():
         for name in (output, *function.inputs):
             if name not in model.variables:
@@ -224,18 +223,18 @@ class _Reader:
             + ", ".join(_OPERATORS)
             + ", and gridded tables with linear interpolation"
         )
-        return refused(self.path, element.sourceline, f"<{local_name(element)}> {words} ({text})")
+        return refused(self.path, line_of(element), f"<{local_name(element)}> {words} ({text})")
 
     def need(self, element: _Element, attribute: str) -> str:
         if (value := element.get(attribute)) is None:
             raise refused(
-                self.path, element.sourceline, (f"<{local_name(element)}> needs the attribute {attribute!r}")
+                self.path, line_of(element), (f"<{local_name(element)}> needs the attribute {attribute!r}")
             )
         return value.strip()
 
     def child(self, element: _Element, name: str) -> _Element:
         if (found := element.find(f"{{*}}{name}")) is None:
-            raise refused(self.path, element.sourceline, f"<{local_name(element)}> needs a <{name}>")
+            raise refused(self.path, line_of(element), f"<{local_name(element)}> needs a <{name}>")
         return found
 
     def number(self, element: _Element, text: str | None) -> float:
@@ -246,7 +245,7 @@ class _Reader:
         if not math.isfinite(value):
             raise refused(
                 self.path,
-                element.sourceline,
+                line_of(element),
                 (f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})"),
             )
         return value
@@ -260,7 +259,7 @@ class _Reader:
         values = self.numbers(element)
         if len(values) == 0 or np.any(np.diff(values) <= 0.0):
             raise refused(
-                self.path, element.sourceline, (f"<{local_name(element)}> must hold ascending numbers")
+                self.path, line_of(element), (f"<{local_name(element)}> must hold ascending numbers")
             )
         return values
 
@@ -280,7 +279,7 @@ class _Reader:
             self.need(element, "varID"),
             self.need(element, "name"),
             element.get("units", "").strip(),
-            element.sourceline,
+            line_of(element),
             None if value is None else self.number(element, value),
             -math.inf if low is None else self.number(element, low),
             math.inf if high is None else self.number(element, high),
@@ -311,7 +310,7 @@ class _Reader:
         for reference in self.child(element, "breakpointRefs"):
             name = self.need(reference, "bpID")
             if name not in self.breakpoints:
-                raise refused(self.path, reference.sourceline, f"unknown breakpoints {name!r}")
+                raise refused(self.path, line_of(reference), f"unknown breakpoints {name!r}")
             axes.append(self.breakpoints[name])
         return tuple(axes), self.shaped(self.child(element, "dataTable"), axes)
 
@@ -322,7 +321,7 @@ class _Reader:
                 f"<{local_name(element)}> holds {values.size} numbers, its breakpoints ask for "
                 f"{math.prod(shape)}"
             )
-            raise refused(self.path, element.sourceline, words)
+            raise refused(self.path, line_of(element), words)
         return values.reshape(shape)
 
     def function(self, element: _Element) -> tuple[str, Function]:
@@ -333,22 +332,22 @@ class _Reader:
         names = tuple(self.need(item, "varID") for item in inputs)
         if inputs and local_name(inputs[0]) == "independentVarPts":
             axes = tuple(self.ascending(item) for item in inputs)
-            output = self.child(element, "dependentVarPts")
-            return self.need(output, "varID"), Function(
-                element.sourceline, names, axes, self.shaped(output, axes)
+            points = self.child(element, "dependentVarPts")
+            return self.need(points, "varID"), Function(
+                line_of(element), names, axes, self.shaped(points, axes)
             )
         output = self.need(self.child(element, "dependentVarRef"), "varID")
         axes, values = self.table(self.child(element, "functionDefn"))
         if len(axes) != len(names):
             words = f"<function> has {len(names)} independent variables, its table {len(axes)}"
-            raise refused(self.path, element.sourceline, words)
+            raise refused(self.path, line_of(element), words)
         for item, axis in zip(inputs, axes, strict=True):
             low, high = item.get("min"), item.get("max")
             if (low is not None and self.number(item, low) > axis[0]) or (
                 high is not None and self.number(item, high) < axis[-1]
             ):
                 raise self.unsupported(item, "with limits inside its breakpoints is not supported")
-        return output, Function(element.sourceline, names, axes, values)
+        return output, Function(line_of(element), names, axes, values)
 
     def independent(self, element: _Element) -> Iterator[_Element]:
         for child in element:
@@ -371,10 +370,10 @@ class _Reader:
             kind = local_name(child)
             if kind == "griddedTableRef":
                 if (name := self.need(child, "gtID")) not in self.tables:
-                    raise refused(self.path, child.sourceline, f"unknown table {name!r}")
+                    raise refused(self.path, line_of(child), f"unknown table {name!r}")
                 return self.tables[name]
             if kind in ("griddedTableDef", "griddedTable"):
                 return self.gridded(child)
             if kind not in _IGNORED:
                 raise self.unsupported(child)
-        raise refused(self.path, element.sourceline, "<functionDefn> holds no table")
+        raise refused(self.path, line_of(element), "<functionDefn> holds no table")

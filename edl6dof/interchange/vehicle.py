@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import UNITS, Model, Variable, read_daveml
@@ -57,7 +58,8 @@ class Part:
 
     def put(self, path: str, value: Any, model: Model, line: int) -> None:
         """Set a value at a dotted path."""
-        node, keys = self.data, path.split(".")
+        node: Any = self.data
+        keys = path.split(".")
         for key in keys[:-1]:
             node = node.setdefault(key, {})
         node[keys[-1]] = value
@@ -72,7 +74,9 @@ def expand_daveml(document: Document) -> Document:
         ConfigError: a file is missing, wrong, or says what a vehicle cannot carry.
     """
     vehicle = document.data.get("vehicle")
-    names = vehicle.get("daveml") if isinstance(vehicle, dict) else None
+    if not isinstance(vehicle, dict):
+        return document  # for the validation to refuse
+    names = vehicle.get("daveml")
     if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
         return document  # absent, empty, or for the validation to refuse
     mark = document.mark(("vehicle", "daveml"))
@@ -240,7 +244,9 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     table = np.empty((len(mach), len(alpha), 3))
     for i, j in np.ndindex(len(mach), len(alpha)):
         point = {
-            key: mach[i] if v.name == MACH else alpha[j] * pi / 180.0 / _factor(model, v, "angle")
+            key: float(mach[i])
+            if v.name == MACH
+            else float(alpha[j]) * pi / 180.0 / _factor(model, v, "angle")
             for key, v in given.items()
         }
         table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
@@ -248,7 +254,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
-    """A coefficient at an airspeed (m/s) and body rates (rad/s)."""
+    """A coefficient that the model has, at an airspeed (m/s) and body rates (rad/s)."""
     values: Mapping[str, tuple[float, str]] = {
         SPEED: (speed, "speed"),
         **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
@@ -258,7 +264,7 @@ def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
         for key, (value, kind) in values.items()
         if (v := model.named(key)) is not None
     }
-    variable = model.named(name)
+    variable = stated(model.named(name))
     _factor(model, variable, "number")
     return model.evaluate(variable.id, given)
 

@@ -7,7 +7,7 @@ a mere reference to a DTD, as NASA's files carry it, is allowed and never follow
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.regular import read_regular
@@ -50,7 +50,7 @@ def read_xml(path: Path) -> etree._Element:
     except etree.XMLSyntaxError as error:
         line, column = error.position
         raise refused(path, line, f"is not well-formed XML: {error.msg}", column) from None
-    dtd = root.getroottree().docinfo.internalDTD
+    dtd: Any = root.getroottree().docinfo.internalDTD
     if dtd is not None and any(True for _ in dtd.iterentities()):
         raise refused(path, 1, _ENTITIES)
     return root
@@ -59,6 +59,17 @@ def read_xml(path: Path) -> etree._Element:
 def refused(path: Path, line: int, message: str, column: int = 1, name: str = "") -> ConfigError:
     """The error of one place in a file."""
     return ConfigError([Problem(shown(path), line, column if line else 0, name, message)])
+
+
+def line_of(element: etree._Element) -> int:
+    """Line on which an element begins."""
+    line: Any = element.sourceline
+    return int(line or 0)
+
+
+def text_of(element: etree._Element) -> str:
+    """Text of an element without blanks around it; empty when it has none."""
+    return (element.text or "").strip()
 
 
 def local_name(element: etree._Element) -> str:

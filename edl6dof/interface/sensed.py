@@ -19,8 +19,7 @@ SENSED = np.dtype(
         ("height_above_ground", "f8"),  # m, of the centre of mass above the ground below
         ("footpad_contact", FLAG),  # a footpad touches the ground
         ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the IMU
-        # m/s, B: integral of the specific force since the initial state, counted by the IMU
-        ("imu_gain_B", "f8", (3,)),
+        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, counted by the IMU
         ("wing_open", FLAG),  # end switch of the trim wing
     ],
     align=True,

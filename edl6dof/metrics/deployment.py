@@ -19,8 +19,7 @@ def deployment_figures(
     circle on which the flight began towards it.
     """
     first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
-    start = tuple(float(angle[0]) for angle in _track(first))
-    here = tuple(float(np.interp(mortar_fire_s, near["t_s"], angle)) for angle in _track(near))
+    start, here = _place(first, float(first["t_s"][0])), _place(near, mortar_fire_s)
     arc, azimuth = _arc(start, here)
     goal, along = _arc(start, aim_point)
     turn = azimuth - along
@@ -32,10 +31,11 @@ def deployment_figures(
     }
 
 
-def _track(rows: Telemetry) -> list[np.ndarray]:
-    """Latitude and longitude, rad, of one or two rows, without jumps."""
+def _place(rows: Telemetry, t: float) -> tuple[float, float]:
+    """Latitude and longitude, rad, at time ``t`` (s) on the straight lines between one or two rows."""
     latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
-    return [latitude, np.unwrap(longitude) if np.ptp(longitude) > pi else longitude]
+    without_jump = np.unwrap(longitude) if np.ptp(longitude) > pi else longitude
+    return float(np.interp(t, rows["t_s"], latitude)), float(np.interp(t, rows["t_s"], without_jump))
 
 
 def _arc(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:

@@ -186,9 +186,8 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
     return figures
 
 
-def peak_figures(plant: np.void, when: dict[str, float]) -> dict[str, float]:
+def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict[str, float]:
     """Largest loads since the initial state, and the heat load, in the units of their names."""
-    peaks = plant["peaks"]
     found = {
         "peak_load_g0": peaks["load"],
         "peak_dynamic_pressure_pa": peaks["dynamic_pressure"],

@@ -23,8 +23,10 @@ STARTUP_S = 20.0
 
 #: Words of a viewer that cannot work here, and what to do about it.
 _LACKING = {
-    "Failed to get render context": "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
-    "(Debian: apt-get install mesa-vulkan-drivers)",
+    "Failed to get render context": (
+        "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
+        "(Debian: apt-get install mesa-vulkan-drivers)"
+    ),
     "EventLoopError": (
         "there is no display to open a window on; --web, --html FILE and --screenshot FILE need none"
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NotRequired, TypeVar
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
 Content = TypeVar("Content")
@@ -12,10 +12,10 @@ Content = TypeVar("Content")
 _EXACT = ConfigDict(strict=True, allow_inf_nan=False)
 
 
+@with_config(_EXACT)
 class Limit(TypedDict):
     """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
 
-    __pydantic_config__ = _EXACT
     name: str
     value: float | None
     limit: float
@@ -23,12 +23,12 @@ class Limit(TypedDict):
     ok: bool
 
 
+@with_config(_EXACT)
 class Summary(TypedDict):
     """``summary.json``: outcome, figures by name with unit suffix, limits, and the published figures of the
     real flight.
     """
 
-    __pydantic_config__ = _EXACT
     name: str
     outcome: str
     success: bool
@@ -43,6 +43,7 @@ class Summary(TypedDict):
     published: dict[str, float]
 
 
+@with_config(_EXACT)
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
@@ -50,7 +51,6 @@ class Event(TypedDict):
     what was found.
     """
 
-    __pydantic_config__ = _EXACT
     t_s: float
     key: str
     name: str

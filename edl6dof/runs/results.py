@@ -42,7 +42,10 @@ def summary(flight: Flight) -> dict[str, Any]:
         "seed": flight.scenario.seed,
         "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
         "figures": flight.metrics,
-        "limits": [{"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok} for c in flight.checks],
+        "limits": [
+            {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
+            for c in flight.checks
+        ],
         "published": flight.scenario.published,
     }
 

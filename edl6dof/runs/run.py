@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.errors import refusal
 from edl6dof.config.document.source import parse_document
+from edl6dof.config.errors import refusal
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.telemetry.timeline import first_times
@@ -142,8 +142,10 @@ class Run(Mapping[str, np.ndarray]):
             raise refusal(path, f"cannot be read: {error}") from None
         schema, rows = file.schema_arrow, file.metadata.num_rows
         if "t_s" not in schema.names or rows == 0 or any(field.type != pa.float64() for field in schema):
-            raise refusal(path, ("is not the telemetry of a run: it needs a column t_s, "
-                "a row, and numbers in all columns"))
+            raise refusal(
+                path,
+                ("is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns"),
+            )
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:

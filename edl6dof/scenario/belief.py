@@ -29,7 +29,7 @@ BELIEF_MACH = 15.0
 BEYOND = 1000.0
 
 
-def build_onboard(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
+def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """What the flight computer believes, shape (1,): nominal models, no perturbation, no wind."""
     onboard = np.zeros(1, ONBOARD)
     record = onboard[0]

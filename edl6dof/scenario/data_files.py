@@ -1,8 +1,8 @@
 """Whether the tables that a scenario names can be built: mistakes in data files, found before a flight
 begins.
 
-The builders of the models say in plain words what is wrong with a file; here each is called once, on scratch
-records, and what it says is put at the key that names the file.
+The builders of the models say in plain words what is wrong with a file; here each is called, and what it says
+is put at the key that names the file.  They keep what they build, and the flight finds it there.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.document.locate import shown
-from edl6dof.environment.atmosphere import fill_atmosphere_table
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, table_path
+from edl6dof.environment.atmosphere import air_inputs
+from edl6dof.environment.atmosphere_table import build_table, table_path
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
 from edl6dof.environment.terrain_map import require_map_of
-from edl6dof.environment.wind import WIND, fill_wind
-from edl6dof.vehicle.aerotable import build_aero_table, read_static_table, static_table_path
+from edl6dof.environment.wind import require_winds
+from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table, read_static_table, static_table_path
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
@@ -41,36 +41,28 @@ _NUMPY_WORDS = (
     "zero-size array",
     "need at least",
 )
-_NOT_FINITE = "holds a number that is not finite, or one for which no table can be built"
 _UNREADABLE = (OSError, ValueError, LookupError, ArithmeticError, MemoryError, csv.Error)
 
 
 def file_problems(scenario: Scenario) -> dict[str, str]:
     """Dotted path to message of every table that cannot be built."""
     problems: dict[str, str] = {}
-    air = np.zeros(1, ATMOSPHERE_TABLE)
     with _collected(problems, "atmosphere.table"):
-        fill_atmosphere_table(air[0], scenario.atmosphere, scenario.planet)
-        _require_finite(air)
-    if "atmosphere.table" not in problems:
+        air = build_table(air_inputs(scenario.atmosphere, scenario.planet))
         with _collected(problems, "wind.model"):
-            fill_wind(np.zeros(1, WIND)[0], scenario.wind, air[0], scenario.seed)
+            require_winds(scenario.wind, air[0])
     if scenario.terrain.model == "mola":
         with _collected(problems, "terrain.model"):
             require_map_of(scenario.planet.mean_radius_m)
-    gravity = np.zeros(1, GRAVITY)
     with _collected(problems, "planet.gravity.coefficients"):
-        fill_gravity(gravity[0], scenario.planet.gravity)
-        _require_finite(gravity)
+        fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
     if scenario.vehicle.aero.model == "capsule":
         capsule = scenario.vehicle.aero.capsule
         with _collected(problems, "vehicle.aero.capsule.static_table"):
-            if not all(np.isfinite(part).all() for part in read_static_table(capsule.static_table)):
-                raise ValueError(_NOT_FINITE)
+            inputs = aero_inputs(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
+            read_static_table(capsule.static_table)
             with _collected(problems, "vehicle.aero.capsule"):
-                _require_finite(
-                    build_aero_table(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
-                )
+                build_aero_table(inputs)
     return problems
 
 
@@ -95,9 +87,3 @@ def _words(error: Exception) -> str:
     if isinstance(error, ValueError) and not str(error).startswith(_NUMPY_WORDS):
         return str(error)
     return f"is not a table of numbers ({error})"
-
-
-def _require_finite(record: np.ndarray) -> None:
-    for name in record.dtype.names:
-        if record.dtype[name].base.kind == "f" and not np.isfinite(record[name]).all():
-            raise ValueError(_NOT_FINITE)

@@ -14,7 +14,12 @@ from numba.core.errors import NumbaError
 
 from edl6dof import plugins
 from edl6dof.config.document.locate import shown
+from edl6dof.config.dtype import dtype_of
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.environment.atmosphere import ATMOSPHERE
+from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.gas import GAS
+from edl6dof.environment.wind import WIND
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
@@ -22,7 +27,9 @@ from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
+from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 _FAMILIES = {
     "entry_law": ENTRY_LAWS,
@@ -40,6 +47,15 @@ _RETURNS = {
         lambda value: isinstance(value, tuple) and len(value) == 4,
     ),
     "controller": ("nothing", lambda value: value is None),
+    "sensor": ("nothing", lambda value: value is None),
+    "atmosphere": (
+        "four numbers: density, pressure, temperature and speed of sound",
+        lambda value: isinstance(value, tuple) and len(value) == 4,
+    ),
+    "wind": (
+        "two numbers: wind towards east and north",
+        lambda value: isinstance(value, tuple) and len(value) == 2,
+    ),
 }
 
 
@@ -58,7 +74,7 @@ def try_out() -> None:
 
 def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
     try:
-        value = member.kernels[role](*(_argument(name, key) for name in arguments))
+        value = member.kernels[role](*(_argument(name, key, member) for name in arguments))
     except NumbaError as error:
         return f"does not compile: {_first_cause(str(error))}"
     except KeyError as error:  # how numba reports an unknown field of a record
@@ -69,15 +85,24 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
     return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
 
 
-def _argument(name: str, key: str) -> Any:
-    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0}
+def _argument(name: str, key: str, member: Member) -> Any:
+    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0}
     records = {
         "onboard": ONBOARD,
         "nav": NAV,
         "out": GUIDE,
         "guide": GUIDE,
         "fsw": FSW,
-        "mem": _FAMILIES[key].memory,
+        "mem": _FAMILIES[key].memory if key in _FAMILIES else None,
+        "params": dtype_of(member.params),
+        "memory": member.memory,
+        "plant": STATE,
+        "outputs": OUTPUTS,
+        "sensed": SENSED,
+        "atm": ATMOSPHERE,
+        "wind": WIND,
+        "gas": GAS,
+        "table": ATMOSPHERE_TABLE,
     }
     return scalars[name] if name in scalars else np.zeros(1, records[name])[0]
 

@@ -6,26 +6,25 @@ are filled from the same nominal configuration and never touch again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Set
-from functools import cache
+from functools import cache, lru_cache
 from math import atan2, cos, radians, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, duplicate, fill, refill
-from edl6dof.environment.atmosphere import ATMOSPHERE, fill_atmosphere, fill_atmosphere_table
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.config.dtype import dtype_of, duplicate, fill
+from edl6dof.environment.atmosphere import ATMOSPHERE, air_inputs, fill_atmosphere
+from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NOBODY
 from edl6dof.fsw.onboard import FSW
-from edl6dof.scenario.belief import build_onboard
+from edl6dof.scenario.belief import believe
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, LoadedScenario, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
-from edl6dof.sensors.perfect import SENSORS, SensorParams
+from edl6dof.sensors.registry import SENSORS, SensorParams
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
     attitude_from_wind_angles,
@@ -34,10 +33,10 @@ from edl6dof.spatial.frames import (
     ned_to_fixed,
 )
 from edl6dof.spatial.quaternion import from_euler_321, multiply
-from edl6dof.vehicle.aerotable import AERO_TABLE, build_aero_table
+from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.faults import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
-from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PLANT, POSITION, PROPELLANT, RATE, VELOCITY
+from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -66,155 +65,90 @@ TABLES = np.dtype(
 )
 
 
-#: Parameters that the tables do not depend on: they are applied in flight.
-FLOWN = {
-    "atmosphere": frozenset(["density_factor", "exponential"]),
-    "capsule": frozenset(["axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor"]),
-    "gas": frozenset(
-        ["heat_capacity_ratio", "molecular_diameter_m", "molecular_mass_kg", "sutton_graves_constant"]
-    ),
-}
+class TableInputs(NamedTuple):
+    """What the tables of a scenario follow from; ``aero`` only for a capsule."""
+
+    air: AirInputs
+    aero: AeroInputs | None
+    has_map: bool
 
 
-def same_tables(first: Scenario, second: Scenario) -> bool:
-    """Whether two scenarios share their tables."""
-    sections = (
-        ("atmosphere", first.atmosphere, second.atmosphere),
-        ("capsule", first.vehicle.aero.capsule, second.vehicle.aero.capsule),
-        ("gas", first.planet.gas, second.planet.gas),
-    )
-    return (
-        first.terrain.model == second.terrain.model
-        and first.vehicle.aero.model == second.vehicle.aero.model
-        and all(
-            getattr(one, field) == getattr(other, field)
-            for name, one, other in sections
-            if one is not other
-            for field in type(one).model_fields
-            if field not in FLOWN[name]
-        )
+def table_inputs(scenario: Scenario) -> TableInputs:
+    """What the tables follow from, with the content of the files as it is now.
+
+    Raises:
+        ValueError: a file is not named or is no table.
+        OSError: a file cannot be read.
+    """
+    capsule, gas = scenario.vehicle.aero.capsule, scenario.planet.gas
+    return TableInputs(
+        air_inputs(scenario.atmosphere, scenario.planet),
+        aero_inputs(capsule, gas.shock_layer_heat_capacity_ratio)
+        if scenario.vehicle.aero.model == "capsule"
+        else None,
+        scenario.terrain.model == "mola",
     )
 
 
 def build_tables(scenario: Scenario) -> np.ndarray:
-    """The shared tables, shape (1,)."""
-    tables = np.zeros(1, TABLES)
-    fill_atmosphere_table(tables[0]["atmosphere"], scenario.atmosphere, scenario.planet)
-    if scenario.terrain.model == "mola":
-        fill_terrain_grid(tables[0]["terrain"])
-    if scenario.vehicle.aero.model == "capsule":
-        tables[0]["aero"] = build_aero_table(
-            scenario.vehicle.aero.capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio
-        )[0]
-    return tables
+    """The tables, shape (1,); scenarios of the same inputs share them, and nobody writes to them.
 
-
-class Part(NamedTuple):
-    """One part of the case record: the sections of the scenario that it follows from, and what fills it in a
-    zeroed record.
+    Raises:
+        ValueError, OSError: as :func:`table_inputs`.
     """
-
-    sections: frozenset[str]
-    fill: Callable[[np.void, Scenario, np.void], None]
+    return _tables(table_inputs(scenario))
 
 
-#: Field of the case record to what fills it.
-PARTS: dict[str, Part] = {}
-
-
-def _part(name: str, sections: str) -> Callable[[Callable[[np.void, Scenario, np.void], None]], None]:
-    """Declare what fills the part ``name`` of the case record."""
-
-    def declare(fill_part: Callable[[np.void, Scenario, np.void], None]) -> None:
-        PARTS[name] = Part(frozenset(sections.split()), fill_part)
-
-    return declare
-
-
-#: Parts that are the sections of the same names and nothing more.
-COPIED = ("vehicle", "point_mass", "initial", "simulation", "sensors")
-for _name in COPIED:
-    _part(_name, _name)(lambda case, s, _, name=_name: fill(case[name], getattr(s, name)))
-
-
-@_part("planet", "planet")
-def _planet(case: np.void, s: Scenario, _: np.void) -> None:
-    fill_planet(case["planet"], s.planet)
-
-
-@_part("atmosphere", "atmosphere seed profile")
-def _atmosphere(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_atmosphere(case["atmosphere"], s.atmosphere, tables["atmosphere"], s.seed, s.profile)
-
-
-@_part("wind", "wind atmosphere seed profile")
-def _wind(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_wind(case["wind"], s.wind, tables["atmosphere"], s.seed, s.profile)
-
-
-@_part("terrain", "terrain planet")
-def _terrain(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_terrain(case["terrain"], s.terrain, tables["terrain"], s.planet.mean_radius_m)
-
-
-@_part("site", "terrain planet")
-def _site(case: np.void, s: Scenario, _: np.void) -> None:
-    fill_site(case["site"], s)
-
-
-@_part("lander", "vehicle")
-def _lander(case: np.void, s: Scenario, _: np.void) -> None:
-    fill_lander(case["lander"], s.vehicle.mass)
-
-
-@_part("dynamics", "dynamics")
-def _dynamics(case: np.void, s: Scenario, _: np.void) -> None:
-    case["dynamics"] = DYNAMICS.index(s.dynamics)
-
-
-@_part("ends_at_deployment", "mission")
-def _ends_at_deployment(case: np.void, s: Scenario, _: np.void) -> None:
-    case["ends_at_deployment"] = s.mission.goal == "deployment"
-
-
-@_part("limits", "limits mission")
-def _limits(case: np.void, s: Scenario, _: np.void) -> None:
-    fill(case["limits"], s.limits)
-    if s.mission.goal == "time":
-        case["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
-
-
-@_part("faults", "faults vehicle mission")
-def _faults(case: np.void, s: Scenario, _: np.void) -> None:
-    fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
+@lru_cache(maxsize=4)
+def _tables(inputs: TableInputs) -> np.ndarray:
+    tables = np.zeros(1, TABLES)
+    tables["atmosphere"] = build_table(inputs.air)
+    if inputs.has_map:
+        fill_terrain_grid(tables[0]["terrain"])
+    if inputs.aero is not None:
+        tables["aero"] = build_aero_table(inputs.aero)
+    return tables
 
 
 def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """The truth of one flight, shape (1,)."""
-    case = np.zeros(1, CASE)
-    for part in PARTS.values():
-        part.fill(case[0], scenario, tables[0])
-    return case
+    cases = np.zeros(1, CASE)
+    case, table, s = cases[0], tables[0], scenario
+    for name in ("vehicle", "point_mass", "initial", "simulation", "sensors", "limits"):
+        fill(case[name], getattr(s, name))
+    fill_planet(case["planet"], s.planet)
+    fill_atmosphere(case["atmosphere"], s.atmosphere, table["atmosphere"], s.seed, s.profile)
+    fill_wind(case["wind"], s.wind, table["atmosphere"], s.seed, s.profile)
+    fill_terrain(case["terrain"], s.terrain, table["terrain"], s.planet.mean_radius_m)
+    fill_site(case["site"], s)
+    fill_lander(case["lander"], s.vehicle.mass)
+    fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
+    case["dynamics"] = DYNAMICS.index(s.dynamics)
+    case["ends_at_deployment"] = s.mission.goal == "deployment"
+    if s.mission.goal == "time":
+        case["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
+    return cases
 
 
-def changed_case(
-    case: np.ndarray, scenario: Scenario, before: Scenario, tables: np.ndarray, sections: Set[str]
-) -> np.ndarray:
-    """The truth of a scenario that differs in some sections only from the one ``before``, whose record is
-    ``case``.
+#: Sections of a scenario that the flight computer's belief follows from.
+BELIEVED = frozenset(
+    ("planet", "atmosphere", "terrain", "vehicle", "initial", "sensors", "flight_software", "mission")
+)
 
-    Equal to ``build_case``, and quicker.
+
+def build_onboard(scenario: Scenario) -> np.ndarray:
+    """What the flight computer believes of a scenario, shape (1,); planned once for all that share it.
+
+    Raises:
+        ValueError, OSError: as :func:`table_inputs`.
     """
-    case = duplicate(case)
-    for name, part in PARTS.items():
-        if part.sections.isdisjoint(sections):
-            continue
-        if name in COPIED:
-            refill(case[0][name], getattr(scenario, name), getattr(before, name))
-        else:
-            case[name] = np.zeros(1, CASE[name])
-            part.fill(case[0], scenario, tables[0])
-    return case
+    believed = scenario.model_copy(update=dict.fromkeys(Scenario.model_fields.keys() - BELIEVED))
+    return duplicate(_onboard(believed, table_inputs(scenario)))
+
+
+@lru_cache(maxsize=4)
+def _onboard(believed: Scenario, inputs: TableInputs) -> np.ndarray:
+    return believe(believed, _tables(inputs))
 
 
 class Records(NamedTuple):
@@ -230,12 +164,11 @@ class Records(NamedTuple):
 def build_records(loaded: LoadedScenario) -> Records:
     """Truth, tables and belief of a scenario."""
     tables = build_tables(loaded.truth)
-    believed = tables if loaded.truth is loaded.scenario else build_tables(loaded.scenario)
-    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario, believed))
+    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
-    """The plant at t = 0, shape (1,)."""
+    """The state of the plant at t = 0, shape (1,)."""
     plant = duplicate(_new_plant())
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
@@ -259,7 +192,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 @cache
 def _new_plant() -> np.ndarray:
     """What every plant begins with: nothing has left it, and nothing has happened."""
-    plant = np.zeros(1, PLANT)
+    plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
     record["due"][:] = 1e99
@@ -269,7 +202,6 @@ def _new_plant() -> np.ndarray:
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = 1e99
     record["touchdown_time"] = record["exhausted_time"] = np.nan
-    record["agl"] = 1e99
     return plant
 
 
@@ -301,6 +233,11 @@ def _new_fsw() -> np.ndarray:
     fsw["entered"] = np.nan
     fsw["entered"][0, 0] = 0.0
     return fsw
+
+
+def initial_peaks() -> np.ndarray:
+    """The largest loads met so far at t = 0, shape (1,)."""
+    return np.zeros(1, PEAKS)
 
 
 def initial_sensors() -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,13 +9,13 @@ from math import cos, radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import field_validator, model_validator
+from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
-from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
-from edl6dof.config.errors import ConfigError, Inconsistent, Problem
-from edl6dof.config.validate import validate
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.validate import refuse, validate
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
@@ -31,7 +30,7 @@ from edl6dof.plugins import require
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
-from edl6dof.sensors.perfect import SensorParams
+from edl6dof.sensors.registry import SensorParams, sensor_problems
 from edl6dof.vehicle.faults import FaultParams, fault_problems
 from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -177,19 +176,13 @@ class Scenario(Params):
             raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Scenario:
-        problems = {**self.section_problems(), **file_problems(self)}
-        if problems:
-            raise Inconsistent(problems)
-        return self
-
     def section_problems(self) -> dict[str, str]:
         """Dotted path to message of values of different sections that do not fit together."""
         return {
             **self._cycle_problems(),
             **self._engine_problems(),
-            **self._sensor_problems(),
+            **sensor_problems(self.sensors),
+            **self._delay_problems(),
             **self._goal_problems(),
             **self._phase_problems(),
             **self._entry_problems(),
@@ -223,7 +216,7 @@ class Scenario(Params):
             return {"vehicle.engine.throttle_max_n": message}
         return {}
 
-    def _sensor_problems(self) -> dict[str, str]:
+    def _delay_problems(self) -> dict[str, str]:
         """The flight computer keeps its valve commands for the age of a reading."""
         delay, oldest = self.sensors.imu.delay_cycles, self.flight_software.rates.control_every
         if delay <= oldest:
@@ -351,16 +344,21 @@ def check_document(document: Document) -> LoadedScenario:
     """
     require(document)
     try_out()
-    scenario = validate(Scenario, document)
+    scenario = _checked(document)
     wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
     if wrong:
         raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
     if not scenario.truth:
         return LoadedScenario(scenario, scenario, document)
-    changes = [f"{path}={json.dumps(value)}" for path, value in scenario.truth.items()]
-    return LoadedScenario(
-        scenario, validate(Scenario, apply_overrides(document, changes, Scenario)), document
-    )
+    true = with_values(document, scenario.truth, Scenario, lambda path: document.mark(("truth", path)))
+    return LoadedScenario(scenario, _checked(true), document)
+
+
+def _checked(document: Document) -> Scenario:
+    """The scenario of a document: its values, how they fit together, and its tables."""
+    scenario = validate(Scenario, document)
+    refuse(document, {**scenario.section_problems(), **file_problems(scenario)})
+    return scenario
 
 
 #: Sections of a scenario file that say how it is flown many times; a single flight does not read them.

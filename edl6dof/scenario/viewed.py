@@ -10,6 +10,10 @@ from typing import Any
 
 from edl6dof.config.base import Params
 from edl6dof.config.document.source import parse_document
+from edl6dof.environment.atmosphere import AtmosphereParams
+from edl6dof.environment.atmospheres.registry import ATMOSPHERES
+from edl6dof.environment.wind import WindParams
+from edl6dof.environment.winds.registry import WINDS
 from edl6dof.fsw.control.registry import CONTROLLERS
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
@@ -17,15 +21,21 @@ from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
 from edl6dof.scenario.schema import LoadedScenario, check_document
+from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams
 
-#: Sections below ``flight_software`` that plugins may add to, and the keys there that choose a member of a
-#: family.
+_GUIDANCE = ("flight_software", "guidance")
+#: Sections that plugins may add to, and the keys there that choose a member of a family.
 _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]], ...] = (
-    (("guidance", "entry"), EntryGuidanceParams, {"law": ENTRY_LAWS.names}),
-    (("guidance", "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
-    (("guidance", "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
-    (("control",), ControlParams, {}),
+    (("atmosphere",), AtmosphereParams, {"model": ATMOSPHERES.names}),
+    (("wind",), WindParams, {"model": WINDS.names}),
+    (("sensors",), SensorParams, {}),
+    ((*_GUIDANCE, "entry"), EntryGuidanceParams, {"law": ENTRY_LAWS.names}),
+    ((*_GUIDANCE, "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
+    ((*_GUIDANCE, "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
+    (("flight_software", "control"), ControlParams, {}),
 )
+#: What stands for a model of the air or wind that only a plugin has: it needs no table.
+_STAND_INS = {"atmosphere": "us76", "wind": "none"}
 
 
 def viewed_scenario(text: str, file: str) -> LoadedScenario:
@@ -49,10 +59,15 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
     none.
     """
     for path, model, choices in _PLACES:
-        section = _section(data, ("flight_software", *path))
+        section = _section(data, path)
         for key in list(section):
             if key not in model.model_fields or section[key] not in choices.get(key, [section[key]]):
                 del section[key]
+    for name, model in _STAND_INS.items():
+        _section(data, (name,)).setdefault("model", model)
+    sensors = _section(data, ("sensors",))
+    if not set(sensors.get("carried", ())) <= set(SENSOR_FAMILY.names):
+        del sensors["carried"]
     for phase in _section(data, ("mission",)).get("phases", ()):
         if phase["control"] not in CONTROLLERS.names:
             phase["control"] = "off"

@@ -3,6 +3,8 @@ flight computer.
 
 As in a real unit the accelerometers count up the integral of specific force, so that nothing between two
 readings is lost.  No noise, bias or quantisation yet; the unit sits at the centre of mass.
+
+Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapter 11.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ import numpy as np
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
+from edl6dof.registry import Member
 from edl6dof.vehicle.plant import RATE
 
 #: Readings that can be under way.
@@ -35,7 +38,7 @@ READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("t
 
 
 @kernel
-def read_imu(params, plant, readings, sensed):
+def measure(params, readings, plant, outputs, sensed):
     """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no
     older).
     """
@@ -47,3 +50,13 @@ def read_imu(params, plant, readings, sensed):
         readings.gain[slot, i] = plant.velocity_gain[i]
         sensed.imu_rate_B[i] = readings.rate[old, i]
         sensed.imu_gain_B[i] = readings.gain[old, i]
+
+
+MEMBER = Member(
+    "imu",
+    ImuParams,
+    {"measure": measure},
+    "Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapter 11",
+    memory=READINGS,
+    writes=("imu_rate_B", "imu_gain_B"),
+)

@@ -1,46 +1,48 @@
-"""Perfect sensors: gyro, accelerometer, inertial position, attitude and ground range without error or delay;
-beside them the IMU.
+"""Perfect instruments at the centre of mass: gyro, accelerometer, inertial position and velocity, attitude,
+ground range, and the switches of footpads and trim wing, without error or delay.
+
+Source: none, this is the null member of the family.
 """
 
 from __future__ import annotations
 
-import numpy as np
-
-from edl6dof.config.base import Params, group
-from edl6dof.interface.sensed import SENSED
+from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
-from edl6dof.sensors.imu import READINGS, ImuParams, read_imu
+from edl6dof.registry import Member
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
-#: Opening of the trim wing at which its end switch closes.
-END_SWITCH = 0.95
 
+class PerfectParams(Params):
+    """Instruments without error or delay."""
 
-class SensorParams(Params):
-    """What the flight computer measures with."""
-
-    imu: ImuParams = group(ImuParams, "inertial measurement unit")
-
-
-#: What the sensors remember, and what crosses to the flight software.
-SENSORS = np.dtype([("imu", READINGS), ("sensed", SENSED)], align=True)
+    end_switch: float = param(
+        0.95, "opening of the trim wing at which its end switch closes", status="estimate", gt=0.0, lt=1.0
+    )
 
 
 @kernel
-def sense(case, plant, sensors):
-    """Write into ``sensors.sensed`` what ideal instruments at the centre of mass would measure; reads
-    ``plant.out``.
-    """
-    y, sensed = plant.y, sensors.sensed
-    sensed.t = plant.t
+def measure(params, memory, plant, outputs, sensed):
+    """Say what is."""
+    y = plant.y
     for i in range(3):
         sensed.r_I[i] = y[POSITION + i]
         sensed.v_I[i] = y[VELOCITY + i]
         sensed.w_B[i] = y[RATE + i]
-        sensed.specific_force_B[i] = plant.out.specific_force_B[i]
+        sensed.specific_force_B[i] = outputs.specific_force_B[i]
     for i in range(4):
         sensed.q_I2B[i] = y[ATTITUDE + i]
-    sensed.height_above_ground = plant.agl
-    sensed.footpad_contact = 1 if plant.out.pads > 0 else 0
-    read_imu(case.sensors.imu, plant, sensors.imu, sensed)
-    sensed.wing_open = 1 if plant.out.wing_opening > END_SWITCH else 0
+    sensed.height_above_ground = outputs.agl
+    sensed.footpad_contact = 1 if outputs.pads > 0 else 0
+    sensed.wing_open = 1 if outputs.wing_opening > params.end_switch else 0
+
+
+MEMBER = Member(
+    "perfect",
+    PerfectParams,
+    {"measure": measure},
+    "null member",
+    writes=(
+        *("r_I", "v_I", "w_B", "specific_force_B", "q_I2B"),
+        *("height_above_ground", "footpad_contact", "wing_open"),
+    ),
+)

@@ -1,7 +1,8 @@
 """A flight saved in the middle: everything that changes, and the scenario, in one file.
 
-Continuing gives the same bits as flying through: plant, sensors, flight-software memory and the cycle number
-are copied byte for byte, and random profiles follow from the scenario's seed.  Compiled code trusts these
+Continuing gives the same bits as flying through: the state of the plant, the largest loads met, sensors,
+flight-software memory and the cycle number are copied byte for byte; everything else follows from them, and
+random profiles from the scenario's seed.  Compiled code trusts these
 records, so whatever a file holds is looked at first.
 """
 
@@ -13,7 +14,7 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,13 +24,13 @@ from edl6dof.durable import write_atomic
 from edl6dof.fsw.diagnosis.diagnose import FINDINGS
 from edl6dof.fsw.onboard import FSW
 from edl6dof.records import first_not_finite, out_of_range
-from edl6dof.sensors.perfect import SENSORS
-from edl6dof.vehicle.plant import PLANT
+from edl6dof.sensors.registry import SENSORS
+from edl6dof.vehicle.plant import PEAKS, STATE
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
 
-_RECORDS = {"plant": PLANT, "sensors": SENSORS, "fsw": FSW}
+_RECORDS = {"plant": STATE, "peaks": PEAKS, "sensors": SENSORS, "fsw": FSW}
 #: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand.
 _LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 4_000_000
 #: Room for what a ``.npy`` member says of itself before its data.
@@ -51,6 +52,7 @@ class State:
 
     cycle: int
     plant: np.ndarray
+    peaks: np.ndarray
     sensors: np.ndarray
     fsw: np.ndarray
     scenario_text: str
@@ -58,7 +60,9 @@ class State:
     def save(self, path: Path) -> None:
         """Write to ``path`` atomically."""
         buffer = io.BytesIO()
-        records = {name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS}
+        records: dict[str, Any] = {
+            name: np.frombuffer(getattr(self, name).tobytes(), dtype=np.uint8) for name in _RECORDS
+        }
         np.savez_compressed(
             buffer,
             cycle=np.array(self.cycle),

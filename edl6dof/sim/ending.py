@@ -101,7 +101,8 @@ def _circumstances(flight: Flight) -> tuple[str, str]:
         (height,) = flight.telemetry.at(cut_off, "truth.height_m")
         told.append(f"the engine was cut off {height:.1f} m above the ground at t = {cut_off:.1f} s")
     legs = " with its legs folded" if flight.code == CRASHED and _slow_enough(flight) else ""
-    return tuple(legs + (f" after {' and '.join(words)}" if words else "") for words in (told, plain))
+    after_told, after_plain = (f" after {' and '.join(words)}" if words else "" for words in (told, plain))
+    return legs + after_told, legs + after_plain
 
 
 def _slow_enough(flight: Flight) -> bool:

@@ -13,8 +13,8 @@ from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.records import first_not_finite
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.records import first_not_finite, offset
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.vehicle.plant import STATE_NAMES
 
 #: Exponent of a number that is infinite or none, its lowest bit, and the sign.
@@ -29,17 +29,19 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
     """Eight-byte words of a record from one field through another; whole numbers between are never negative,
     and so look finite.
     """
-    start, end = layout.fields[first][1], layout.fields[last][1] + layout[last].itemsize
+    start, end = offset(layout, first), offset(layout, last) + layout[last].itemsize
     return (base + start) // 8, (base + end) // 8
 
 
+#: Fields of the state that follow from the outputs.
+_FROM_OUTPUTS = ("ground_elevation", "ground_slope")
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
-_SENSED = _words(SENSED, "t", "imu_gain_B", SENSORS.fields["sensed"][1])
+_SENSED = _words(SENSED, "t", "imu_gain_B", offset(SENSORS, "sensed"))
 _PHASE_START = _words(FSW, "phase_start", "phase_start")
 _WORKED_OUT = _words(FSW, "mass", "demand")
-_COMMANDED = _words(COMMAND, "closes", "alpha", FSW.fields["command"][1])
+_COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
 
 
 @kernel
@@ -64,11 +66,20 @@ def works_with_finite(sensors, memory):
     return wrong < _SIGN
 
 
-def first_cause(plant: np.ndarray, sensors: np.ndarray, fsw: np.ndarray) -> str | None:
+def first_cause(
+    plant: np.ndarray, outputs: np.ndarray, work: np.ndarray, sensors: np.ndarray, fsw: np.ndarray
+) -> str | None:
     """The first quantity that is not finite, in the order in which one follows from the other; ``None`` when
     all are.
+
+    Args:
+        plant, outputs: state of the plant and what follows from it, shape (1,).
+        work: of the integrator, shape (1,): the stage in which a step failed.
+        sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
-    for name, record in (("plant", plant), ("sensors", sensors), ("fsw", fsw)):
+    own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
+    steps = (("plant", plant[own]), ("trial", work["trial"]), ("outputs", outputs), ("k", work["k"]))
+    for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
     return None
@@ -79,7 +90,7 @@ def _plain_name(record: str, path: str) -> str:
     ``fsw.guide.bank`` for anything else.
     """
     field, _, index = path.partition("[")
-    if record == "plant" and field in ("y", "trial", "k"):
+    if (record, field) == ("plant", "y") or record in ("trial", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
-        return f"rate of {state}" if field == "k" else state
+        return f"rate of {state}" if record == "k" else state
     return f"{record}.{path}".removeprefix("sensors.")

@@ -13,7 +13,6 @@ from edl6dof.config.document.source import parse_document
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
-from edl6dof.fsw.onboard import FSW
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
@@ -21,6 +20,7 @@ from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
 from edl6dof.sim.ending import Ending, ending, goal_code
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
@@ -29,7 +29,7 @@ from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
-from edl6dof.vehicle.plant import NOT_BEGUN, PLANT
+from edl6dof.vehicle.plant import NOT_BEGUN, OUTPUTS, WORKSPACE
 
 if TYPE_CHECKING:
     import pandas
@@ -51,7 +51,9 @@ class Flight:
     Attributes:
         loaded: scenario and where it came from.
         case: true parameters, ``CASE`` record array of length one.
-        plant: final true state.
+        plant: final true state, ``STATE`` record.
+        outputs: what follows from it, ``OUTPUTS`` record.
+        peaks: the largest loads met, ``PEAKS`` record.
         fsw: final flight-software memory.
         log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
         code: outcome code of the loop.
@@ -63,6 +65,8 @@ class Flight:
     loaded: LoadedScenario
     case: np.ndarray
     plant: np.ndarray
+    outputs: np.ndarray
+    peaks: np.ndarray
     fsw: np.ndarray
     log: np.ndarray
     code: int
@@ -148,7 +152,9 @@ class Flight:
         when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
             figures = metrics(self.telemetry, when, self.scenario.phase_roles)
-            figures |= peak_figures(self.plant[0], happened) | touchdown_state(self.case, self.plant)
+            figures |= peak_figures(self.plant[0], self.peaks[0], happened) | touchdown_state(
+                self.case, self.plant
+            )
             figures |= diagnosis_figures(self.isolated_faults, self.loaded.truth.faults, self.plant[0])
             return figures | self._deployment(figures)
 
@@ -246,8 +252,8 @@ def resolved_text(loaded: LoadedScenario) -> str:
 
     header = [
         (
-            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the flight "
-            "bit for bit"
+            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the "
+            "flight bit for bit"
         )
     ]
     return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
@@ -286,20 +292,20 @@ def fly(
         ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
-    case, tables, onboard = parts or records.build_records(loaded)
-    if start is None:
-        plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
-        sensors, cycle = records.initial_sensors(), 0
-        prepare(case, tables, plant)
-    else:
-        start.check_fits(scenario)
-        plant, fsw, sensors, cycle = (
-            duplicate(start.plant),
-            duplicate(start.fsw),
-            duplicate(start.sensors),
-            start.cycle,
-        )
-        take_up(case, plant, fsw)
+    with flight_software_beside() as compiling:
+        case, tables, onboard = parts or records.build_records(loaded)
+        outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
+        if start is None:
+            plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+            peaks, sensors, cycle = records.initial_peaks(), records.initial_sensors(), 0
+            prepare(case, plant)
+        else:
+            start.check_fits(scenario)
+            plant, fsw = duplicate(start.plant), duplicate(start.fsw)
+            peaks, sensors, cycle = duplicate(start.peaks), duplicate(start.sensors), start.cycle
+            take_up(case, plant, fsw)
+        if compiling:
+            compile_plant(case, tables, plant, outputs, work)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
@@ -312,20 +318,34 @@ def fly(
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
-            saved = State(cycle, duplicate(plant), duplicate(sensors), duplicate(fsw), resolved_text(loaded))
+            held = (duplicate(record) for record in (plant, peaks, sensors, fsw))
+            saved = State(cycle, *held, resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
         code, flown, new = fly_cycles(
-            case, onboard, tables, plant, sensors, fsw, cycle, end, scenario.steps_per_cycle, *logs, rows
-        )
+            case, onboard, tables, plant, outputs, peaks, work, sensors, fsw,
+            cycle, end, scenario.steps_per_cycle, *logs, rows,
+        )  # fmt: skip
         rows += new
         cycle += flown
         if progress is not None:
-            _report(progress, scenario, plant, fsw)
-    wrong = first_cause(plant, sensors, fsw) if code != goal_code(scenario.mission.goal) else None
+            _report(progress, scenario, plant, outputs, fsw)
+    wrong = (
+        first_cause(plant, outputs, work, sensors, fsw) if code != goal_code(scenario.mission.goal) else None
+    )
     return Flight(
-        loaded, case, plant, fsw, log[:rows], NOT_FINITE if wrong else code, cycle - first, saved, wrong
+        loaded,
+        case,
+        plant,
+        outputs,
+        peaks,
+        fsw,
+        log[:rows],
+        NOT_FINITE if wrong else code,
+        cycle - first,
+        saved,
+        wrong,
     )
 
 
@@ -338,17 +358,18 @@ def _last_cycle(loaded: LoadedScenario) -> int:
     return int(np.ceil(loaded.truth.simulation.time_limit_s * loaded.scenario.flight_software.rates.base_hz))
 
 
-def _report(progress: Progress, scenario: Scenario, plant: np.ndarray, fsw: np.ndarray) -> None:
+def _report(
+    progress: Progress, scenario: Scenario, plant: np.ndarray, outputs: np.ndarray, fsw: np.ndarray
+) -> None:
     phases = scenario.mission.phases
     phase = phases[int(fsw["phase"][0])].name if phases else "free flight"
-    out = plant["out"][0]
     progress(
         float(plant["t"][0]),
         scenario.simulation.time_limit_s,
         phase,
-        float(out["altitude"]),
-        float(out["mach"]),
+        float(outputs["altitude"][0]),
+        float(outputs["mach"][0]),
     )
 
 
-__all__ = ["FSW", "PLANT", "Flight", "Progress", "continue_from", "fly", "resolved_text"]
+__all__ = ["Flight", "Progress", "continue_from", "fly", "resolved_text"]

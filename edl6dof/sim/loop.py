@@ -6,7 +6,7 @@ import numpy as np
 
 from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
-from edl6dof.sensors.perfect import sense
+from edl6dof.sensors.registry import sense
 from edl6dof.sim.finiteness import works_with_finite
 from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
 from edl6dof.telemetry.sample import record, record_brief
@@ -14,15 +14,14 @@ from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.integrate import advance, go_back, refresh, retrace
 from edl6dof.vehicle.mass import compose_dry
-from edl6dof.vehicle.peaks import note_peaks
+from edl6dof.vehicle.peaks import update_peaks
 
 
 @kernel
-def prepare(cases, tables_, plants):
-    """Make a plant at t = 0 consistent: mass properties, forces, ground."""
-    case, tables, plant = cases[0], tables_[0], plants[0]
+def prepare(cases, plants):
+    """Make the mass properties of a plant those of the parts it has."""
+    case, plant = cases[0], plants[0]
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
-    refresh(case, tables, plant)
 
 
 @kernel
@@ -36,16 +35,19 @@ def take_up(cases, plants, memories):
 
 
 @kernel
-def write_row(case, plant, fsw, log, brief, row):
+def write_row(case, plant, outputs, fsw, log, brief, row):
     """Log the present state as row ``row`` of the one of the two logs that is not empty."""
     if len(log) > 0:
-        record(case, plant, fsw, log[row])
+        record(case, plant, outputs, fsw, log[row])
     else:
-        record_brief(case, plant, fsw, brief[row])
+        record_brief(case, plant, outputs, fsw, brief[row])
 
 
 @kernel
-def fly(cases, onboards, tables_, plants, sensors_, memories, first, last, steps, log, brief, log_first):
+def fly(
+    cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
+    first, last, steps, log, brief, log_first,
+):  # fmt: skip
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
     All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one
@@ -54,34 +56,35 @@ def fly(cases, onboards, tables_, plants, sensors_, memories, first, last, steps
     last state is the one before it.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
+    outputs, peaks, work = outputs_[0], peaks_[0], works[0]
     sensors, fsw = sensors_[0], memories[0]
     measured, memory = sensors_.view(np.uint64), memories.view(np.uint64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
     for k in range(first, last):
         t = k * cycle
-        refresh(case, tables, plant)
-        sense(case, plant, sensors)
+        refresh(case, tables, plant, outputs, work)
+        sense(case.sensors, plant, outputs, sensors)
         run(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
-            note_peaks(plant)
-            outcome = judge(case, plant)
+            update_peaks(outputs, peaks)
+            outcome = judge(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:
-            write_row(case, plant, fsw, log, brief, log_first + rows)
+            write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
             rows += 1
         if outcome != FLYING:
             return outcome, k - first, rows
         for j in range(steps):
-            if not advance(case, tables, plant, t + cycle * (j + 1) / steps):
-                go_back(plant)
+            if not advance(case, tables, plant, outputs, work, t + cycle * (j + 1) / steps):
+                go_back(plant, work)
                 if plant.t > t or not logged:
-                    refresh(case, tables, plant)
-                    write_row(case, plant, fsw, log, brief, log_first + rows)
+                    refresh(case, tables, plant, outputs, work)
+                    write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
                     rows += 1
-                retrace(case, tables, plant)
+                retrace(case, tables, plant, outputs, work)
                 return NOT_FINITE, k - first, rows
         step_debris(case, tables, plant, t, cycle)
     return FLYING, last - first, rows

@@ -36,9 +36,9 @@ def contact_speed(spin, y):
 
 
 @kernel
-def judge(case, plant):
-    """Outcome code of the present state, all of it finite; ``plant.out`` must be fresh."""
-    limits, out, y = case.limits, plant.out, plant.y
+def judge(case, plant, outputs):
+    """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
+    limits, out, y = case.limits, outputs, plant.y
     t = plant.t
     if case.ends_at_deployment != 0 and isfinite(plant.done[MORTAR]):
         return DEPLOYED

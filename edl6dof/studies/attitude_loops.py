@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import degrees, exp, pi
+from typing import Any
 
 import numpy as np
 
@@ -159,7 +160,7 @@ def flown_loops(scenario: Scenario) -> dict[str, Loop]:
         else 0.0
     )
 
-    def loop(zone, pole: float = 0.0, integral: bool = True) -> Loop:
+    def loop(zone: Any, pole: float = 0.0, integral: bool = True) -> Loop:
         return Loop(zone.proportional, zone.integral if integral else 0.0, zone.derivative, pole, **times)
 
     own = lander.against_disturbance == "integral"

@@ -11,7 +11,7 @@ relative errors.  The miss is that of the point entry guidance steers to, at mor
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import degrees
 from typing import Any
 
@@ -21,6 +21,7 @@ import pyarrow as pa
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.campaign.readback import value_at
+from edl6dof.campaign.rows import Row
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT
@@ -115,12 +116,11 @@ def run(runs: int, progress: Progress) -> Report:
                 Case(i, truth=truth, profile=i, label={"mission": mission, "law": law})
                 for i, truth in enumerate(truths)
             ]
-            before = done
             tables[mission][law] = fly_cases(
                 loaded,
                 cases,
                 collect=_figures,
-                progress=lambda n, row, before=before: progress(before + n, total),
+                progress=_counted_from(done, total, progress),
             )
             done += runs
             calls[mission][law] = call_time(loaded)
@@ -130,6 +130,11 @@ def run(runs: int, progress: Progress) -> Report:
         [t for laws in tables.values() for t in laws.values()], promote_options="permissive"
     )
     return Report(tuple(_findings(tables, calls)), drawings, everything, total, _REMARKS, grids)
+
+
+def _counted_from(before: int, total: int, progress: Progress) -> Callable[[int, Row], None]:
+    """Tells how many flights of the study are done, from how many are done of one of its campaigns."""
+    return lambda flown, row: progress(before + flown, total)
 
 
 def overrides(law: str, nominal: LoadedScenario) -> list[str]:
@@ -171,7 +176,7 @@ def _figures(flight: Flight) -> dict[str, float]:
     }
 
 
-# ---- what came out
+# ---- what came out -----------------------------------------------------------------------------------------
 
 
 def misses(table: pa.Table) -> np.ndarray:
@@ -216,9 +221,12 @@ def _grid(mission: str, tables: dict[str, pa.Table], calls: dict[str, float]) ->
     for law, table in sorted(tables.items(), key=lambda item: quantile(misses(item[1]), 0.99)):
         miss = misses(table)
         rows.append((
-            law, float(np.mean(miss)), quantile(miss, 0.99), 100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
-            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3, _mean(table, "parachute_mach"),
-            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table, "propellant_used_kg"),
+            law, float(np.mean(miss)), quantile(miss, 0.99),
+            100.0 * float(np.mean(np.array(table["success"].to_pylist()))),
+            _mean(table, "parachute_altitude_m") / 1e3, _least(table, "parachute_altitude_m") / 1e3,
+            _mean(table, "parachute_mach"),
+            _mean(table, "tracking_error_m_s2"), _mean(table, "bank_travel_deg"), _mean(table,
+            "propellant_used_kg"),
             _mean(table, "saturation_s"), calls[law],
         ))  # fmt: skip
     return Grid(
@@ -233,22 +241,22 @@ def _findings(
 ) -> Iterator[Finding]:
     for mission, laws in tables.items():
         best = min(laws, key=lambda law: quantile(misses(laws[law]), 0.99))
-        target, bound = (TARGET_KM, "<=") if mission == "tianwen1" else (None, "")
+        has_target = mission == "tianwen1"
         kept = 100.0 * float(np.mean(np.array(laws[best]["success"].to_pylist())))
         yield Finding(
             f"{mission}: 99 % of misses, best law",
             "km",
             quantile(misses(laws[best]), 0.99),
-            target,
-            bound,
+            TARGET_KM if has_target else None,
+            "<=" if has_target else "",
             best,
         )
         yield Finding(
             f"{mission}: deployment box kept, best law",
             "%",
             kept,
-            100.0 if bound else None,
-            ">=" if bound else "",
+            100.0 if has_target else None,
+            ">=" if has_target else "",
             best,
         )
     failed = sum(

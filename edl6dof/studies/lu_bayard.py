@@ -25,7 +25,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_velocity import path_sine, profile
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import corridor
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.report.figure import Figure, Panel
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies import plots
@@ -37,8 +37,10 @@ ENTRY = "flight_software.guidance.entry"
 SCENARIO = "wu2013"
 SETTINGS = (
     f"{ENTRY}.law=adaptive_hinf",
-    f"{ENTRY}.adaptive_hinf={{start_drag_m_s2: 7.0, disturbance_gain: 40.0, control_weight: 625.0, adaptation_energy: 20.0}}",
-    f"{ENTRY}.limits={{heat_rate_w_cm2: 100.0, nose_radius_m: 1.1, load_g0: 15.0, dynamic_pressure_pa: 18000.0}}",
+    f"{ENTRY}.adaptive_hinf={{start_drag_m_s2: 7.0, disturbance_gain: 40.0, "
+    "control_weight: 625.0, adaptation_energy: 20.0}",
+    f"{ENTRY}.limits={{heat_rate_w_cm2: 100.0, nose_radius_m: 1.1, "
+    "load_g0: 15.0, dynamic_pressure_pa: 18000.0}",
     f"{ENTRY}.tracking.update=false",
 )
 #: True theta of the design model, inside the law's set, and the drag error (m/s2) at its start.
@@ -72,7 +74,7 @@ def gust(t: float) -> float:
 def run(runs: int, progress: Progress) -> Report:
     """Integrate the design model with three disturbances, and fly the law."""
     loaded = load_scenario(SCENARIO, SETTINGS)
-    onboard = build_onboard(loaded.scenario, build_tables(loaded.scenario))
+    onboard = build_onboard(loaded.scenario)
     design = _design(onboard)
     responses = {
         "w = 0": _respond(design, onboard, lambda t: 0.0),
@@ -125,9 +127,10 @@ def _design(onboard: np.ndarray) -> Design:
     memory = np.zeros(1, MEMORY)[0]
     begin(law, memory)
     radius = float(planet["equatorial_radius"])
-    gains = (float(law[name]) for name in ("disturbance_gain", "control_weight", "adaptation_energy"))
     return Design(
-        *gains,
+        float(law["disturbance_gain"]),
+        float(law["control_weight"]),
+        float(law["adaptation_energy"]),
         memory["low"].copy(),
         memory["high"].copy(),
         float(planet["mu"]) / radius**2,

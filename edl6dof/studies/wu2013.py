@@ -15,7 +15,9 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
+from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.report.figure import Figure, Panel
@@ -66,10 +68,10 @@ def run(runs: int, progress: Progress) -> Report:
         (update, law): table[k * runs : (k + 1) * runs]
         for k, (update, law) in enumerate(product((True, False), LAWS))
     }
-    shown = [
-        _history(fly(load_scenario(SCENARIO, cases[number].overrides({}))))
+    updated, plain, plain_fl = (
+        _history(fly(scenario_of(load_scenario(SCENARIO), cases[number])))
         for number in (0, 2 * runs, 3 * runs)
-    ]
+    )
     remarks = (
         (
             "K = [0.4 0.04] is taken as gains on [rate, error]; in the printed order the error is nearly "
@@ -89,7 +91,11 @@ def run(runs: int, progress: Progress) -> Report:
         ),
     )
     return Report(
-        (*_misses(groups), *_tracking(groups)), _drawings(*shown, groups), table, len(table), remarks
+        (*_misses(groups), *_tracking(groups)),
+        _drawings(updated, plain, plain_fl, groups),
+        table,
+        len(table),
+        remarks,
     )
 
 
@@ -116,7 +122,8 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     rates = flight.scenario.flight_software.rates
     lift = flight.during(LIFT)[:: rates.entry_guidance_every]
     rows = {name: column[:: rates.entry_guidance_every][lift] for name, column in flight.telemetry.items()}
-    planet, scale_height = flight.scenario.planet, flight.scenario.atmosphere.exponential.scale_height_m
+    planet = flight.scenario.planet
+    scale_height = stated(flight.scenario.atmosphere.exponential).scale_height_m
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gamma = np.radians(rows["truth.flight_path_angle_deg"])
     state = zip(

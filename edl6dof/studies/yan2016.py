@@ -16,6 +16,7 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.report.figure import Figure, Panel
@@ -56,7 +57,7 @@ def run(runs: int, progress: Progress) -> Report:
         progress=lambda done, row: progress(done, len(cases)),
     )
     shown = {
-        law: fly(load_scenario(SCENARIO, _case(0, GAINS[0], law, corners[0]).overrides({}))) for law in LAWS
+        law: fly(scenario_of(load_scenario(SCENARIO), _case(0, GAINS[0], law, corners[0]))) for law in LAWS
     }
     findings = (*_estimate(table), *_compared(table))
     remarks = (

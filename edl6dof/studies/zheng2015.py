@@ -18,7 +18,9 @@ import numpy as np
 import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
+from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.report.figure import Figure
@@ -56,7 +58,7 @@ def run(runs: int, progress: Progress) -> Report:
     cases = [_case(number, *choice) for number, choice in enumerate(product(WAYS, truths))]
     table = fly_cases(loaded, cases, collect=_figures, progress=lambda done, row: progress(done, len(cases)))
     updated, fixed, dense = (table[start : start + runs] for start in range(0, len(cases), runs))
-    shown = fly(load_scenario(SCENARIO, cases[runs].overrides({})))
+    shown = fly(scenario_of(load_scenario(SCENARIO), cases[runs]))
     history = _history(shown)
     findings = (
         *_accuracy(updated, fixed, dense),
@@ -134,7 +136,7 @@ def _history(flight: Flight) -> dict[str, np.ndarray]:
     radius = planet.equatorial_radius_m + rows["truth.altitude_m"]
     gravity = planet.gravity.mu_m3_s2 / radius**2
     lift = drag * flight.scenario.vehicle.aero.lift_drag.lift_to_drag
-    scale_height = atmosphere.exponential.scale_height_m
+    scale_height = stated(atmosphere.exponential).scale_height_m
     state = zip(drag, speed, gamma, radius, gravity, lift, strict=True)
     authority = np.array([drag_dynamics(*values, scale_height)[1] for values in state])
     acceleration = np.gradient(np.gradient(drag, rows["t_s"]), rows["t_s"])

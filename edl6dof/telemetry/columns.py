@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
 from edl6dof.vehicle.faults import THRUSTER_KINDS
@@ -147,7 +148,7 @@ def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
 def _words(dtype: np.dtype, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Where channels stand in a row, in eight-byte words, and their factors to the unit."""
     places = [_PLACES[name] for name in names]
-    offsets = [dtype.fields[group][1] + dtype[group].fields[field][1] for group, field, _ in places]
+    offsets = [offset(dtype, group) + offset(dtype[group], field) for group, field, _ in places]
     return np.array(offsets) // 8, np.array([from_si for _, _, from_si in places])
 
 

@@ -31,11 +31,11 @@ from edl6dof.vehicle.trim_wing import wing_opening
 
 
 @kernel
-def record_brief(case, plant, fsw, tick):
+def record_brief(case, plant, outputs, fsw, tick):
     """Write what is in a ``BRIEF`` row, into that or into a ``TICK`` row; returns what the other channels
     need as well.
     """
-    y, out, truth, guide = plant.y, plant.out, tick.truth, tick.guide
+    y, out, truth, guide = plant.y, outputs, tick.truth, tick.guide
     t = plant.t
     tick.t = t
     spin = case.planet.rotation_rate
@@ -44,8 +44,8 @@ def record_brief(case, plant, fsw, tick):
     v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))
 
-    truth.altitude, truth.height = out.altitude, plant.agl
-    truth.latitude, truth.longitude = plant.latitude, plant.longitude
+    truth.altitude, truth.height = out.altitude, out.agl
+    truth.latitude, truth.longitude = out.latitude, out.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.speed = norm(v_N)
     v_air = take3(out.v_air_B, 0)
@@ -65,10 +65,10 @@ def record_brief(case, plant, fsw, tick):
 
 
 @kernel
-def record(case, plant, fsw, tick):
-    """Write ``tick`` from the state at ``plant.t``; ``plant.out`` must be fresh."""
-    c, s, v_rel, v_N, airspeed = record_brief(case, plant, fsw, tick)
-    y, out, truth = plant.y, plant.out, tick.truth
+def record(case, plant, outputs, fsw, tick):
+    """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
+    c, s, v_rel, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
+    y, out, truth = plant.y, outputs, tick.truth
     t = plant.t
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     up = rotate_z(c, -s, ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, -1.0)))

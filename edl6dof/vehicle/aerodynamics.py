@@ -53,7 +53,8 @@ class CapsuleParams(Hardware):
         status="published", source=PHOENIX, record=False,
     )  # fmt: skip
     moment_reference_x_over_d: float = param(
-        -0.253, "station of the table's moment reference / diameter, negative aft of the nose", status="published",
+        -0.253, "station of the table's moment reference / diameter, negative aft of the nose",
+        status="published",
         source=PHOENIX, record=False, le=0.0, ge=-2.0,
     )  # fmt: skip
     diameter_m: float = param(
@@ -71,11 +72,13 @@ class CapsuleParams(Hardware):
         0.085, "radius of the shoulder", status="estimate", source="D/40, as Phoenix", ge=0.0, record=False
     )
     cone_half_angle_deg: float = param(
-        70.0, "half angle of the forebody cone", status="published", source="Li, Rao et al., Astrodynamics 6(1), 2022", gt=10.0,
+        70.0, "half angle of the forebody cone", status="published",
+        source="Li, Rao et al., Astrodynamics 6(1), 2022", gt=10.0,
         lt=90.0, record=False,
     )  # fmt: skip
     backshell_cone_angle_deg: float = param(
-        30.0, "half angle of the first backshell cone", status="estimate", source="total height about 2.6 m", gt=0.0, lt=90.0,
+        30.0, "half angle of the first backshell cone", status="estimate",
+        source="total height about 2.6 m", gt=0.0, lt=90.0,
         record=False,
     )  # fmt: skip
     backshell_break_radius_m: float = param(
@@ -87,7 +90,8 @@ class CapsuleParams(Hardware):
         record=False,
     )
     backshell_second_cone_angle_deg: float = param(
-        40.0, "half angle of the second backshell cone", status="estimate", source="total height about 2.6 m", gt=0.0, lt=90.0,
+        40.0, "half angle of the second backshell cone", status="estimate",
+        source="total height about 2.6 m", gt=0.0, lt=90.0,
         record=False,
     )  # fmt: skip
     backshell_base_radius_m: float = param(
@@ -106,15 +110,18 @@ class CapsuleParams(Hardware):
     )
     damping_factor: float = param(1.0, "multiplies the damping coefficients", ge=-10.0, le=10.0)
     damping_mach: list[float] = param(
-        ..., "Mach numbers of the damping table, ascending, clamped outside", status="estimate", source=DAMPING, record=False,
+        ..., "Mach numbers of the damping table, ascending, clamped outside", status="estimate",
+        source=DAMPING, record=False,
         factory=lambda: [0.8, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0], min_length=1, max_length=12,
     )  # fmt: skip
     damping_angle_deg: list[float] = param(
-        ..., "total angles of the damping table, ascending whole degrees, clamped outside", status="estimate", source=DAMPING,
+        ..., "total angles of the damping table, ascending whole degrees, clamped outside",
+        status="estimate", source=DAMPING,
         record=False, factory=lambda: [2.0, 5.0, 10.0], min_length=1,
     )  # fmt: skip
     damping_table: list[list[float]] = param(
-        ..., "Cmq + Cm_alphadot per rad of rate D/2V; one row per angle, one column per Mach", status="estimate", source=DAMPING,
+        ..., "Cmq + Cm_alphadot per rad of rate D/2V; one row per angle, one column per Mach",
+        status="estimate", source=DAMPING,
         record=False,
         factory=lambda: [
             [-0.10, 0.15, 0.35, 0.30, 0.20, 0.10, 0.00, -0.10],
@@ -282,7 +289,8 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
         cn += weight * (_hermite(rare, i, 2, basis) - cn)
         cm += weight * (_hermite(rare, i, 4, basis) - cm)
     return (
-        ca * capsule.axial_factor, cn * capsule.normal_factor, cm * capsule.moment_factor, cmq * capsule.damping_factor
+        ca * capsule.axial_factor, cn * capsule.normal_factor, cm * capsule.moment_factor,
+        cmq * capsule.damping_factor
     )  # fmt: skip
 
 
@@ -349,7 +357,8 @@ def constant_aero(aero, qbar, u, v, w, p, q, r):
     b2, c2 = 0.5 * constant.span**2, 0.5 * constant.chord**2
     return (
         -drag * u, -drag * v, -drag * w,
-        force * b2 * constant.roll_damping * p, force * c2 * constant.pitch_damping * q, force * b2 * constant.yaw_damping * r,
+        force * b2 * constant.roll_damping * p, force * c2 * constant.pitch_damping * q,
+        force * b2 * constant.yaw_damping * r,
     )  # fmt: skip
 
 

@@ -14,14 +14,16 @@ nr sin a cos phi, positive for |phi| < phi0.
 from __future__ import annotations
 
 import csv
+from functools import lru_cache
 from math import cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.document.regular import read_regular_text
+from edl6dof.config.document.regular import content_key, read_regular_text
 from edl6dof.interchange.vehicle import static_table
+from edl6dof.records import require_finite
 from edl6dof.vehicle.aerodynamics import CapsuleParams
 from edl6dof.vehicle.pchip import curve
 
@@ -57,12 +59,44 @@ class Rings(NamedTuple):
     weight: np.ndarray
 
 
-def build_aero_table(capsule: CapsuleParams, heat_capacity_ratio: float) -> np.ndarray:
-    """The table record (array of one) of a capsule: every entry finite, Mach ascending, slopes per degree.
+#: Parameters that are applied in flight and do not enter the table.
+FLOWN = ("axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor")
+_UNFLOWN = {name: CapsuleParams.model_fields[name].default for name in FLOWN}
+
+
+class AeroInputs(NamedTuple):
+    """What the table follows from: the capsule, the ratio of specific heats behind the shock, and the key of
+    the content of its static table.
+    """
+
+    capsule: CapsuleParams
+    heat_capacity_ratio: float
+    content: str
+
+
+def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInputs:
+    """What the table of a capsule follows from, in a gas of this ratio of specific heats behind the shock.
+
+    Raises:
+        ValueError: there is no such static table.
+        OSError: it cannot be read.
+    """
+    content = content_key(_existing(capsule.static_table))
+    return AeroInputs(capsule.model_copy(update=_UNFLOWN), heat_capacity_ratio, content)
+
+
+@lru_cache(maxsize=8)
+def build_aero_table(inputs: AeroInputs) -> np.ndarray:
+    """The table record (array of one, for nobody to write to) of a capsule: every entry finite, Mach
+    ascending, slopes per degree.
 
     Source: module docstring; damping merged onto the same Mach grid so that one look-up serves all
     coefficients.
+
+    Raises:
+        ValueError: no table can be built.
     """
+    capsule, heat_capacity_ratio, _ = inputs
     mach, alpha, static = read_static_table(capsule.static_table)
     rings = capsule_rings(capsule)
     x_ref = capsule.moment_reference_x_over_d * capsule.diameter_m
@@ -89,6 +123,7 @@ def build_aero_table(capsule: CapsuleParams, heat_capacity_ratio: float) -> np.n
     record["continuum"][: len(grid), :, 6] = _damping(capsule, grid, degrees)
     record["free_molecular"][:, 0::2] = rare
     record["free_molecular"][:, 1::2] = _slopes(rare[None])[0]
+    require_finite(table)
     return table
 
 
@@ -101,9 +136,13 @@ def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Mach, alpha in degrees, coefficients [Mach, alpha, (CA, CN, Cm)]) from a csv or DAVE-ML file of CD,
     CL, Cm.
     """
-    path = static_table_path(name)
-    if not path.exists():
-        raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
+    path = _existing(name)
+    return _static_table(path, content_key(path))
+
+
+@lru_cache(maxsize=8)
+def _static_table(path: Path, content: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As :func:`read_static_table`; ``content``: key of what is in the file."""
     if path.suffix == ".dml":
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
@@ -122,6 +161,13 @@ def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return _checked(path, mach, alpha, cd, cl, cm)
 
 
+def _existing(name: str) -> Path:
+    path = static_table_path(name)
+    if not path.exists():
+        raise ValueError(f"aerodynamic table {name!r}: neither a file nor a name in {PACKAGED}")
+    return path
+
+
 def _checked(
     path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -129,6 +175,8 @@ def _checked(
     cd, cl, cm = coefficients
     if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
         raise ValueError(f"{path}: alpha must be whole degrees from 0 to less than {FADE_END}")
+    if not all(np.isfinite(part).all() for part in (mach, *coefficients)):
+        raise ValueError(f"{path}: holds a number that is not finite")
     c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
     return mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
 

@@ -57,23 +57,23 @@ from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
 
 @kernel
-def derivatives(case, tables, plant, t, y, dy):
-    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); refreshes ``plant.out`` with the
-    quantities met on the way.
+def derivatives(case, tables, plant, t, y, outputs, dy):
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); writes the quantities met
+    on the way into ``outputs``.
     """
     if case.dynamics == POINT_MASS:
         point_attitude(case, tables, plant, t, y)
-        loads(case, tables, plant, t, y)
-        point_motion(case, plant, t, y, dy)
+        loads(case, tables, plant, t, y, outputs)
+        point_motion(case, t, y, outputs, dy)
     else:
-        loads(case, tables, plant, t, y)
-        motion(case, plant, y, dy)
+        loads(case, tables, plant, t, y, outputs)
+        motion(case, plant, y, outputs, dy)
 
 
 @kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach
-    number and dynamic pressure.
+    number, dynamic pressure and opening of the wing.
     """
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
@@ -101,19 +101,18 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
     extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
-    plant.out.wing_opening = extension
     if extension > 0.0 and plant.attached[BACKSHELL] != 0:
         wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
         wing_f = (wing[0], wing[1], wing[2])
         force = add(force, wing_f)
         moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
-    return force, moment, mach, qbar
+    return force, moment, mach, qbar, extension
 
 
 @kernel
 def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
-    """Pull of the riser: force and moment about the centre of mass (B), and tension (N); writes the canopy's
-    acceleration to ``out``.
+    """Pull of the riser: force and moment about the centre of mass (B), tension (N), and acceleration of the
+    canopy (I).
     """
     chute = case.vehicle.parachute
     hook = sub(take3(chute.confluence, 0), centre)
@@ -130,13 +129,9 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
     force = add(sub(drag, scale(tension, line)), scale(packed, g_I))
-    put3(
-        plant.out.canopy_acceleration_I,
-        0,
-        scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force),
-    )
+    acceleration = scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force)
     pull = to_frame(q, scale(tension, line))
-    return pull, cross(hook, pull), tension
+    return pull, cross(hook, pull), tension, acceleration
 
 
 @kernel
@@ -160,31 +155,33 @@ def ground_loads(case, plant, y, q, w, centre, turn, place):
 
 
 @kernel
-def loads(case, tables, plant, t, y):
+def loads(case, tables, plant, t, y, outputs):
     """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t``
-    (s), in ``plant.out``.
+    (s), written into ``outputs``.
 
     They do not depend on the commands to engine and thrusters: flight software may change those between this
     and :func:`motion`.
     """
-    out = plant.out
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
     turn, place, gas, wind_N, air_I, g_I = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
     v_air_I = sub(take3(y, VELOCITY), air_I)
     v_air = to_frame(q, v_air_I)
     mass, centre, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, y[PROPELLANT])
 
-    aero_force, aero_moment, mach, qbar = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
+    aero_force, aero_moment, mach, qbar, opening = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
     force, moment = aero_force, aero_moment
-    tension = 0.0
+    tension, canopy_acceleration = 0.0, (0.0, 0.0, 0.0)
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        pull, turning, tension = riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I)
+        pull, turning, tension, canopy_acceleration = riser_loads(
+            case, plant, t, y, q, w, centre, gas, air_I, g_I
+        )
         force, moment = add(force, pull), add(moment, turning)
     pads = 0
     if plant.legs != 0 and plant.touched != 0:
         push, turning, pads = ground_loads(case, plant, y, q, w, centre, turn, place)
         force, moment = add(force, push), add(moment, turning)
 
+    out = outputs
     out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude = place
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
@@ -197,20 +194,21 @@ def loads(case, tables, plant, t, y):
     put3(out.aero_moment_B, 0, aero_moment)
     put3(out.load_force_B, 0, force)
     put3(out.load_moment_B, 0, moment)
-    out.riser_tension, out.mass, out.pads = tension, mass, pads
+    out.riser_tension, out.mass, out.pads, out.wing_opening = tension, mass, pads, opening
+    put3(out.canopy_acceleration_I, 0, canopy_acceleration)
     put3(out.centre, 0, centre)
     for i in range(6):
         out.inertia[i] = inertia[i]
 
 
 @kernel
-def motion(case, plant, y, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``, the engine and the thrusters.
+def motion(case, plant, y, outputs, dy):
+    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engine and the thrusters.
 
     Thruster forces come from ``plant.rcs_*``: the mean over the current step (see
     :mod:`edl6dof.vehicle.rcs`).
     """
-    out, engine = plant.out, case.vehicle.engine
+    out, engine = outputs, case.vehicle.engine
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
     centre = take3(out.centre, 0)
     i = out.inertia

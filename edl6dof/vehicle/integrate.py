@@ -40,25 +40,25 @@ NEAR_GROUND = 2000.0
 
 
 @kernel
-def rk4(case, tables, plant, t, h):
+def rk4(case, tables, plant, outputs, work, t, h):
     """Advance ``plant.y`` by one classical Runge-Kutta step of length ``h`` (s) from time ``t``."""
-    y, k, trial = plant.y, plant.k, plant.trial
+    y, k, trial = plant.y, work.k, work.trial
     n = STATES if plant.canopy == EXTRACTING or plant.canopy == INFLATING else STATES_VEHICLE
     k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
     if plant.fresh == 0:
-        derivatives(case, tables, plant, t, y, k1)
+        derivatives(case, tables, plant, t, y, outputs, k1)
     else:
-        motion(case, plant, y, k1)
+        motion(case, plant, y, outputs, k1)
     plant.fresh = 0
     for i in range(n):
         trial[i] = y[i] + 0.5 * h * k1[i]
-    derivatives(case, tables, plant, t + 0.5 * h, trial, k2)
+    derivatives(case, tables, plant, t + 0.5 * h, trial, outputs, k2)
     for i in range(n):
         trial[i] = y[i] + 0.5 * h * k2[i]
-    derivatives(case, tables, plant, t + 0.5 * h, trial, k3)
+    derivatives(case, tables, plant, t + 0.5 * h, trial, outputs, k3)
     for i in range(n):
         trial[i] = y[i] + h * k3[i]
-    derivatives(case, tables, plant, t + h, trial, k4)
+    derivatives(case, tables, plant, t + h, trial, outputs, k4)
     for i in range(n):
         y[i] += h * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0
     q2 = y[6] * y[6] + y[7] * y[7] + y[8] * y[8] + y[9] * y[9]
@@ -68,36 +68,36 @@ def rk4(case, tables, plant, t, h):
 
 
 @kernel
-def look_down(case, tables, plant):
+def look_down(case, tables, plant, outputs):
     """Refresh the ground under the vehicle (elevation and slope) at the start of a step."""
-    out = plant.out
-    plant.latitude, plant.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
-    elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, plant.latitude, plant.longitude)
+    out = outputs
+    out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
+    elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, out.latitude, out.longitude)
     plant.ground_elevation = elevation
     plant.ground_slope[0] = slope_north
     plant.ground_slope[1] = slope_east
-    plant.agl = out.altitude - elevation
+    out.agl = out.altitude - elevation
 
 
 @kernel
-def refresh(case, tables, plant):
-    """Bring ``plant.out`` and the ground below up to date with the present state.
+def refresh(case, tables, plant, outputs, work):
+    """Bring ``outputs`` and the ground below up to date with the present state.
 
     The step that follows starts from these loads (saves one evaluation of nine in a cycle of two steps),
     except on the ground: its push was found with the slope and height of the step before.  A point mass may
     be told another bank angle after this.
     """
-    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
-    look_down(case, tables, plant)
+    derivatives(case, tables, plant, plant.t, plant.y, outputs, work.k[0])
+    look_down(case, tables, plant, outputs)
     plant.fresh = 0 if plant.touched != 0 or case.dynamics == POINT_MASS else 1
 
 
 @kernel
-def ground_clearance(case, plant, t):
+def ground_clearance(case, plant, outputs, t):
     """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground,
     m.
     """
-    y, out = plant.y, plant.out
+    y, out = plant.y, outputs
     q = take_attitude(y)
     slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
@@ -115,22 +115,22 @@ def ground_clearance(case, plant, t):
 
 
 @kernel
-def line_slack(case, plant):
+def line_slack(case, plant, outputs):
     """Length of line still to be paid out before line stretch, m."""
     y = plant.y
-    hook = sub(take3(case.vehicle.parachute.confluence, 0), take3(plant.out.centre, 0))
+    hook = sub(take3(case.vehicle.parachute.confluence, 0), take3(outputs.centre, 0))
     q = take_attitude(y)
     anchor = add(take3(y, POSITION), from_frame(q, hook))
     return case.vehicle.parachute.line_length - norm(sub(take3(y, CANOPY_POSITION), anchor))
 
 
 @kernel
-def event_function(case, plant, t):
+def event_function(case, plant, outputs, t):
     """Positive until the next event of the state; NaN-free: 1 when no such event is possible."""
     if plant.canopy == EXTRACTING:
-        return line_slack(case, plant)
-    if plant.touched == 0 and plant.agl < 50.0:
-        return ground_clearance(case, plant, t)
+        return line_slack(case, plant, outputs)
+    if plant.touched == 0 and outputs.agl < 50.0:
+        return ground_clearance(case, plant, outputs, t)
     return 1.0
 
 
@@ -141,25 +141,25 @@ def take_attitude(y):
 
 
 @kernel
-def step(case, tables, plant, h):
-    """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``plant.out`` at its
+def step(case, tables, plant, outputs, work, h):
+    """One integration step of length ``h`` from ``plant.t``, thrusters included; leaves ``outputs`` at its
     end.
     """
     t = plant.t
-    plant.step = h
+    work.step = h
     for i in range(STATES):
-        plant.y0[i] = plant.y[i]
-    fx, fy, fz, mx, my, mz, flow = fire(case.vehicle.rcs, plant.valves, t, h, plant.out.dynamic_pressure)
+        work.y0[i] = plant.y[i]
+    fx, fy, fz, mx, my, mz, flow = fire(case.vehicle.rcs, plant.valves, t, h, outputs.dynamic_pressure)
     if plant.y[PROPELLANT] <= 0.0:
         fx = fy = fz = mx = my = mz = flow = 0.0
     put3(plant.rcs_force, 0, (fx, fy, fz))
     put3(plant.rcs_moment, 0, (mx, my, mz))
     plant.rcs_flow = flow
     v, q = take3(plant.y, VELOCITY), take_attitude(plant.y)
-    rk4(case, tables, plant, t, h)
+    rk4(case, tables, plant, outputs, work, t, h)
     plant.t = t + h
     # half in the axes at the start, half in those at the end: second order in the turn during the step
-    felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), scale(h, take3(plant.out.gravity_I, 0))))
+    felt = scale(0.5, sub(sub(take3(plant.y, VELOCITY), v), scale(h, take3(outputs.gravity_I, 0))))
     put3(
         plant.velocity_gain,
         0,
@@ -168,29 +168,29 @@ def step(case, tables, plant, h):
 
 
 @kernel
-def restore(plant, t):
+def restore(plant, work, t):
     """Return to the saved beginning of a step."""
     for i in range(STATES):
-        plant.y[i] = plant.y0[i]
-    for i in range(plant.level0.shape[0]):
-        plant.valves.level[i] = plant.level0[i]
-    put3(plant.velocity_gain, 0, take3(plant.velocity_gain0, 0))
+        plant.y[i] = work.y0[i]
+    for i in range(work.level0.shape[0]):
+        plant.valves.level[i] = work.level0[i]
+    put3(plant.velocity_gain, 0, take3(work.velocity_gain0, 0))
     plant.t = t
     plant.fresh = 0
 
 
 @kernel
-def located_step(case, tables, plant, h):
+def located_step(case, tables, plant, outputs, work, h):
     """Step of at most ``h`` that ends exactly at the first event of the state; returns whether it ended at
     one.
     """
     t = plant.t
-    before = event_function(case, plant, t)
-    for i in range(plant.level0.shape[0]):
-        plant.level0[i] = plant.valves.level[i]
-    put3(plant.velocity_gain0, 0, take3(plant.velocity_gain, 0))
-    step(case, tables, plant, h)
-    after = event_function(case, plant, plant.t)
+    before = event_function(case, plant, outputs, t)
+    for i in range(work.level0.shape[0]):
+        work.level0[i] = plant.valves.level[i]
+    put3(work.velocity_gain0, 0, take3(plant.velocity_gain, 0))
+    step(case, tables, plant, outputs, work, h)
+    after = event_function(case, plant, outputs, plant.t)
     if not (before > 0.0 and after <= 0.0):
         return False
     low, high = 0.0, h
@@ -201,15 +201,15 @@ def located_step(case, tables, plant, h):
         # false position, with bisection every third pass against a one-sided stall
         share = 0.5 if iteration % 3 == 2 else f_low / (f_low - f_high)
         trial = low + min(max(share, 0.02), 0.98) * (high - low)
-        restore(plant, t)
-        step(case, tables, plant, trial)
-        value = event_function(case, plant, plant.t)
+        restore(plant, work, t)
+        step(case, tables, plant, outputs, work, trial)
+        value = event_function(case, plant, outputs, plant.t)
         if value > 0.0:
             low, f_low = trial, value
         else:
             high, f_high = trial, value
-    restore(plant, t)
-    step(case, tables, plant, high)
+    restore(plant, work, t)
+    step(case, tables, plant, outputs, work, high)
     return True
 
 
@@ -225,47 +225,46 @@ def finite(y):
 
 
 @kernel
-def note_exhaustion(case, plant):
+def note_exhaustion(case, plant, work):
     """Note when, during the last step, the propellant was used up."""
-    left, before = plant.y[PROPELLANT], plant.y0[PROPELLANT]
+    left, before = plant.y[PROPELLANT], work.y0[PROPELLANT]
     if left <= 0.0 and isnan(plant.exhausted_time) and case.vehicle.mass.propellant.mass > 0.0:
         after = left / (left - before) if before > left else 1.0
-        plant.exhausted_time = plant.t - after * plant.step
+        plant.exhausted_time = plant.t - after * work.step
 
 
 @kernel
-def go_back(plant):
-    """Undo a step that failed; its result goes to ``plant.trial``."""
+def go_back(plant, work):
+    """Undo a step that failed; its result goes to ``work.trial``."""
     for i in range(STATES):
-        plant.trial[i], plant.y[i] = plant.y[i], plant.y0[i]
-    plant.t -= plant.step
+        work.trial[i], plant.y[i] = plant.y[i], work.y0[i]
+    plant.t -= work.step
     plant.fresh = 0
 
 
 @kernel
-def retrace(case, tables, plant):
+def retrace(case, tables, plant, outputs, work):
     """Look for what made the step fail that :func:`go_back` has undone: evaluate its stages again up to the
     first that is not finite.
 
-    The state of that stage is left in ``plant.trial``, the quantities met there in ``plant.out``, its
-    derivative in ``plant.k[0]``.  When every stage is finite, the result of the step stays in
-    ``plant.trial``.
+    The state of that stage is left in ``work.trial``, the quantities met there in ``outputs``, its derivative
+    in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.trial``.
     """
-    dy, y = plant.k[0], plant.k[1]
+    dy, y = work.k[0], work.k[1]
     for i in range(STATES):
         dy[i] = 0.0
     for share in (0.0, 0.5, 0.5, 1.0):
         for i in range(STATES):
-            y[i] = plant.y[i] + share * plant.step * dy[i]
-        derivatives(case, tables, plant, plant.t + share * plant.step, y, dy)
+            y[i] = plant.y[i] + share * work.step * dy[i]
+        derivatives(case, tables, plant, plant.t + share * work.step, y, outputs, dy)
         if not (finite(y) and finite(dy)):
             for i in range(STATES):
-                plant.trial[i] = y[i]
+                work.trial[i] = y[i]
             return
 
 
 @kernel
-def advance(case, tables, plant, t_end):
+def advance(case, tables, plant, outputs, work, t_end):
     """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False
     after a step that failed.
     """
@@ -278,18 +277,18 @@ def advance(case, tables, plant, t_end):
                 event = i
         h = due - plant.t
         if h > TIME_TOLERANCE:
-            if plant.fresh == 0 and plant.out.altitude - plant.ground_elevation < NEAR_GROUND:
-                look_down(case, tables, plant)
+            if plant.fresh == 0 and outputs.altitude - plant.ground_elevation < NEAR_GROUND:
+                look_down(case, tables, plant, outputs)
             located = False
-            if event_function(case, plant, plant.t) != 1.0:
-                located = located_step(case, tables, plant, h)
+            if event_function(case, plant, outputs, plant.t) != 1.0:
+                located = located_step(case, tables, plant, outputs, work, h)
             else:
-                step(case, tables, plant, h)
+                step(case, tables, plant, outputs, work, h)
             if not finite(plant.y):
                 return False
-            note_exhaustion(case, plant)
+            note_exhaustion(case, plant, work)
             if located:
-                derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])
+                derivatives(case, tables, plant, plant.t, plant.y, outputs, work.k[0])
                 if plant.canopy == EXTRACTING:
                     plant.canopy = INFLATING
                     plant.line_stretch_time = plant.t
@@ -304,6 +303,8 @@ def advance(case, tables, plant, t_end):
             break
         plant.due[event] = 1e99
         plant.done[event] = plant.t
-        carry_out(case, tables, plant, event)
+        carry_out(case, plant, event)
+        # the forces changed: sensors read the new ones
+        derivatives(case, tables, plant, plant.t, plant.y, outputs, work.k[0])
         plant.fresh = 0
     return True

@@ -1,4 +1,8 @@
-"""The Plant record: everything about the true vehicle that changes in flight."""
+"""The records of the true vehicle in flight: its state, what follows from it, the integrator's scratch, and
+the largest loads met.
+
+Kernels call the ``STATE`` record ``plant``, the ``OUTPUTS`` record ``outputs``, the ``WORKSPACE`` ``work``.
+"""
 
 from __future__ import annotations
 
@@ -60,9 +64,9 @@ VALVES = np.dtype(
     align=True,
 )
 
-#: Quantities evaluated with the derivatives at the last point of the trajectory, in the order in which one
-#: follows from the other; sensors and the log read them.
-OUTPUT = np.dtype(
+#: What follows from the state, evaluated with the derivatives, in the order in which one follows from the
+#: other: sensors, telemetry and figures read it.
+OUTPUTS = np.dtype(
     [
         ("sin_lat", "f8"),
         ("cos_lat", "f8"),
@@ -94,6 +98,9 @@ OUTPUT = np.dtype(
         ("engine_thrust", "f8"),
         ("specific_force_B", "f8", (3,)),
         ("disturbance_moment_B", "f8", (3,)),
+        ("latitude", "f8"),
+        ("longitude", "f8"),
+        ("agl", "f8"),
     ],
     align=True,
 )
@@ -117,12 +124,12 @@ PEAKS = np.dtype(
     [("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True
 )
 
-#: One follows from the other roughly in this order.
-PLANT = np.dtype(
+#: What changes in flight and does not follow from anything else: what the next step starts from, and all of
+#: the vehicle that a checkpoint holds.
+STATE = np.dtype(
     [
         ("t", "f8"),
-        ("y", "f8", (STATES,)),
-        ("trial", "f8", (STATES,)),  # a stage of the integrator
+        ("y", "f8", (STATES,)),  # what is integrated
         ("attached", FLAG, (len(PARTS),)),
         ("canopy", whole(PACKED, RELEASED)),
         ("legs", FLAG),
@@ -148,25 +155,30 @@ PLANT = np.dtype(
         ("done", TIME_IF_EVER, (len(EVENTS),)),  # when it did
         ("dry", BODY),
         ("valves", VALVES),
+        # mean wrench and propellant flow of the thrusters in the last step: sensors read what they did to it
         ("rcs_force", "f8", (3,)),
         ("rcs_moment", "f8", (3,)),
         ("rcs_flow", "f8"),
-        ("out", OUTPUT),
-        ("k", "f8", (4, STATES)),  # derivatives in the stages of the integrator
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
-        ("latitude", "f8"),
-        ("longitude", "f8"),
         ("ground_elevation", "f8"),
         ("ground_slope", "f8", (2,)),
-        ("agl", "f8"),
         ("touchdown", "f8", (STATES,)),
-        ("peaks", PEAKS),
         ("debris", DEBRIS, (2,)),
         ("kept", KEPT),
-        # whether ``out`` and the ground belong to the present state, so that the next step need not evaluate
-        # them
+        # whether the outputs and the ground belong to the present state, so that the next step need not
+        # evaluate them
         ("fresh", FLAG),
-        # at the start of the last step, and its length
+    ],
+    align=True,
+)
+
+#: Scratch of the integrator: never saved, and nothing in it outlives the step that wrote it but the reason
+#: why that step failed.
+WORKSPACE = np.dtype(
+    [
+        ("trial", "f8", (STATES,)),  # a stage of the integrator
+        ("k", "f8", (4, STATES)),  # derivatives in its stages
+        # at the start of the step, and its length
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
         ("velocity_gain0", "f8", (3,)),

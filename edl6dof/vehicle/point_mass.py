@@ -82,11 +82,11 @@ def point_attitude(case, tables, plant, t, y):
 
 
 @kernel
-def point_motion(case, plant, t, y, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``plant.out``; attitude and rates do not move
+def point_motion(case, t, y, outputs, dy):
+    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``; attitude and rates do not move
     by themselves.
     """
-    out = plant.out
+    out = outputs
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     disturbance = case.point_mass.disturbance
     rate = disturbance.amplitude * sin(disturbance.frequency * t)

@@ -19,7 +19,6 @@ from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
-from edl6dof.vehicle.body import derivatives
 from edl6dof.vehicle.debris import LOOSE
 from edl6dof.vehicle.mass import compose_dry, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
@@ -130,7 +129,7 @@ def release_backshell(case, plant):
 
 
 @kernel
-def carry_out(case, tables, plant, event):
+def carry_out(case, plant, event):
     """Change the vehicle as ``event`` demands, at ``plant.t``."""
     if event == TRIM_WING:
         plant.wing_start = plant.t
@@ -155,5 +154,3 @@ def carry_out(case, tables, plant, event):
         plant.running = 1
     elif event == CUT_OFF:
         plant.running = 0
-    # the forces changed: sensors read the new ones
-    derivatives(case, tables, plant, plant.t, plant.y, plant.k[0])

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import edl6dof
+from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, UNIFORM, WEIGHTLESS
 
@@ -79,8 +80,9 @@ def stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
     (1/s), without the simulator.
     """
     table = Published(mach)
-    speed, inertia = scenario.initial.speed_m_s, scenario.vehicle.mass.entry_inertia_kg_m2[1]
-    push = 0.5 * scenario.atmosphere.exponential.density_kg_m3 * speed**2 * pi / 4.0 * DIAMETER**2
+    speed, inertia = scenario.initial.speed, scenario.vehicle.mass.entry_inertia_kg_m2[1]
+    density = stated(scenario.atmosphere.exponential).density_kg_m3
+    push = 0.5 * density * speed**2 * pi / 4.0 * DIAMETER**2
     z, h = table.offset(), 0.01
     slope = (table.pitching(-TRIM_DEG + h, z) - table.pitching(-TRIM_DEG - h, z)) / np.radians(2.0 * h)
     return sqrt(-push * slope / inertia), push * DIAMETER**2 / (2.0 * speed * inertia)

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import fsolve
 from scipy.spatial.transform import Rotation
 
+from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.verify.scene import BARE, ENDLESS, FLAT, ONE_BODY, UNIFORM, scenes, state_of, to_the_end, vectors
@@ -44,7 +45,7 @@ class Planar:
     def __init__(self, scenario: Scenario) -> None:
         vehicle, chute = scenario.vehicle, scenario.vehicle.parachute
         self.bluff, self.chute = vehicle.aero.backshell, chute
-        self.rho = scenario.atmosphere.exponential.density_kg_m3
+        self.rho = stated(scenario.atmosphere.exponential).density_kg_m3
         self.packed = vehicle.mass.parachute.mass_kg
         self.mass, self.inertia = vehicle.mass.entry_kg - self.packed, vehicle.mass.entry_inertia_kg_m2[1]
         self.canopy_mass = (

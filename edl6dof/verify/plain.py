@@ -14,22 +14,24 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import numba
 import numpy as np
 
 from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.jit import SETTINGS
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.channels import BRIEF, TICK
-from edl6dof.vehicle.plant import PLANT, STATES, STATES_VEHICLE
+from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, STATES, STATES_VEHICLE, WORKSPACE
 from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES, "plant": PLANT, "sensors": SENSORS, "fsw": FSW
+    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES,
+    "plant": STATE, "outputs": OUTPUTS, "peaks": PEAKS, "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
 }  # fmt: skip
 
 
@@ -47,9 +49,10 @@ def setting(loaded: LoadedScenario, state: State) -> Setting:
     tables = records.build_tables(loaded.truth)
     fixed = {
         "case": records.build_case(loaded.truth, tables),
-        "onboard": records.build_onboard(loaded.scenario, tables),
+        "onboard": records.build_onboard(loaded.scenario),
     }
-    moving = {"plant": state.plant.copy(), "sensors": state.sensors.copy(), "fsw": state.fsw.copy()}
+    moving = {name: getattr(state, name).copy() for name in ("plant", "peaks", "sensors", "fsw")}
+    moving |= {"outputs": np.zeros(1, OUTPUTS), "work": np.zeros(1, WORKSPACE)}
     return Setting({**fixed, "tables": tables, **moving}, state.cycle, loaded.scenario.steps_per_cycle)
 
 
@@ -60,12 +63,15 @@ def fly_cycles(s: Setting, cycles: int) -> dict[str, np.ndarray]:
     from edl6dof.sim.loop import fly
 
     log = np.zeros(cycles + 2, TICK)
-    arrays = [s.arrays[name] for name in LAYOUT]
-    logs = [log, np.zeros(0, BRIEF)]
-    if numba.config.DISABLE_JIT:
+    arrays: list[Any] = [s.arrays[name] for name in LAYOUT]
+    logs: list[Any] = [log, np.zeros(0, BRIEF)]
+    if SETTINGS.DISABLE_JIT:
         arrays, logs = [Records(array) for array in arrays], [Records(array) for array in logs]
     _, _, rows = fly(*arrays, s.cycle, s.cycle + cycles, s.steps, *logs, 0)
-    return {**{name: s.arrays[name] for name in ("plant", "sensors", "fsw")}, "log": log[:rows]}
+    return {
+        **{name: s.arrays[name] for name in ("plant", "outputs", "peaks", "sensors", "fsw")},
+        "log": log[:rows],
+    }
 
 
 def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndarray]:
@@ -76,18 +82,18 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
 
     from edl6dof.vehicle.body import derivatives
 
-    case, tables, plant = (s.arrays[name][0] for name in ("case", "tables", "plant"))
+    case, tables, plant, outputs = (s.arrays[name][0] for name in ("case", "tables", "plant", "outputs"))
     full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
     count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
     seen = (
-        [Record(void) for void in (case, tables, plant)]
-        if numba.config.DISABLE_JIT
-        else [case, tables, plant]
+        [Record(void) for void in (case, tables, plant, outputs)]
+        if SETTINGS.DISABLE_JIT
+        else [case, tables, plant, outputs]
     )
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         full[:count] = y
-        derivatives(*seen, t, full, out)
+        derivatives(*seen[:3], t, full, seen[3], out)
         return out[:count].copy()
 
     begin = full[:count].copy()
@@ -104,7 +110,9 @@ def in_plain_python(s: Setting, task: str, *numbers: float) -> dict[str, np.ndar
     """
     with tempfile.TemporaryDirectory() as folder:
         given, answer = Path(folder) / "given.npz", Path(folder) / "answer.npz"
-        raw = {name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()}
+        raw: dict[str, Any] = {
+            name: np.frombuffer(array.tobytes(), np.uint8) for name, array in s.arrays.items()
+        }
         np.savez(given, cycle=s.cycle, steps=s.steps, task=task, numbers=np.array(numbers), **raw)
         command = [sys.executable, "-m", "edl6dof.verify.plain", str(given), str(answer)]
         subprocess.run(
@@ -131,7 +139,7 @@ def differing(a: np.ndarray, b: np.ndarray, prefix: str = "") -> list[str]:
 
 def main(given: str, answer: str) -> None:
     """Read a setting, do the task, write what came of it as raw bytes or arrays."""
-    if not numba.config.DISABLE_JIT:
+    if not SETTINGS.DISABLE_JIT:
         raise RuntimeError("numba is not switched off: set NUMBA_DISABLE_JIT=1")
     with np.load(given) as file:
         arrays = {name: np.frombuffer(file[name].tobytes(), dtype).copy() for name, dtype in LAYOUT.items()}
@@ -146,10 +154,10 @@ def main(given: str, answer: str) -> None:
             if task == "fly_cycles"
             else integrate(s, *(float(x) for x in numbers))
         )
-    np.savez(
-        answer,
-        **{name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()},
-    )
+    raw: dict[str, Any] = {
+        name: np.frombuffer(a.tobytes(), np.uint8) if a.dtype.names else a for name, a in result.items()
+    }
+    np.savez(answer, **raw)
 
 
 if __name__ == "__main__":

@@ -77,20 +77,20 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
     """The initial state with ``change(plant, fsw)`` (record arrays' only elements) applied, mass properties
-    and loads made consistent.
+    made consistent.
     """
     tables = records.build_tables(loaded.truth)
-    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario, tables)
+    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
     plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
     change(plant[0], fsw[0])
-    prepare(case, tables, plant)
-    return State(0, plant, records.initial_sensors(), fsw, "")
+    prepare(case, plant)
+    return State(0, plant, records.initial_peaks(), records.initial_sensors(), fsw, "")
 
 
 def after(flight: Flight) -> State:
     """The state at the end of a flight that its time limit ended, to fly on from under another limit."""
     cycle = round(flight.time_s * flight.scenario.flight_software.rates.base_hz)
-    return State(cycle, flight.plant, records.initial_sensors(), flight.fsw, "")
+    return State(cycle, flight.plant, flight.peaks, records.initial_sensors(), flight.fsw, "")
 
 
 def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:

@@ -133,15 +133,14 @@ def test_table_that_does_not_fit_with_the_damping_is_refused_at_the_capsule(tmp_
 
 def test_resolved_scenario_and_saved_state_go_through_the_same_check(tmp_path):
     from edl6dof.config.document.source import parse_document
-    from edl6dof.config.validate import validate
-    from edl6dof.scenario.schema import Scenario
+    from edl6dof.scenario.schema import check_document
     from edl6dof.sim.flight import resolved_text
 
     text = resolved_text(edl6dof.load("tianwen1")).replace(
         "marsgram2010_jezero_feb2021_winds.csv", "gone.csv"
     )
     with pytest.raises(ConfigError) as caught:
-        validate(Scenario, parse_document(text, "scenario.yaml"))
+        check_document(parse_document(text, "scenario.yaml"))
     (problem,) = caught.value.problems
     assert (problem.file, problem.path) == ("scenario.yaml", "atmosphere.table")
     assert text.splitlines()[problem.line - 1].strip().startswith("table:")

@@ -21,7 +21,8 @@ atmosphere:
 simulation: {time_limit_s: 2.0}
 mission: {goal: time}
 initial:
-  {altitude_m: 9000.0, latitude_deg: 25.0, longitude_deg: 110.0, speed_m_s: 50.0, flight_path_angle_deg: -80.0, azimuth_deg: 0.0}
+  {altitude_m: 9000.0, latitude_deg: 25.0, longitude_deg: 110.0, speed_m_s: 50.0,
+   flight_path_angle_deg: -80.0, azimuth_deg: 0.0}
 campaign:
   cases: 430
   seed: 3

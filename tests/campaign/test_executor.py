@@ -23,6 +23,10 @@ CASES = [
 ]
 
 
+def overrides(case):
+    return [f"{path}={json.dumps(value)}" for path, value in case.changes({}).items()]
+
+
 @pytest.fixture(scope="module")
 def loaded():
     return edl6dof.load("tianwen1", GUSTY)
@@ -37,7 +41,7 @@ def test_rows_are_those_of_single_flights(loaded, table):
     """Every figure equals, to the last bit, that of ``edl6dof fly`` with the same changes."""
     rows = table.to_pylist()
     for case in (CASES[1], CASES[2], CASES[5]):
-        flight = edl6dof.fly("tianwen1", [*GUSTY, *case.overrides({})])
+        flight = edl6dof.fly("tianwen1", [*GUSTY, *overrides(case)])
         row = rows[case.index]
         assert {name: row[name] for name in flight.metrics} == pytest.approx(
             flight.metrics, rel=0.0, abs=0.0, nan_ok=True
@@ -55,7 +59,7 @@ def test_reused_telemetry_buffer_gives_the_same_log(loaded):
     runner = CaseRunner(loaded, lambda flight: logs.append(flight.log.tobytes()) or {})
     for case in (CASES[0], CASES[2], CASES[0], CASES[2]):
         runner.fly([case])
-    fresh = edl6dof.fly("tianwen1", [*GUSTY, *CASES[2].overrides({})])
+    fresh = edl6dof.fly("tianwen1", [*GUSTY, *overrides(CASES[2])])
     assert logs[0] == logs[2]
     assert logs[1] == logs[3] == fresh.log.tobytes()
 
@@ -154,11 +158,6 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
     record["rcs"]["thrusters"][2]["thrust"] = 250.0
     with pytest.raises(NotApplied, match="D3"):
         applied(variant, case.truth, {}, places)
-
-
-def test_overrides_are_exact():
-    case = Case(0, truth={"a.b": 0.1 + 0.2}, belief={"c": 1e-17})
-    assert json.loads(case.overrides({})[1].partition("=")[2])["a.b"] == 0.1 + 0.2
 
 
 def test_whole_sections_and_values_of_unlike_shape_make_a_column(loaded):

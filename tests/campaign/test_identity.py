@@ -187,6 +187,7 @@ def test_worker_of_a_cluster_is_compared_item_by_item(tmp_path, monkeypatch):
     assert [row["case"] for row in engines.fly_range(plan.text, ordered, 20, 22)] == [20, 21]
     monkeypatch.setattr(engines, "_worker", lambda: "tcp://10.0.0.7:4321")
     other = ordered.model_copy(update={"versions": {**ordered.versions, "numpy": "1.0"}, "sources": "f" * 64})
-    words = rf"worker tcp://10.0.0.7:4321 .*sources of edl6dof: was f{{12}}, is .*; numpy: was 1.0, is {np.__version__}"
+    words = r"worker tcp://10.0.0.7:4321 .*sources of edl6dof: was f{12}, is .*; "
+    words += rf"numpy: was 1.0, is {np.__version__}"
     with pytest.raises(OSError, match=words):
         engines.fly_range(plan.text, other, 0, 1)

@@ -23,7 +23,7 @@ PLANTED = [
                 "reference_area_m2: 9, span_m: 3, chord_m: 3}"
             ),
             "wind.model=constant",
-            "wind.east_m_s=100",
+            "wind.constant.east_m_s=100",
         ],
         "energy",
         id="damping",

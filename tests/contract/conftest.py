@@ -3,7 +3,7 @@
 import pytest
 
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 
 
@@ -14,7 +14,7 @@ def scenario():
 
 @pytest.fixture(scope="session")
 def shared_onboard(scenario):
-    onboard = build_onboard(scenario, build_tables(scenario))
+    onboard = build_onboard(scenario)
     initial = scenario.initial
     for law in ENTRY_LAWS.members:  # a flight plans for its own law only
         if law.plan is not None:

@@ -86,5 +86,6 @@ def test_planted_list_is_found(planted, lines):
 
 
 def test_planted_field_without_meaning_is_found():
-    source = 'R = np.dtype(\n    [\n        ("t", "f8"),  # s\n        ("v", "f8", (3,)),\n    ],\n    align=True,\n)\n'
+    fields = '        ("t", "f8"),  # s\n        ("v", "f8", (3,)),\n'
+    source = f"R = np.dtype(\n    [\n{fields}    ],\n    align=True,\n)\n"
     assert fields_without_meaning(source) == ["v"]

@@ -12,14 +12,14 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.records import FLAG, TIME_IF_EVER, first_not_finite, numbers, out_of_range, whole
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import SimulationParams
-from edl6dof.sensors.perfect import SENSORS
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim import checkpoint as state
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.plant import PLANT
+from edl6dof.vehicle.plant import PEAKS, STATE
 
 FIELDS = [
     (name, field)
-    for name, dtype in (("plant", PLANT), ("sensors", SENSORS), ("fsw", FSW))
+    for name, dtype in (("plant", STATE), ("peaks", PEAKS), ("sensors", SENSORS), ("fsw", FSW))
     for field in numbers(np.zeros(1, dtype))
 ]
 
@@ -40,6 +40,7 @@ def test_new_records_keep_what_is_declared():
     built = records.build_records(loaded)
     for record in (
         records.initial_plant(loaded.truth, built.case),
+        records.initial_peaks(),
         records.initial_sensors(),
         records.initial_fsw(built.onboard),
     ):

@@ -5,8 +5,8 @@ physics or no files.
 import pytest
 from source_rules import forbidden_imports, forbidden_parameters, has_kernels, modules
 
-TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.sim")
-TRUTH_RECORDS = ("case", "cases", "plant", "plants", "tables", "tables_")
+TRUTH = ("edl6dof.vehicle", "edl6dof.environment", "edl6dof.sensors", "edl6dof.scenario", "edl6dof.sim")
+TRUTH_RECORDS = ("case", "cases", "plant", "plants", "outputs", "outputs_", "tables", "tables_")
 ONBOARD = modules("fsw")
 SENSORS = modules("sensors")
 EVERYTHING = modules()
@@ -19,10 +19,8 @@ READERS = (
     "pyarrow",
     "typer",
     "rich",
-    *(
-        f"edl6dof.config.{name}"
-        for name in ("source", "validate", "yamltree", "overrides", "locate", "errors", "dump", "schema")
-    ),
+    *(f"edl6dof.config.document.{name}" for name in ("source", "yamltree", "overrides", "locate")),
+    *(f"edl6dof.config.{name}" for name in ("validate", "errors", "dump", "schema")),
 )
 
 
@@ -81,7 +79,7 @@ def test_results_and_command_line_know_no_physics(folder):
 @pytest.mark.parametrize(
     "planted",
     [
-        "from edl6dof.vehicle.plant import PLANT",
+        "from edl6dof.vehicle.plant import STATE",
         "import edl6dof.environment.atmosphere as a",
         "from edl6dof import environment",
         "def f():\n    from edl6dof.scenario.records import CASE",

@@ -26,7 +26,9 @@ FLOATS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-300, -1e300, 1e300, 1e9, 1e99, 
 
 def change_values(rng, state, path):
     """Some fields of the records, each to a value that is hardly ever right."""
-    fields = [field for record in (state.plant, state.sensors, state.fsw) for field in numbers(record)]
+    fields = [
+        field for record in (state.plant, state.peaks, state.sensors, state.fsw) for field in numbers(record)
+    ]
     chosen = [fields[i] for i in rng.integers(0, len(fields), rng.integers(1, 4))]
     whole = [field for field in fields if field.is_whole]
     chosen.append(whole[rng.integers(0, len(whole))])
@@ -38,13 +40,15 @@ def change_values(rng, state, path):
 
 
 def change_cycle(rng, state, path):
-    State(int(rng.choice(WHOLE)), state.plant, state.sensors, state.fsw, state.scenario_text).save(path)
+    State(
+        int(rng.choice(WHOLE)), state.plant, state.peaks, state.sensors, state.fsw, state.scenario_text
+    ).save(path)
     return "cycle"
 
 
 def change_record_bytes(rng, state, path):
     """Bytes anywhere in the records, in a file that is otherwise whole."""
-    for record in (state.plant, state.sensors, state.fsw):
+    for record in (state.plant, state.peaks, state.sensors, state.fsw):
         data = record.view(np.uint8)
         data[rng.integers(0, len(data), 8)] = rng.integers(0, 256, 8)
     state.save(path)
@@ -89,7 +93,7 @@ def change_scenario(rng, state, path):
     text = bytearray(state.scenario_text.encode())
     for place in rng.integers(0, len(text), 3):
         text[place] = rng.integers(32, 127)
-    State(state.cycle, state.plant, state.sensors, state.fsw, text.decode()).save(path)
+    State(state.cycle, state.plant, state.peaks, state.sensors, state.fsw, text.decode()).save(path)
     return "scenario"
 
 
@@ -114,6 +118,7 @@ def main(states, first, last):
         state = State(
             whole.cycle,
             duplicate(whole.plant),
+            duplicate(whole.peaks),
             duplicate(whole.sensors),
             duplicate(whole.fsw),
             whole.scenario_text,

@@ -24,7 +24,7 @@ from edl6dof.scenario import records
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.finiteness import first_cause, works_with_finite
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.plant import STATE_NAMES, STATES_VEHICLE
+from edl6dof.vehicle.plant import OUTPUTS, STATE_NAMES, STATES_VEHICLE, WORKSPACE
 
 DISPERSED = [
     "seed=7",
@@ -49,7 +49,7 @@ def state(request, loaded):
 
 def planted(state, record, path, index, value):
     """The state with one value of one record changed."""
-    changed = {name: duplicate(getattr(state, name)) for name in ("plant", "sensors", "fsw")}
+    changed = {name: duplicate(getattr(state, name)) for name in ("plant", "peaks", "sensors", "fsw")}
     field = next(field for field in numbers(changed[record]) if field.path == path)
     field.values[index] = value
     return State(state.cycle, **changed, scenario_text=state.scenario_text)
@@ -81,7 +81,10 @@ def test_sensed_quantity_is_named(loaded, state, path, value):
     changed = planted(state, "sensors", f"sensed.{path}", ..., value)
     run(onboard[0], changed.sensors[0]["sensed"], changed.cycle, changed.fsw[0])
     assert not works_with_finite(changed.sensors.view(np.uint64), changed.fsw.view(np.uint64))
-    assert first_cause(changed.plant, changed.sensors, changed.fsw).startswith(f"sensed.{path}")
+    outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
+    assert first_cause(changed.plant, outputs, work, changed.sensors, changed.fsw).startswith(
+        f"sensed.{path}"
+    )
 
 
 @pytest.mark.parametrize(
@@ -106,7 +109,7 @@ def test_memory_of_the_flight_computer_is_named(loaded, t, path):
 def test_step_that_fails_is_undone_and_its_first_quantity_named():
     """Damping a billion times too stiff for the step."""
     flight = edl6dof.fly("tianwen1", ["vehicle.landing_gear.damping_n_s_m=1e12"])
-    assert flight.outcome.startswith("not finite: plant.out.")
+    assert flight.outcome.startswith("not finite: outputs.")
     assert np.all(np.isfinite(flight.plant["y"]))
     assert np.all(np.isfinite(flight.telemetry["truth.r_I_x_m"]))
     assert np.all(np.diff(flight.telemetry["t_s"]) > 0.0)
@@ -136,7 +139,8 @@ from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.scenario import records
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
 
-sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true", "flight_software.guidance.entry.law=" + sys.argv[1]]
+sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
+"flight_software.guidance.entry.law=" + sys.argv[1]]
 case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
 capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
 for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):

@@ -109,7 +109,7 @@ def test_speed_of_sound_and_heating_are_those_of_the_planet(titan):
 def test_flight_computer_knows_the_air_from_below_the_site_to_above_the_start():
     scenario = edl6dof.load("titan_probe", ["atmosphere.top_m=100e3"]).scenario
     air = scenario.atmosphere.exponential
-    onboard = records.build_onboard(scenario, records.build_tables(scenario))[0]
+    onboard = records.build_onboard(scenario)[0]
     for altitude in (scenario.terrain.site_elevation_m, 1e5, scenario.initial.altitude_m):
         density, _, scale = model_atmosphere(onboard["atmosphere"].view(np.recarray), altitude)
         assert density == pytest.approx(air.density_kg_m3 * exp(-altitude / air.scale_height_m), rel=1e-9)

@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,11 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.records import numbers
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
-from edl6dof.vehicle.plant import PLANT
+from edl6dof.vehicle.plant import STATE
 
 CORRUPTIONS = 240
 MOMENTS = (150.0, 300.0, 500.0)
+RECORDS = ("plant", "peaks", "sensors", "fsw")
 
 
 @pytest.fixture(scope="module")
@@ -32,9 +34,7 @@ def saved(nominal):
 def state(saved):
     """A state that may be spoilt."""
     one = saved[300.0]
-    return State(
-        one.cycle, duplicate(one.plant), duplicate(one.sensors), duplicate(one.fsw), one.scenario_text
-    )
+    return State(one.cycle, *(duplicate(getattr(one, name)) for name in RECORDS), one.scenario_text)
 
 
 @pytest.fixture
@@ -91,7 +91,7 @@ def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
 
 
 @pytest.mark.parametrize("value", [-(10**6), -1, 10**6])
-@pytest.mark.parametrize("record", ["plant", "sensors", "fsw"])
+@pytest.mark.parametrize("record", RECORDS)
 def test_every_whole_number_out_of_range_is_named(state, path, record, value):
     for field in numbers(getattr(state, record)):
         if not field.is_whole or field.declared["low"] <= value <= field.declared["high"]:
@@ -104,7 +104,7 @@ def test_every_whole_number_out_of_range_is_named(state, path, record, value):
         values[-1] = before
 
 
-@pytest.mark.parametrize("record", ["plant", "sensors", "fsw"])
+@pytest.mark.parametrize("record", RECORDS)
 def test_every_float_that_is_not_finite_is_named(state, path, record):
     for field in numbers(getattr(state, record)):
         if field.is_whole or "if_ever" in field.declared:
@@ -117,9 +117,7 @@ def test_every_float_that_is_not_finite_is_named(state, path, record):
 
 @pytest.mark.parametrize("cycle", [-1, 10**9])
 def test_cycle_out_of_range_is_named(state, path, cycle):
-    assert "cycle: must be 0 .. " in complaint(
-        State(cycle, state.plant, state.sensors, state.fsw, state.scenario_text), path
-    )
+    assert "cycle: must be 0 .. " in complaint(replace(state, cycle=cycle), path)
 
 
 def test_finding_of_no_kind_is_named(state, path):
@@ -141,7 +139,7 @@ def test_member_that_claims_an_enormous_shape_is_refused(state, path):
     assert "is not a state saved by" in refused(path)
 
 
-@pytest.mark.parametrize("name", ["plant", "sensors", "fsw", "cycle", "scenario", "layout"])
+@pytest.mark.parametrize("name", [*RECORDS, "cycle", "scenario", "layout"])
 def test_missing_member_is_refused(state, path, name):
     state.save(path)
     repacked(path, **{name: None})
@@ -149,7 +147,7 @@ def test_missing_member_is_refused(state, path, name):
 
 
 @pytest.mark.parametrize(
-    "array", [np.zeros(PLANT.itemsize // 8), np.zeros(PLANT.itemsize - 1, np.uint8), np.zeros((2, 3))]
+    "array", [np.zeros(STATE.itemsize // 8), np.zeros(STATE.itemsize - 1, np.uint8), np.zeros((2, 3))]
 )
 def test_record_of_another_form_is_refused(state, path, array):
     state.save(path)
@@ -172,16 +170,14 @@ def test_enormous_file_is_not_read(path):
 def test_state_never_loads_code(state, path, tmp_path):
     code = tmp_path / "evil.py"
     code.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n")
-    State(
-        state.cycle, state.plant, state.sensors, state.fsw, f"plugins: [{code}]\n{state.scenario_text}"
-    ).save(path)
+    replace(state, scenario_text=f"plugins: [{code}]\n{state.scenario_text}").save(path)
     loaded = State.load(path)
     with pytest.raises(ConfigError):
         continue_from(loaded)
     text = state.scenario_text.replace("plugins: []", f"plugins: [{code}]")
     assert text != state.scenario_text
     with pytest.raises(ConfigError, match="comes too late"):
-        continue_from(State(state.cycle, state.plant, state.sensors, state.fsw, text))
+        continue_from(replace(state, scenario_text=text))
     assert not (tmp_path / "ran").exists()
 
 
@@ -213,7 +209,7 @@ def test_other_thrusters_act_from_where_they_now_are(saved):
     state = saved[500.0]
     moved = continue_from(state, ("vehicle.rcs.thrusters.0.position_m=[-1.3, 1.0, 0.4]",))
     first = fly(moved, start=state)
-    unknowing = State(state.cycle, state.plant, state.sensors, duplicate(state.fsw), state.scenario_text)
+    unknowing = replace(state, fsw=duplicate(state.fsw))
     unknowing.fsw["allocator"]["effect"] = 0.0
     unknowing.fsw["allocator"]["gram"] = 0.0
     assert fly(moved, start=unknowing).plant["y"].tobytes() == first.plant["y"].tobytes()

@@ -74,10 +74,10 @@ def test_speed_at_first_contact_decides_about_a_crash_and_not_what_the_legs_make
 
 
 def test_lander_that_is_off_the_ground_has_not_landed(nominal):
-    case, plant = nominal.case, duplicate(nominal.plant)
-    assert judge(case[0], plant[0]) == LANDED
-    plant["out"]["pads"] = 0
-    assert judge(case[0], plant[0]) == FLYING
+    case, plant, outputs = nominal.case, nominal.plant, duplicate(nominal.outputs)
+    assert judge(case[0], plant[0], outputs[0]) == LANDED
+    outputs["pads"] = 0
+    assert judge(case[0], plant[0], outputs[0]) == FLYING
 
 
 def test_time_limit_ends_a_flight_on_the_ground_too(nominal):

@@ -50,7 +50,8 @@ def test_fuzzer_names_a_mutation_that_kills_the_process_and_goes_on(monkeypatch,
         "    print(json.dumps({'begin': number}), flush=True)\n"
         "    if number == 2:\n"
         "        os.abort()\n"
-        "    print(json.dumps({'number': number, 'words': ['check'], 'status': 0, 'wrong': ''}), flush=True)\n"
+        "    done = {'number': number, 'words': ['check'], 'status': 0, 'wrong': ''}\n"
+        "    print(json.dumps(done), flush=True)\n"
     )
     monkeypatch.setattr(fuzz, "__file__", str(deadly))
     results = fuzz.batch(1, [0, 1, 2, 3])

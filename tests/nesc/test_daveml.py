@@ -27,7 +27,8 @@ def write(folder, body, name="model.dml", head=HEAD):
 
 def variable(name, value=None, inner="", identifier=None, units="nd"):
     initial = "" if value is None else f' initialValue="{value}"'
-    return f'<variableDef name="{name}" varID="{identifier or name}" units="{units}"{initial}>{inner}</variableDef>\n'
+    attributes = f'name="{name}" varID="{identifier or name}" units="{units}"{initial}'
+    return f"<variableDef {attributes}>{inner}</variableDef>\n"
 
 
 def calculated(name, math, **more):
@@ -112,7 +113,8 @@ GRID = (
 <griddedTableDef gtID="CD_T"><breakpointRefs><bpRef bpID="M"/><bpRef bpID="A"/></breakpointRefs>
 <dataTable>1.0 0.9 0.8  1.5 1.4 1.3  1.7 1.6 1.5</dataTable></griddedTableDef>
 <function name="CD"><independentVarRef varID="mach"/><independentVarRef varID="angleOfAttack"/>
-<dependentVarRef varID="totalCoefficientOfDrag"/><functionDefn><griddedTableRef gtID="CD_T"/></functionDefn></function>
+<dependentVarRef varID="totalCoefficientOfDrag"/>
+<functionDefn><griddedTableRef gtID="CD_T"/></functionDefn></function>
 <function name="CL"><independentVarPts varID="angleOfAttack">0 8</independentVarPts>
 <dependentVarPts varID="totalCoefficientOfLift">0.0 -0.4</dependentVarPts></function>"""
 )
@@ -158,7 +160,7 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
             13,
             "interpolate='cubicSpline'",
         ),
-        (GRID.replace('gtID="CD_T"/>', 'gtID="CX"/>'), 14, "unknown table 'CX'"),
+        (GRID.replace('gtID="CD_T"/>', 'gtID="CX"/>'), 15, "unknown table 'CX'"),
     ],
 )
 def test_what_is_not_supported_is_named_with_file_and_line(tmp_path, body, line, words):

@@ -143,10 +143,10 @@ def test_pid_zone_follows_a_sine_with_its_analytic_bandwidth(onboard_control, zo
 
 @pytest.fixture(scope="module")
 def onboard_control():
-    from edl6dof.scenario.records import build_onboard, build_tables
+    from edl6dof.scenario.records import build_onboard
 
     scenario = load_scenario("tianwen1").scenario
-    return build_onboard(scenario, build_tables(scenario))[0]["control"]
+    return build_onboard(scenario)[0]["control"]
 
 
 def test_every_flown_loop_keeps_textbook_margins(loops):

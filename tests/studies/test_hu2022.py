@@ -68,7 +68,7 @@ def test_torque_step_is_the_one_announced_and_the_integral_answers_like_its_line
     ]
     assert table["truth.disturbance_z_nm"][5] - before == pytest.approx(rigs.STEP_NM, abs=3.0)
     gains = flight.scenario.flight_software.control.thrust_vector.pitch_yaw
-    inertia = float(flight.plant["out"][0]["inertia"][2])
+    inertia = float(flight.outputs["inertia"][0, 2])
     loop = lti([1.0, 0.0], [1.0, gains.derivative, gains.proportional, gains.integral])
     _, answer = step(loop, T=t)
     predicted = np.degrees(rigs.STEP_NM / inertia) * answer

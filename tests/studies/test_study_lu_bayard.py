@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies import lu_bayard
 from edl6dof.studies.drag_model import respond
@@ -22,7 +22,7 @@ def report():
 @pytest.fixture(scope="module")
 def design():
     scenario = load_scenario(lu_bayard.SCENARIO, lu_bayard.SETTINGS).scenario
-    return lu_bayard._design(build_onboard(scenario, build_tables(scenario)))
+    return lu_bayard._design(build_onboard(scenario))
 
 
 def finding(report, label):

@@ -2,22 +2,20 @@
 
 A small package is written to disk with the real ``jit.py`` in it; subprocesses compile and run it, edit it
 and run it again. What the machine code returns, and numba's own count of cache hits, say whether the cache
-was used and whether it was stale. The reader of import statements is checked against Python's own parser
-(``ast``) on every file of the package.
+was used and whether it was stale.
 """
 
-import ast
 import gc
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numba
 import pytest
 
 from edl6dof import jit
+from edl6dof.source_stamp import SourceTree, parsed
 
 HELPER = "from probe.jit import kernel\n@kernel\ndef factor():\n    return {}\n"
 CALLER = "from probe.jit import kernel\n{}\n@kernel\ndef area(x):\n    return {}() * x\n"
@@ -59,17 +57,11 @@ def call(root, **environment):
     return float(result), int(hits), Path(folder)
 
 
-def reached(root, monkeypatch, name):
+def reached(root, name):
     """Names of the files whose edits recompile the kernels of file ``name``."""
-    monkeypatch.setattr(jit, "PACKAGE", root / "probe")
-    jit._read.cache_clear()
-    jit._file_of.cache_clear()
-    found = {
-        str(Path(file).relative_to(root / "probe")) for file in jit._dependencies(str(root / "probe" / name))
-    }
-    jit._read.cache_clear()
-    jit._file_of.cache_clear()
-    return found
+    package = root / "probe"
+    found = SourceTree(package, root / "sources.json").reached(str(package / name))
+    return {str(Path(file).relative_to(package)) for file in found}
 
 
 def test_an_edited_helper_of_a_helper_recompiles_its_callers_and_nothing_else_does(package):
@@ -106,13 +98,13 @@ SPELLINGS = {
 
 
 @pytest.mark.parametrize("spelling", SPELLINGS)
-def test_every_spelling_of_an_import_is_seen(package, monkeypatch, spelling):
+def test_every_spelling_of_an_import_is_seen(package, spelling):
     write(package, "deep/__init__.py", "from . import helper\n" if spelling == "relative to here" else "")
     write(package, "caller.py", SPELLINGS[spelling] + "\n")
-    assert "deep/helper.py" in reached(package, monkeypatch, "caller.py")
+    assert "deep/helper.py" in reached(package, "caller.py")
 
 
-def test_files_that_are_not_imported_are_not_seen(package, monkeypatch):
+def test_files_that_are_not_imported_are_not_seen(package):
     write(
         package,
         "caller.py",
@@ -121,14 +113,14 @@ def test_files_that_are_not_imported_are_not_seen(package, monkeypatch):
             "probe.deep import helper\nfrom .. import jit\n"
         ),
     )
-    assert reached(package, monkeypatch, "caller.py") == {"caller.py"}
+    assert reached(package, "caller.py") == {"caller.py"}
 
 
-def test_an_import_cycle_ends_and_both_files_count(package, monkeypatch):
+def test_an_import_cycle_ends_and_both_files_count(package):
     write(package, "a.py", "from probe import b\n")
     write(package, "b.py", "import probe.a\nfrom probe.deep.helper import factor\n")
-    assert reached(package, monkeypatch, "a.py") == reached(package, monkeypatch, "b.py")
-    assert {"a.py", "b.py", "deep/helper.py"} <= reached(package, monkeypatch, "a.py")
+    assert reached(package, "a.py") == reached(package, "b.py")
+    assert {"a.py", "b.py", "deep/helper.py"} <= reached(package, "a.py")
 
 
 def test_a_parenthesised_submodule_import_springs_the_trap_in_a_running_kernel(package):
@@ -142,35 +134,52 @@ def test_a_parenthesised_submodule_import_springs_the_trap_in_a_running_kernel(p
     assert call(package)[:2] == (14.0, 0)
 
 
-def test_the_package_is_read_as_python_reads_it():
-    """Every import statement of every file of edl6dof, by ``ast``, against the fast reader."""
-    for file in jit.PACKAGE.rglob("*.py"):
-        names = set()
-        for node in ast.walk(ast.parse(file.read_text())):
-            if isinstance(node, ast.ImportFrom):
-                assert node.level == 0, f"{file}: the package imports absolutely"
-                names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-            elif isinstance(node, ast.Import):
-                names |= {alias.name for alias in node.names}
-        paths = [
-            jit.PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name.split(".")[0] == "edl6dof"
-        ]
-        want = {
-            str(p)
-            for path in paths
-            for p in (path.with_name(path.name + ".py"), path / "__init__.py")
-            if p.is_file()
-        }
-        assert jit._read(str(file))[1] >= want, file
+KERNEL = """'''{doc}'''
+from edl6dof.config.base import Params, param
+
+class P(Params):
+    '''{doc}'''
+    mass_kg: float = param({default}, "{doc}", gt=0)
+
+def check(x):
+    # {doc}
+    if x < 0:
+        raise ValueError(f"{doc} {{x}}")
+
+FIELDS = [("{field}", "f8")]
+"""
+AS_IT_WAS = {"doc": "the mass", "default": "1.0", "field": "mass"}
 
 
-def test_stamping_the_whole_tree_costs_no_more_than_a_blink():
-    for memo in (jit.tree_stamp, jit._read, jit._file_of):
-        memo.cache_clear()
-    began = time.process_time()
-    stamps = {jit.tree_stamp(file) for file in jit.PACKAGE.rglob("*.py")}
-    assert time.process_time() - began < 0.1  # 10 ms measured for 89 files
-    assert len(stamps) > 50
+@pytest.mark.parametrize(
+    "edit, recompiles",
+    [({"doc": "what it weighs,\n in kg"}, False), ({"default": "2.0"}, True), ({"field": "weight"}, True)],
+)
+def test_words_recompile_nothing_and_statements_do(edit, recompiles):
+    if "doc" in edit:
+        edit = {"doc": edit["doc"].replace("\n", "")}
+    before, after = (parsed(KERNEL.format(**AS_IT_WAS | changed), []) for changed in ({}, edit))
+    assert (before.statements != after.statements) == recompiles
+
+
+def test_a_comment_above_a_kernel_recompiles_nothing_though_its_line_is_another(package):
+    write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
+    assert call(package)[:2] == (6.0, 0)
+    moved = "# a word\n" + CALLER.format("from probe.deep.helper import factor", "factor")
+    write(package, "caller.py", moved)
+    assert call(package)[:2] == (6.0, 1)
+
+
+def test_what_was_read_of_a_source_is_remembered_and_never_needed(package):
+    memory, file = package / "sources.json", str(package / "probe" / "jit.py")
+    tree = SourceTree(package / "probe", memory)
+    stamp = tree.stamp([file])
+    tree._remember()
+    assert memory.stat().st_size > 100
+    assert SourceTree(package / "probe", memory).stamp([file]) == stamp
+    for damage in (b"", b"{", b"[1, 2]", b'{"a": 3}'):
+        memory.write_bytes(damage)
+        assert SourceTree(package / "probe", memory).stamp([file]) == stamp
 
 
 def test_a_package_that_cannot_be_written_caches_for_the_user(package, tmp_path):

@@ -54,6 +54,64 @@ def test_the_index_reaches_its_member(dispatch):
     assert [dispatch(index, 4.0, 0.5) for index in range(3)] == [16.5, 64.5, 2.5]
 
 
+class Gain(Params):
+    "Gain."
+
+    gain: float = param(1.0, "gain", ge=0.0)
+
+
+COUNT = np.dtype([("calls", "i8")])
+
+
+@kernel
+def count_up(params, memory, x):
+    memory.calls += 1
+    return params.gain * x
+
+
+@kernel
+def count_down(params, memory, x):
+    memory.calls -= 1
+    return -params.gain * x
+
+
+BOTH = Family(
+    "counter",
+    (
+        Member("up", Gain, {"step": count_up}, "none", memory=COUNT),
+        Member("down", Gain, {"step": count_down}, "none", memory=COUNT),
+    ),
+)
+STEP = BOTH.own("step", 1)
+
+
+@kernel
+def each_its_own(params, memory, x):
+    return STEP(0, params, memory, x), STEP(1, params, memory, x), STEP(0, params, memory, x)
+
+
+def test_each_member_gets_its_own_parameters_and_memory():
+    params = np.zeros(1, dtype_of(BOTH.params_model("BothParams", None, "", "Both.")))
+    memory = np.zeros(1, BOTH.memory)
+    params[0]["up"]["gain"], params[0]["down"]["gain"] = 2.0, 3.0
+    assert each_its_own(params[0], memory[0], 5.0) == (10.0, -15.0, 10.0)
+    assert (memory[0]["up"]["calls"], memory[0]["down"]["calls"]) == (2, -1)
+
+
+class Needs(Params):
+    gain: float = param(..., "gain", ge=0.0)
+
+
+def test_a_section_that_must_hold_something_is_none_until_it_is_given():
+    nothing = type("Nothing", (Params,), {"__doc__": "No parameters."})
+    needs = type("NeedsMore", (Needs,), {"__doc__": "Gain."})
+    family = Family("thing", (Member("a", nothing, {}, "none"), Member("b", needs, {}, "none")))
+    model = family.params_model("ThingParams", "model", "a", "Things.", bare=True)
+    assert list(model.model_fields) == ["model", "b"]
+    assert model().b is None and model(b={"gain": 2.0}).b.gain == 2.0
+    assert "a" in family.params_model("Whole", "model", "a", "Things.").model_fields
+
+
 def test_a_family_of_one_needs_no_choice():
     assert one_member(0, 2.0, 1.0) == ONLY(0, 2.0, 1.0) == 9.0
 

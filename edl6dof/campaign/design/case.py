@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -36,7 +35,6 @@ class Case:
         """Changes of the scenario itself."""
         return dict(self.belief) if self.profile is None else {**self.belief, "profile": self.profile}
 
-    def overrides(self, truth: Mapping[str, Any]) -> list[str]:
-        """The texts for ``--set`` that turn a scenario with this ``truth`` section into the case."""
-        changes = [f"{path}={json.dumps(value)}" for path, value in self.told.items()]
-        return [*changes, f"truth={json.dumps({**truth, **self.truth})}"]
+    def changes(self, truth: Mapping[str, Any]) -> dict[str, Any]:
+        """The values by dotted path that turn a scenario with this ``truth`` section into the case."""
+        return {**self.told, "truth": {**truth, **self.truth}}

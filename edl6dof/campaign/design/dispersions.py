@@ -10,10 +10,10 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from edl6dof.campaign.design.distributions import Normal
+from edl6dof.campaign.design.distributions.base import deviates
 from edl6dof.campaign.design.params import CampaignParams, Correlated, Of
 from edl6dof.campaign.readback import value_at
-from edl6dof.config.base import Params
+from edl6dof.config.base import Params, stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document
 from edl6dof.config.document.yamltree import Path
@@ -22,8 +22,6 @@ from edl6dof.config.introspect import Slot, bounds, root_slot
 from edl6dof.config.wording import in_bounds
 from edl6dof.scenario.schema import LoadedScenario, Scenario, truth_problem
 from edl6dof.vehicle.faults import FaultParams, fault_problems
-
-_STANDARD = Normal(kind="normal", sigma=1.0)
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class Draw:
         if not isinstance(self.distribution, Correlated):
             return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
         mean = np.array([target.nominal for target in self.targets], dtype=float)
-        return list((mean + _STANDARD.values(unit, 0.0) @ np.linalg.cholesky(self.distribution.matrix).T).T)
+        return list((mean + deviates(unit) @ np.linalg.cholesky(self.distribution.matrix).T).T)
 
 
 class Locator:
@@ -119,7 +117,7 @@ def _expanded(model: BaseModel, path: str) -> list[str]:
 def _slot(keys: Path) -> Slot:
     slot = root_slot(Scenario)
     for key in keys:
-        slot = slot.child(key)
+        slot = stated(slot.child(key))
     return slot
 
 
@@ -155,7 +153,7 @@ def _check_twice(draws: list[Draw], locator: Locator) -> None:
 def _check_kind(draw: Draw, locator: Locator) -> bool:
     """Whether the distribution can be drawn from at all."""
     for target in draw.targets:
-        if getattr(draw.distribution, "kind", "") == "discrete":
+        if getattr(draw.distribution, "alternatives", []):
             continue
         if target.slot.options and float not in target.slot.options:
             locator.refuse(target.place, f"{target.path} is not a number with a fraction: use kind discrete")
@@ -192,8 +190,8 @@ def check_values(target: Target, values: np.ndarray, first: int, locator: Locato
     locator.refuse(
         target.place,
         (
-            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a smaller "
-            "width"
+            f"{target.path} must be {in_bounds(target.slot)}; {worst}: use kind truncated_normal or a "
+            "smaller width"
         ),
     )
     return False

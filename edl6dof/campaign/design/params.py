@@ -7,8 +7,8 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.campaign.design.distributions import Distribution
-from edl6dof.config.base import REQUIRED, Params, param
+from edl6dof.campaign.design.distributions.registry import Distribution
+from edl6dof.config.base import REQUIRED, Params, param, stated
 
 #: Who knows of a change: nature alone, the flight computer alone, or both.
 Of = Literal["truth", "belief", "both"]
@@ -30,10 +30,10 @@ class Correlated(Params):
     @model_validator(mode="after")
     def _a_covariance(self) -> Self:
         given = (self.three_sigma is not None, self.correlation is not None, self.covariance is not None)
-        if given not in ((True, True, False), (False, False, True)):
+        matrix = self.correlation if self.covariance is None else self.covariance
+        if matrix is None or given not in ((True, True, False), (False, False, True)):
             raise ValueError("must give three_sigma and correlation, or covariance")
         size = len(self.paths)
-        matrix = self.covariance or self.correlation
         if len(matrix) != size or any(len(row) != size for row in matrix):
             raise ValueError(f"the matrix must have {size} rows of {size} numbers, one for each path")
         if self.three_sigma is not None and (len(self.three_sigma) != size or min(self.three_sigma) <= 0.0):
@@ -116,11 +116,10 @@ class Axis(Params):
     @property
     def points(self) -> list[Any]:
         """The values along the axis."""
-        return (
-            list(self.values)
-            if self.values is not None
-            else [float(v) for v in np.linspace(self.first, self.last, self.count)]
-        )
+        if self.values is not None:
+            return list(self.values)
+        first, last, count = stated(self.first), stated(self.last), stated(self.count)
+        return [float(value) for value in np.linspace(first, last, count)]
 
 
 class SweepParams(Params):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
@@ -15,7 +15,7 @@ from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_fau
 from edl6dof.campaign.design.params import CampaignFile, CampaignParams, SweepParams
 from edl6dof.campaign.design.sampling import unit_numbers
 from edl6dof.campaign.readback import value_at
-from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
@@ -126,11 +126,13 @@ class Plan:
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
         """Faults that happen in each case; independent of the sampling plan, as they are rare."""
         found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
-        for k, draw in enumerate(self.campaign.faults if self.campaign is not None else ()):
+        if self.campaign is None:
+            return found
+        for k, draw in enumerate(self.campaign.faults):
             names = [f"faults.{k}.{what}" for what in ("happens", "which", "later")]
             unit = unit_numbers("monte_carlo", self.campaign.seed, names, self.campaign.cases, start, stop)
             for offset in np.flatnonzero(unit[:, 0] < draw.chance):
-                fault = json.loads(json.dumps(draw.one_of[int(unit[offset, 1] * len(draw.one_of))]))
+                fault = deepcopy(draw.one_of[int(unit[offset, 1] * len(draw.one_of))])
                 key = "plus_s" if fault["at"].get("phase") is not None else "time_s"
                 fault["at"][key] = fault["at"].get(key, 0.0) + float(unit[offset, 2]) * draw.later_s
                 found[offset].append(fault)
@@ -216,7 +218,7 @@ def _with_pins(
     if not believed:
         return loaded
     truth = {**loaded.scenario.truth, **{path: value_at(loaded.truth, path) for path in believed}}
-    return check_document(apply_overrides(loaded.document, [f"truth={json.dumps(truth)}"], Scenario))
+    return check_document(with_values(loaded.document, {"truth": truth}, Scenario))
 
 
 def _check_draws(plan: Plan, locator: Locator) -> None:

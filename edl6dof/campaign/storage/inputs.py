@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from edl6dof.campaign.design.distributions import Discrete
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.readback import value_at
 from edl6dof.config.document.locate import PACKAGE, find_include
@@ -47,9 +46,8 @@ def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
     values += [
         (target.path, item)
         for draw in plan.draws
-        if isinstance(draw.distribution, Discrete)
         for target in draw.targets
-        for item in draw.distribution.choices
+        for item in getattr(draw.distribution, "alternatives", [])
     ]
     yield from ((path, value) for path, value in values if isinstance(value, str | Mapping))
 

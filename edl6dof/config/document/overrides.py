@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from copy import deepcopy
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
@@ -39,16 +39,51 @@ def apply_overrides(
     Raises:
         ConfigError: every override that is malformed or names a path that does not exist.
     """
-    result = copy.deepcopy(document)
-    problems: list[Problem] = []
+    changes, problems = [], []
     for text in overrides:
         path, equals, value = text.partition("=")
-        path = path.strip()
         mark = Mark(f"--set {text}")
         try:
-            if not equals or not all(path.split(".")):
+            if not equals:
                 raise _Refused("must have the form path.to.key=value")
-            _set(result, path.split("."), _parse(value), mark, model, includes)
+            changes.append((path.strip(), _parse(value), mark))
+        except _Refused as error:
+            problems.append(Problem(*mark, path.strip(), str(error)))
+    return _with(document, changes, model, includes, problems)
+
+
+def with_values(
+    document: Document,
+    values: Mapping[str, Any],
+    model: type[BaseModel],
+    mark: Callable[[str], Mark] = lambda path: Mark(""),
+) -> Document:
+    """A copy of ``document`` with plain data put at dotted paths, as by :func:`apply_overrides`.
+
+    Args:
+        document: what was read from the files.
+        values: dotted path to value, in the order in which they are put.
+        model: root parameter model.
+        mark: the place where a value is given, by its path.
+
+    Raises:
+        ConfigError: every path that does not exist.
+    """
+    changes = [(path.strip(), value, mark(path)) for path, value in values.items()]
+    return _with(document, changes, model, INCLUDES, [])
+
+
+def _with(
+    document: Document,
+    changes: Iterable[tuple[str, Any, Mark]],
+    model: type[BaseModel],
+    includes: Mapping[str, str],
+    problems: list[Problem],
+) -> Document:
+    result = document.copy()
+    for path, value, mark in changes:
+        try:
+            _set(result, _parts(path), deepcopy(value), mark, model, includes)
         except _Refused as error:
             problems.append(Problem(*mark, path, str(error)))
         except ConfigError as error:
@@ -56,6 +91,13 @@ def apply_overrides(
     if problems:
         raise ConfigError(problems)
     return result
+
+
+def _parts(path: str) -> list[str]:
+    parts = path.split(".")
+    if not all(parts):
+        raise _Refused("must have the form path.to.key=value")
+    return parts
 
 
 def _parse(text: str) -> Any:
@@ -80,10 +122,10 @@ def _set(
     _forget(document, path)
     document.marks[path] = mark
     if isinstance(node, dict):
-        _drop_foreign(node, parent, key, value)
+        _drop_foreign(node, parent, parts[-1], value)
     node[key] = value
-    if len(path) == 1 and key in includes and isinstance(value, str):
-        include(document, key, value, includes[key])
+    if len(parts) == 1 and parts[0] in includes and isinstance(value, str):
+        include(document, parts[0], value, includes[parts[0]])
 
 
 def _reach(
@@ -93,7 +135,9 @@ def _reach(
 
     Containers on the way that the file leaves out are filled with their defaults.
     """
-    node, slot, path = document.data, root_slot(model), ()
+    node: Any = document.data
+    slot = root_slot(model)
+    path: Path = ()
     for part in parts[:-1]:
         key, slot = _step(node, slot, part)
         path = (*path, key)
@@ -112,11 +156,8 @@ def make_room(document: Document, dotted_path: str, model: type[BaseModel]) -> P
     Raises:
         ValueError: no such path; the text says why, without a place.
     """
-    parts = dotted_path.split(".")
     try:
-        if not all(parts):
-            raise _Refused("must have the form path.to.key")
-        return _reach(document, parts, Mark("(default)"), model)[2]
+        return _reach(document, _parts(dotted_path), Mark("(default)"), model)[2]
     except _Refused as error:
         raise ValueError(str(error)) from None
 

@@ -8,6 +8,7 @@ with places.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -58,6 +59,11 @@ class Document:
     status: dict[str, str] = field(default_factory=dict)
     sources: dict[str, str] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+
+    def copy(self) -> Document:
+        """One that may be changed without changing this."""
+        places = dict(self.marks), dict(self.status), dict(self.sources)
+        return Document(deepcopy(self.data), *places, self.files)
 
     def mark(self, path: yamltree.Path) -> Mark:
         """Place of a value, or of the nearest parent that has one."""

@@ -27,10 +27,11 @@ def blocks(results: Results) -> Iterator[Block]:
         yield Text("Too few flights for a ranking: it needs more flights than dispersed quantities.")
         return
     yield Text(
-        "Rank correlation (Spearman) finds every monotonic effect; a standardised regression coefficient b explains a share b² of the "
-        "variance, which is the first-order Sobol index where the figure is linear in the inputs. R² is what all coefficients explain "
-        "together; where it is low, the random profiles of density and gusts, or effects that are not linear, do the rest. "
-        f"By chance alone, correlations reach {2.6 / np.sqrt(len(results.cases)):.2f} in one of a hundred."
+        "Rank correlation (Spearman) finds every monotonic effect; a standardised regression coefficient b "
+        "explains a share b² of the variance, which is the first-order Sobol index where the figure is "
+        "linear in the inputs. R² is what all coefficients explain together; where it is low, the random "
+        "profiles of density and gusts, or effects that are not linear, do the rest. By chance alone, "
+        f"correlations reach {2.6 / np.sqrt(len(results.cases)):.2f} in one of a hundred."
     )
     for name in dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES]):
         if results.has(name):

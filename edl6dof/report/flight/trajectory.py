@@ -124,7 +124,8 @@ def entry_state(run: Run) -> Entry | None:
     radius = float(planet["equatorial_radius_m"])
     return Entry(
         speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
-        run["truth.density_kg_m3"][rising], run["truth.altitude_m"][rising], radius, float(planet["gravity"]["mu_m3_s2"]) / radius**2,
+        run["truth.density_kg_m3"][rising], run["truth.altitude_m"][rising], radius,
+        float(planet["gravity"]["mu_m3_s2"]) / radius**2,
     )  # fmt: skip
 
 

@@ -111,15 +111,13 @@ def draw_entries(count: int, seed: int) -> list[Entry]:
     deg/s (1 sigma).
     """
     rng = np.random.default_rng(seed)
-    return [
-        Entry(
-            float(rng.uniform(-120.0, 120.0)),
-            float(rng.uniform(10.0, 40.0)),
-            float(rng.uniform(0.0, 360.0)),
-            tuple(float(rate) for rate in 5.0 * rng.standard_normal(3)),
-        )
-        for _ in range(count)
-    ]
+    return [_drawn_entry(rng) for _ in range(count)]
+
+
+def _drawn_entry(rng: np.random.Generator) -> Entry:
+    roll, tilt, direction = rng.uniform(-120.0, 120.0), rng.uniform(10.0, 40.0), rng.uniform(0.0, 360.0)
+    p, q, r = 5.0 * rng.standard_normal(3)
+    return Entry(float(roll), float(tilt), float(direction), (float(p), float(q), float(r)))
 
 
 def hung_like(state: State, entry: Entry) -> State:

@@ -10,9 +10,11 @@ heights of 2 s; 1e-6 of the peak, which falls between rows 20 ms apart.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import e
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, WEIGHTLESS, flown
 
@@ -36,16 +38,16 @@ G0 = 9.80665
 def run(planted: Sequence[str] = ()) -> Outcome:
     """Fall straight down and compare the speed at every altitude, and the greatest deceleration."""
     nominal, flight = flown(_SCENE, planted, ends="crashed")
-    air, aero = nominal.atmosphere.exponential, nominal.vehicle.aero.constant
+    air, aero = stated(nominal.atmosphere.exponential), nominal.vehicle.aero.constant
     table = flight.telemetry
     flying = table["truth.height_m"] > 0.0
     h, v, t = table["truth.altitude_m"][flying], table["truth.speed_m_s"][flying], table["t_s"][flying]
     ballistic = nominal.vehicle.mass.entry_kg / (aero.drag_coefficient * aero.reference_area_m2)
     scale = air.scale_height_m
     rho, rho_start = (air.density_kg_m3 * np.exp(-x / scale) for x in (h, nominal.initial.altitude_m))
-    start = nominal.initial.speed_m_s
+    start = nominal.initial.speed
     expected = start * np.exp(-scale * (rho - rho_start) / (2.0 * ballistic))
-    peak = start**2 * np.exp(scale * rho_start / ballistic) / (2.0 * np.e * scale)
+    peak = start**2 * np.exp(scale * rho_start / ballistic) / (2.0 * e * scale)
     load = table["truth.load_g0"][flying] * G0
     top = int(np.argmax(load))
     near = slice(max(top - 2, 0), top + 3)

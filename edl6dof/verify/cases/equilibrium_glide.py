@@ -43,7 +43,8 @@ def _scene(table: Published) -> tuple[str, ...]:
         "planet.gravity.model=central",
         f"planet.gravity.mu_m3_s2={MU}",
         "atmosphere.model=exponential",
-        f"atmosphere.exponential={{density_kg_m3: {density * exp(ALTITUDE / SCALE)!r}, scale_height_m: {SCALE}, temperature_k: 5}}",
+        f"atmosphere.exponential={{density_kg_m3: {density * exp(ALTITUDE / SCALE)!r}, "
+        f"scale_height_m: {SCALE}, temperature_k: 5}}",
         f"vehicle.mass.entry_kg={MASS}",
         f"vehicle.mass.entry_centre_m=[{STATION}, 0, {table.offset()!r}]",
         "planet.gas.molecular_diameter_m=1e-8",

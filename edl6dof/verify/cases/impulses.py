@@ -13,7 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.integrate import advance, refresh
+from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 
@@ -50,13 +51,15 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     tables = records.build_tables(loaded.truth)
     case, start = records.build_case(loaded.truth, tables), state_of(loaded)
     plant, rng = start.plant, np.random.default_rng(11)
+    flown = (case[0], tables[0], plant[0], np.zeros(1, OUTPUTS)[0], np.zeros(1, WORKSPACE)[0])
+    refresh(*flown)
     lengths = rng.uniform(0.001, 0.06, CYCLES)
     delivered, speed, v0 = [], [], plant["y"][0, 3:6].copy()
     for k, length in enumerate(lengths):
         begin = k * CYCLE + rng.uniform(0.0, 0.01)
         plant["valves"]["opens"][0, 0], plant["valves"]["closes"][0, 0] = begin, begin + length
         for cut in [*np.sort(rng.uniform(k * CYCLE, (k + 1) * CYCLE, 9)), (k + 1) * CYCLE]:
-            advance(case[0], tables[0], plant[0], cut)
+            advance(*flown, cut)
         delivered.append(190.0 - plant["y"][0, 13])
         speed.append(float(np.linalg.norm(plant["y"][0, 3:6] - v0)))
     used = THRUST * np.cumsum(closed_form(lengths)) / (ISP * G0)

@@ -20,6 +20,8 @@ from edl6dof.interface.events import BACKSHELL_OFF, HEAT_SHIELD_OFF, MORTAR
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
+from edl6dof.vehicle.mass import with_propellant
+from edl6dof.vehicle.plant import PROPELLANT
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, scenes, state_of, to_the_end
 
@@ -41,9 +43,12 @@ CASES = (
 )
 
 
-def _vehicle(plant: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and spin angular momentum in I of the vehicle."""
-    y, i = plant["y"], plant["out"]["inertia"]
+def _vehicle(plant: np.void, load: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, velocity and spin angular momentum in I of the vehicle with what is left of its propellant
+    ``load``.
+    """
+    y = plant["y"]
+    i = with_propellant(plant["dry"], load, y[PROPELLANT])[2]
     inertia = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
     turn = Rotation.from_quat(y[6:10], scalar_first=True)
     return y[0:3].copy(), y[3:6].copy(), turn.apply(inertia @ y[10:13])
@@ -53,11 +58,11 @@ def _sums(
     bodies: list[tuple[float, np.ndarray, np.ndarray]], spin: np.ndarray, origin: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Mass moment, momentum and angular momentum about ``origin``."""
-    moment = sum(m * (r - origin) for m, r, _ in bodies)
+    nothing = np.zeros(3)
     return (
-        moment,
-        sum(m * v for m, _, v in bodies),
-        spin + sum(m * np.cross(r - origin, v) for m, r, v in bodies),
+        sum((m * (r - origin) for m, r, _ in bodies), nothing),
+        sum((m * v for m, _, v in bodies), nothing),
+        spin + sum((m * np.cross(r - origin, v) for m, r, v in bodies), nothing),
     )
 
 
@@ -66,8 +71,8 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, index: i
     moment per metre and second.
     """
     before, after = start.plant[0], flight.plant[0]
-    properties = getattr(nominal.vehicle.mass, part)
-    r, v, spin = _vehicle(before)
+    properties, load = getattr(nominal.vehicle.mass, part), flight.case[0]["vehicle"]["mass"]["propellant"]
+    r, v, spin = _vehicle(before, load)
     origin, mass = r.copy(), nominal.vehicle.mass.entry_kg
     first = _sums([(mass, r, v)], spin, origin)
     turn = Rotation.from_quat(before["y"][6:10], scalar_first=True)
@@ -77,7 +82,7 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, index: i
         if index < 0
         else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
     )
-    r, v, spin = _vehicle(after)
+    r, v, spin = _vehicle(after, load)
     second = _sums([(mass - properties.mass_kg, r, v), (properties.mass_kg, *gone)], spin + own, origin)
     impulse = properties.mass_kg * np.linalg.norm(gone[1] - v)
     change = [second[0] - first[0] - seconds * first[1], second[1] - first[1], second[2] - first[2]]

@@ -15,6 +15,7 @@ from math import cos, degrees, exp, pi, radians, sin
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import flown
@@ -43,7 +44,8 @@ def spherical(scenario: Scenario) -> Rates:
 
     A sinusoidal disturbance of the path rate is added as in Yan, Sun & Guo 2016, eq. 5.
     """
-    planet, air, aero = scenario.planet, scenario.atmosphere.exponential, scenario.vehicle.aero.lift_drag
+    planet, air = scenario.planet, stated(scenario.atmosphere.exponential)
+    aero = scenario.vehicle.aero.lift_drag
     spin, mu, disturbance = (
         planet.rotation_rate_rad_s,
         planet.gravity.mu_m3_s2,

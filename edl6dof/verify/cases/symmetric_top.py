@@ -47,12 +47,14 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     across = axis[0] - (axis[0] @ h_hat) * h_hat
     across /= np.linalg.norm(across)
     outside = _slope(t, np.arctan2(axis @ np.cross(h_hat, across), axis @ across))
-    expected_outside = np.linalg.norm(momentum) / lateral
+    expected_outside = float(np.linalg.norm(momentum)) / lateral
     why = "phase error of RK4, (w h)^4 / 120, is 2e-10"
     return Outcome(
         (
-            Result("rate in the body", "gyroscopic coupling", "symmetric top", abs(in_body / expected_body - 1.0), 1e-8, "-", why),
-            Result("rate in space", "rate to attitude", "symmetric top", abs(outside / expected_outside - 1.0), 1e-8, "-", why),
+            Result("rate in the body", "gyroscopic coupling", "symmetric top",
+            abs(in_body / expected_body - 1.0), 1e-8, "-", why),
+            Result("rate in space", "rate to attitude", "symmetric top",
+            abs(outside / expected_outside - 1.0), 1e-8, "-", why),
         ),
         History(
             "Symmetric top", "time (s)", "pitch rate (rad/s)", t,

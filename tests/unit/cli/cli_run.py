@@ -24,7 +24,8 @@ atmosphere: {table: marsgram2010_jezero_feb2021_winds.csv}
 wind: {model: none}
 simulation: {time_limit_s: 0.5}
 initial:
-  {altitude_m: 5000.0, latitude_deg: 25.0, longitude_deg: 110.0, speed_m_s: 0.0, flight_path_angle_deg: -90.0, azimuth_deg: 0.0}
+  {altitude_m: 5000.0, latitude_deg: 25.0, longitude_deg: 110.0, speed_m_s: 0.0,
+   flight_path_angle_deg: -90.0, azimuth_deg: 0.0}
 """
 
 

@@ -13,6 +13,7 @@ import pytest
 from edl6dof import jit, plugins
 from edl6dof.config.document.locate import find_shipped
 from edl6dof.config.errors import ConfigError
+from edl6dof.source_stamp import SourceTree
 
 EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"
 
@@ -58,8 +59,7 @@ def plugins_of_this_process(monkeypatch):
     jit.outside_sources[:] = before
 
 
-# ---- mistakes
-# ------------------------------------------------------------------------------------------------------------------
+# ---- mistakes ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -152,25 +152,27 @@ def test_kernel_that_does_not_fit_is_refused_before_the_simulator_is_compiled(tm
     assert re.search(message, error)
 
 
-# ---- cache
-# ---------------------------------------------------------------------------------------------------------------------
+# ---- cache -------------------------------------------------------------------------------------------------
 
 
-def stamp(file):
-    jit._read.cache_clear()
+def stamp(file, monkeypatch, folder):
+    monkeypatch.setattr(jit, "TREE", SourceTree(jit.PACKAGE, folder / "sources.json"))
     return jit.tree_stamp.__wrapped__(jit.PACKAGE / file)
 
 
-def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path):
+def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path, monkeypatch):
     law = tmp_path / "law.py"
     law.write_text(LAW)
     caller, other = "fsw/guidance/entry/registry.py", "spatial/vector.py"
-    without = stamp(caller), stamp(other)
+
+    def both():
+        return [stamp(file, monkeypatch, tmp_path) for file in (caller, other)]
+
+    without = both()
     jit.outside_sources.append(str(law))
-    named = stamp(caller), stamp(other)
+    named = both()
     law.write_text(LAW.replace("0.5", "0.6"))
-    edited = stamp(caller), stamp(other)
-    jit._read.cache_clear()
+    edited = both()
     assert len({without[0], named[0], edited[0]}) == 3
     assert without[1] == named[1] == edited[1]
 
@@ -230,8 +232,7 @@ def test_plugin_of_a_shipped_or_extended_scenario_is_found(tmp_path, extends):
     assert status == 0, error
 
 
-# ---- the example
-# ---------------------------------------------------------------------------------------------------------------
+# ---- the example -------------------------------------------------------------------------------------------
 
 
 def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):

@@ -15,10 +15,10 @@ from edl6dof.environment.atmosphere import (
     ATMOSPHERE,
     AtmosphereParams,
     air,
+    air_inputs,
     fill_atmosphere,
-    fill_atmosphere_table,
 )
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.gas import GAS
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
@@ -31,8 +31,8 @@ EXPONENTIAL = {"density_kg_m3": 0.0158, "scale_height_m": 9354.0, "temperature_k
 
 def build(seed: int = 0, case: int = 0, planet=GIVEN.planet, **given) -> tuple[np.void, np.void, np.void]:
     params = AtmosphereParams(**{"table": GIVEN.atmosphere.table, "extension_gravity_m_s2": 3.72, **given})
-    table, atm, gas = np.zeros(1, ATMOSPHERE_TABLE)[0], np.zeros(1, ATMOSPHERE)[0], np.zeros(1, GAS)[0]
-    fill_atmosphere_table(table, params, planet)
+    table = build_table(air_inputs(params, planet))[0]
+    atm, gas = np.zeros(1, ATMOSPHERE)[0], np.zeros(1, GAS)[0]
     fill_atmosphere(atm, params, table, seed, case)
     fill(gas, planet.gas)
     return atm, gas, table

@@ -10,8 +10,8 @@ import pytest
 from pydantic import ValidationError
 
 import edl6dof
-from edl6dof.environment.atmosphere import AtmosphereParams, fill_atmosphere_table
-from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
+from edl6dof.environment.atmosphere import AtmosphereParams, air_inputs
+from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.wind import (
     WIND,
     GustParams,
@@ -26,12 +26,9 @@ DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 
 
 def shared(**given) -> np.void:
-    table = np.zeros(1, ATMOSPHERE_TABLE)[0]
     scenario = edl6dof.load("tianwen1").scenario
-    fill_atmosphere_table(
-        table, AtmosphereParams(**{"table": scenario.atmosphere.table, **given}), scenario.planet
-    )
-    return table
+    params = AtmosphereParams(**{"table": scenario.atmosphere.table, **given})
+    return build_table(air_inputs(params, scenario.planet))[0]
 
 
 def build(seed: int = 0, case: int = 0, **given) -> np.void:
@@ -59,13 +56,13 @@ def test_table_is_smooth():
 def test_constant_shear_none():
     table = shared()
     foot = 0.3048
-    assert wind(build(model="constant", east_m_s=20 * foot, north_m_s=-1.0), table, 5e3) == (
+    assert wind(build(model="constant", constant={"east_m_s": 20 * foot, "north_m_s": -1.0}), table, 5e3) == (
         20 * foot,
         -1.0,
         0.0,
     )
     # NESC check case 8: wind of 0.003 h - 20 ft/s.
-    shear = build(model="shear", east_m_s=-20 * foot, east_shear=0.003)
+    shear = build(model="shear", shear={"east_m_s": -20 * foot, "east_shear": 0.003})
     assert wind(shear, table, 30000 * foot)[0] == pytest.approx(70 * foot, rel=1e-12)
     assert wind(build(model="none"), table, 5e3) == (0.0, 0.0, 0.0)
 

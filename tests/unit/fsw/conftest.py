@@ -2,7 +2,7 @@
 
 import pytest
 
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 
 
@@ -13,7 +13,7 @@ def scenario():
 
 @pytest.fixture(scope="session")
 def shared_onboard(scenario):
-    return build_onboard(scenario, build_tables(scenario))
+    return build_onboard(scenario)
 
 
 @pytest.fixture

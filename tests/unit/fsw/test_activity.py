@@ -7,8 +7,8 @@ import pytest
 
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect, remember
 from edl6dof.interface.sensed import SENSED
-from edl6dof.sensors.imu import READINGS, ImuParams, read_imu
-from edl6dof.vehicle.plant import PLANT, RATE
+from edl6dof.sensors.imu import READINGS, ImuParams, measure
+from edl6dof.vehicle.plant import OUTPUTS, RATE, STATE
 
 CYCLE = 0.04
 
@@ -39,10 +39,11 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
 def test_readings_arrive_so_many_cycles_late_and_unchanged(delay):
     params = np.zeros(1, [("delay_cycles", "i8")])[0]
     params["delay_cycles"] = ImuParams(delay_cycles=delay).delay_cycles
-    plant, readings, sensed = np.zeros(1, PLANT)[0], np.zeros(1, READINGS)[0], np.zeros(1, SENSED)[0]
+    plant, readings, sensed = np.zeros(1, STATE)[0], np.zeros(1, READINGS)[0], np.zeros(1, SENSED)[0]
+    outputs = np.zeros(1, OUTPUTS)[0]
     for k in range(40):
         plant["y"][RATE : RATE + 3], plant["velocity_gain"] = (k, -k, 2 * k), (3 * k, k, 0)
-        read_imu(params, plant, readings, sensed)
+        measure(params, readings, plant, outputs, sensed)
         then = max(k - delay, 0)
         assert (
             sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then

@@ -30,8 +30,7 @@ GRAVITY = MU / RADIUS**2
 A, B, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
 
 
-# ---- drag dynamics with parameters
-# ---------------------------------------------------------------------------------------------
+# ---- drag dynamics with parameters -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -86,8 +85,7 @@ def test_uncertain_drag_dynamics_hold_along_an_integrated_flight(altitude, speed
     assert second == pytest.approx(-free - unknown @ theta + w + per_u * u, rel=1e-5)
 
 
-# ---- Riccati equation and feedback
-# ---------------------------------------------------------------------------------------------
+# ---- Riccati equation and feedback -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gain, weight", [(2.0, 1.0), (100.0, 2500.0), (60.0, 2500.0), (1.001, 1.0)])
@@ -132,8 +130,7 @@ def test_adaptation_stays_in_its_box_and_goes_down_the_gradient():
     assert (high - low) @ q @ (high - low) == pytest.approx(1.0)
 
 
-# ---- corridor and profile
-# ------------------------------------------------------------------------------------------------------
+# ---- corridor and profile ----------------------------------------------------------------------------------
 
 
 def test_corridor_bounds_are_those_of_heat_load_pressure_and_lift(onboard):
@@ -267,8 +264,7 @@ def test_range_goes_with_the_inverse_of_drag(planned):
     assert profile_range(more, 3500.0) == pytest.approx(profile_range(profile, 3500.0) / 1.1, rel=0.02)
 
 
-# ---- closed loop
-# ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("density_factor", [0.9, 1.0, 1.1])

@@ -283,8 +283,7 @@ def test_thruster_declared_dead_in_flight_is_no_longer_commanded(shared_onboard)
     assert memory["duty"][used] == 0.0
 
 
-# ---- the Tianwen-1 layout
-# ------------------------------------------------------------------------------------------------------
+# ---- the Tianwen-1 layout ----------------------------------------------------------------------------------
 
 
 def torques(onboard, configuration, failed=None, groups=THRUSTER_GROUPS):
@@ -383,7 +382,7 @@ def test_each_phase_keeps_three_axis_torque_with_its_own_thruster_groups_after_o
     assert lost == []
 
 
-def test_horizontal_thrusters_have_a_roll_arm_above_one_metre_and_one_failure_leaves_more_than_250_newton_metres(
+def test_horizontal_thrusters_have_a_roll_arm_above_1_m_and_one_failure_leaves_more_than_250_newton_metres(
     shared_onboard,
 ):
     """S1 section 6.3: two act together in one direction; one failed gives more than 250 N m in the roll

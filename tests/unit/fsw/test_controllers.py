@@ -34,8 +34,7 @@ def inertia(onboard, configuration):
     return np.array(onboard[0]["vehicle"]["configuration"][configuration]["inertia"])
 
 
-# ---- bank to steer (S1 section 4)
-# -------------------------------------------------------------------------------------------------
+# ---- bank to steer (S1 section 4) --------------------------------------------------------------------------
 
 
 def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
@@ -145,8 +144,7 @@ def test_wing_that_does_not_report_itself_open_has_its_angle_of_attack_closed_af
     assert demand("bank_to_steer", onboard, nav, commanded(), fsw)[1] > 50.0
 
 
-# ---- rate damping under the parachute (S1 section 5)
-# -----------------------------------------------------------------------------------
+# ---- rate damping under the parachute (S1 section 5) -------------------------------------------------------
 
 
 def hanging(roll_deg=0.0, rate=(0.0, 0.0, 0.0), t=0.0):
@@ -191,8 +189,7 @@ def test_roll_under_the_parachute_takes_the_time_of_its_rate(onboard):
     )
 
 
-# ---- thrust vector (S1 section 6)
-# -------------------------------------------------------------------------------------------------
+# ---- thrust vector (S1 section 6) --------------------------------------------------------------------------
 
 
 def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):

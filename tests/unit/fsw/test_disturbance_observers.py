@@ -23,8 +23,7 @@ def params(model, **changes):
     return record[0]
 
 
-# ---- linear observer of the lumped disturbance
-# ---------------------------------------------------------------------------------
+# ---- linear observer of the lumped disturbance -------------------------------------------------------------
 
 
 def surface_after(disturbance, dt, seconds, tau):
@@ -83,8 +82,7 @@ def test_eta_grows_with_the_surface_only():
     assert memory["eta"] == pytest.approx(0.02)
 
 
-# ---- observer of the flight-path rate
-# ------------------------------------------------------------------------------------------
+# ---- observer of the flight-path rate ----------------------------------------------------------------------
 
 
 def path_estimates(gain, dt, disturbance, seconds=10.0):
@@ -120,8 +118,7 @@ def test_sine_is_followed_with_the_lag_of_a_first_order_filter():
     assert np.max(np.abs(estimate[late] - 0.01 * np.sin(t[late]))) < 0.07 * 0.01
 
 
-# ---- finite time and drag dynamics
-# ---------------------------------------------------------------------------------------------
+# ---- finite time and drag dynamics -------------------------------------------------------------------------
 
 
 def test_power_keeps_the_sign_and_is_stronger_than_linear_near_zero():

@@ -20,8 +20,7 @@ SCALE_HEIGHT, DENSITY = 9354.0, 0.0158
 BALLISTIC, LIFT_TO_DRAG = 90.0, 0.18  # kg/m2
 
 
-# ---- drag dynamics
-# -------------------------------------------------------------------------------------------------------------
+# ---- drag dynamics -----------------------------------------------------------------------------------------
 
 
 def motion(cos_bank):
@@ -75,8 +74,7 @@ def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed,
     assert a < 0.0  # lift up lowers drag
 
 
-# ---- range update
-# --------------------------------------------------------------------------------------------------------------
+# ---- range update ------------------------------------------------------------------------------------------
 
 
 def table(first=450.0, last=4900.0):
@@ -138,8 +136,7 @@ def test_longer_range_wants_less_drag():
     assert range_scale(reference, 3500.0, 0.95 * nominal, 0.0, 0.4) > 0.005
 
 
-# ---- geometry
-# ------------------------------------------------------------------------------------------------------------------
+# ---- geometry ----------------------------------------------------------------------------------------------
 
 
 def point(lat, lon):
@@ -169,8 +166,7 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
         assert crossrange == pytest.approx(radius * np.arcsin(target @ left), abs=1e-3)
 
 
-# ---- reference trajectory
-# ------------------------------------------------------------------------------------------------------
+# ---- reference trajectory ----------------------------------------------------------------------------------
 
 
 def airframe(vehicle, mach):
@@ -309,8 +305,7 @@ def test_tabulated_drag_rate_is_consistent_with_the_tabulated_drag(onboard):
     )
 
 
-# ---- the law in a closed loop
-# --------------------------------------------------------------------------------------------------
+# ---- the law in a closed loop ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

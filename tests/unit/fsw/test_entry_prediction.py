@@ -189,8 +189,7 @@ def test_corrector_goes_to_the_nearer_limit_when_the_target_is_out_of_reach(onbo
     assert memory["shift"] == pytest.approx(cos(entry[bound]), abs=1e-9)
 
 
-# ---- airframe and air data
-# -----------------------------------------------------------------------------------------------------
+# ---- airframe and air data ---------------------------------------------------------------------------------
 
 
 def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
@@ -259,8 +258,7 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     assert memory["lift"] == pytest.approx(1.0 - 0.2 * (1.0 - exp(-1.0)), abs=2e-3)
 
 
-# ---- closed loop
-# ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", ["npc", "etpc"])

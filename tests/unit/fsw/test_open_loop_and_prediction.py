@@ -12,7 +12,7 @@ from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.navigation import NAV
-from edl6dof.scenario.records import build_onboard, build_tables
+from edl6dof.scenario.records import build_onboard
 
 ENTRY = "flight_software.guidance.entry"
 
@@ -22,7 +22,7 @@ def test_bank_profile_is_linear_between_its_points_and_constant_beyond(over):
     points = [(500.0, -30.0), (1500.0, 50.0), (1600.0, 20.0), (3500.0, 75.0)]
     text = ", ".join(f"{{at: {x}, bank_deg: {bank}}}" for x, bank in points)
     scenario = edl6dof.load("tianwen1", [f"{ENTRY}.bank_profile={{over: {over}, points: [{text}]}}"]).scenario
-    record = build_onboard(scenario, build_tables(scenario))[0]
+    record = build_onboard(scenario)[0]
     nav, memory, out = np.zeros(1, NAV)[0], np.zeros(1, ENTRY_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
     for x in (0.0, 499.0, 500.0, 900.0, 1500.0, 1555.5, 2000.0, 3500.0, 4800.0):
         nav["speed"], nav["t"] = (x, 77.0) if over == "speed" else (77.0, x)
@@ -57,8 +57,7 @@ def test_signed_profile_is_flown_with_its_own_signs():
     assert flight.metrics["bank_reversals"] == 1.0
 
 
-# ---- predictive reversal
-# -------------------------------------------------------------------------------------------------------
+# ---- predictive reversal -----------------------------------------------------------------------------------
 
 
 def heading(record, off_deg):

@@ -114,8 +114,7 @@ def test_goal_derivatives_are_those_along_the_flight(onboard):
     )
 
 
-# ---- heading corridor
-# ----------------------------------------------------------------------------------------------------------
+# ---- heading corridor --------------------------------------------------------------------------------------
 
 
 def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
@@ -146,8 +145,7 @@ def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
                 out["crossrange"] *= sign
 
 
-# ---- closed loop
-# ---------------------------------------------------------------------------------------------------------------
+# ---- closed loop -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", ["fl", "ehgo_fl"])

@@ -67,7 +67,7 @@ def test_slew_time_of_a_large_manoeuvre_is_the_rate_limited_prediction(onboard, 
 
 
 @pytest.mark.parametrize("name", ["bank", "chute roll", "pitch and yaw", "lander roll", "default"])
-def test_large_slew_overshoots_by_less_than_one_percent_and_a_fifth_of_the_inner_zone_and_never_exceeds_the_rate(
+def test_large_slew_overshoots_by_less_than_1_percent_and_a_fifth_of_the_inner_zone_never_exceeds_the_rate(
     onboard, name
 ):
     zone = flown_zones(onboard)[name]

@@ -45,7 +45,7 @@ def test_figures_come_from_where_the_table_says(nominal, faulty):
         source: {figure.name for figure in FIGURES if figure.source == source}
         for source in ("peaks", "contact", "diagnosis")
     }
-    assert peak_figures(nominal.plant[0], {"mortar": 1.0}).keys() == by_source["peaks"]
+    assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
     assert (
         diagnosis_figures(faulty.isolated_faults, faulty.loaded.truth.faults, faulty.plant[0]).keys()

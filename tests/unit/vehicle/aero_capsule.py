@@ -10,7 +10,7 @@ import edl6dof
 from edl6dof.config.dtype import fill
 from edl6dof.environment.gas import GAS
 from edl6dof.vehicle.aerodynamics import AERO, AeroParams, CapsuleParams, capsule_aero, capsule_coefficients
-from edl6dof.vehicle.aerotable import build_aero_table
+from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table
 
 D, AREA = 3.4, pi / 4 * 3.4**2
 DENSE, RARE = 1e-2, 1e-12  # kg/m3: Kn < 1e-3 and Kn > 10
@@ -31,7 +31,8 @@ def record(params=PARAMS):
 
 
 def table_of(params=PARAMS):
-    return build_aero_table(params.capsule, GAS_PARAMS.shock_layer_heat_capacity_ratio).view(np.recarray)[0]
+    inputs = aero_inputs(params.capsule, GAS_PARAMS.shock_layer_heat_capacity_ratio)
+    return build_aero_table(inputs).view(np.recarray)[0]
 
 
 def capsule_with(**changes):

@@ -179,7 +179,8 @@ def test_dispatch(table):
 
 
 @pytest.mark.parametrize("wrong", [
-    {"damping_mach": [1.0, 2.0]}, {"damping_angle_deg": [5.0, 2.0, 10.0]}, {"damping_angle_deg": [2.5, 5.0, 10.0]},
+    {"damping_mach": [1.0, 2.0]}, {"damping_angle_deg": [5.0, 2.0, 10.0]}, {"damping_angle_deg": [2.5, 5.0,
+    10.0]},
     {"backshell_break_radius_m": 1.69}, {"nose_radius_m": 1.8}, {"diameter_m": -1.0}, {"unknown": 1.0},
 ])  # fmt: skip
 def test_wrong_parameters_are_refused(wrong):

@@ -34,7 +34,8 @@ def force(record, angle_deg, fraction=1.0, density=0.01, mach=0.5, t=0.0, speed=
 
 @pytest.mark.parametrize(
     "mach, efficiency",
-    [(0.0, 1.0), (0.7, 1.0), (0.82, 0.835), (0.94, 0.67), (1.17, 0.9175), (1.4, 1.0), (1.625, 0.96), (1.85, 0.84), (2.225, 0.725),
+    [(0.0, 1.0), (0.7, 1.0), (0.82, 0.835), (0.94, 0.67), (1.17, 0.9175), (1.4, 1.0), (1.625, 0.96), (1.85,
+    0.84), (2.225, 0.725),
      (2.6, 0.61), (3.5, 0.61)],
 )  # fmt: skip
 def test_mach_efficiency_passes_through_the_published_nodes(mach, efficiency):

@@ -24,10 +24,10 @@ from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
     CANOPY_VELOCITY,
-    PLANT,
     POSITION,
     PROPELLANT,
     RATE,
+    STATE,
     VELOCITY,
 )
 from edl6dof.vehicle.staging import StagingParams, fire_mortar, release_backshell, separate
@@ -61,7 +61,7 @@ def tumbling(seed, attached=(1, 1, 1)):
     fill(case.vehicle.parachute, ParachuteParams(diameter_m=15.96))
     fill(case.vehicle.staging, StagingParams())
     fill_lander(case.lander, MASS)
-    plant = np.zeros(1, PLANT).view(np.recarray)[0]
+    plant = np.zeros(1, STATE).view(np.recarray)[0]
     plant.attached[:] = attached
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
     plant.y[POSITION : POSITION + 3] = rng.normal(size=3) * 100.0  # near the origin: no rounding

@@ -11,7 +11,9 @@ from math import exp, sqrt
 
 import numpy as np
 
+from edl6dof.config.base import Params
 from edl6dof.jit import kernel
+from edl6dof.registry import Member
 
 GAS_CONSTANT = 8314.32 / 28.9644  # J/(kg K): 287.05287
 HEAT_CAPACITY_RATIO = 1.4
@@ -40,8 +42,12 @@ def _layers() -> tuple[np.ndarray, np.ndarray]:
 _TEMPERATURE, _PRESSURE = _layers()
 
 
+class Us76Params(Params):
+    """U.S. Standard Atmosphere 1976, with a gas of its own."""
+
+
 @kernel
-def us76(alt):
+def air(atm, gas, table, alt):
     """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at the geometric altitude ``alt``,
     m.
     """
@@ -61,3 +67,6 @@ def us76(alt):
         pressure = _PRESSURE[layer] * (temperature / t0) ** (-_HYDROSTATIC / lapse)
     rt = GAS_CONSTANT * temperature
     return pressure / rt, pressure, temperature, sqrt(HEAT_CAPACITY_RATIO * rt)
+
+
+MEMBER = Member("us76", Us76Params, {"air": air}, "U.S. Standard Atmosphere, 1976, NOAA/NASA/USAF")

@@ -1,0 +1,65 @@
+"""The first flight ever: a second process compiles the flight software while this one compiles the plant.
+
+numba compiles on one core.  Both halves are independent until the loop joins them, and it finds both in the
+cache of machine code.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numba
+import numpy as np
+
+from edl6dof import jit
+from edl6dof.fsw.cycle import run
+from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.interface.sensed import SENSED
+from edl6dof.sim.loop import fly
+from edl6dof.vehicle.integrate import advance, retrace
+
+_COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software as work; work()"
+
+
+@contextmanager
+def flight_software_beside() -> Iterator[bool]:
+    """Compile the flight software beside what the block does; says whether there was need.
+
+    There is none when the loop is compiled already.  With one core only, without a cache that another process
+    can fill, or with members of a family from files outside the package, the loop compiles everything itself;
+    so it does with whatever the other process did not manage.
+    """
+    if jit.is_cached(fly) or jit.is_cached(run) or jit.outside_sources or _cores() < 2:
+        yield False
+        return
+    other = subprocess.Popen(
+        [sys.executable, "-c", _COMMAND], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield True
+    except BaseException:
+        other.terminate()
+        raise
+    finally:
+        other.wait()
+
+
+def compile_plant(*records: np.ndarray) -> None:
+    """Compile the plant's steps for records of these layouts (arrays of one), in the order they are taken."""
+    layouts = tuple(numba.typeof(array[0]) for array in records)
+    retrace.compile(layouts)
+    advance.compile((*layouts, numba.float64))
+
+
+def compile_flight_software() -> None:
+    """Compile the flight software's cycle into the cache."""
+    onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
+    run.compile((onboard, sensed, numba.int64, memory))
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

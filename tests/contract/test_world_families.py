@@ -1,0 +1,143 @@
+"""One contract for what every model of air and wind, every sensor and every distribution does: finite,
+bounded and repeatable.
+"""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.campaign.design.distributions.registry import DISTRIBUTIONS
+from edl6dof.config.dtype import fill
+from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs
+from edl6dof.environment.atmosphere_table import build_table
+from edl6dof.environment.atmospheres.registry import ATMOSPHERES, air_of_model
+from edl6dof.environment.gas import GAS
+from edl6dof.environment.wind import WIND, WindParams
+from edl6dof.environment.winds.registry import WINDS, wind_of_model
+from edl6dof.interface.sensed import SENSED
+from edl6dof.scenario.records import build_records, initial_plant, initial_sensors
+from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams, sense, sensor_problems
+from edl6dof.vehicle.plant import OUTPUTS
+
+#: Altitudes (m): below the ground of any planet, through the air, and far outside.
+ALTITUDES = (-8000.0, -1.0, 0.0, 3e3, 25e3, 79.9e3, 150e3, 1e6)
+#: What distributions need beside their kind.
+GIVEN = {
+    "normal": {"three_sigma": 6.0},
+    "truncated_normal": {"sigma": 2.0, "low": 9.0, "high": 14.0},
+    "uniform": {"half_width": 3.0},
+    "log_normal": {"sigma_ln": 0.3},
+    "discrete": {"choices": [1.0, 2.0, 5.0], "weights": [1.0, 2.0, 1.0]},
+}
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return edl6dof.load("tianwen1")
+
+
+@pytest.fixture(scope="module")
+def world(loaded):
+    """Records of air, gas, wind and their table, with the numbers of every model given."""
+    planet = loaded.scenario.planet
+    exponential = {"density_kg_m3": 0.02, "scale_height_m": 11e3, "temperature_k": 210.0}
+    params = AtmosphereParams(table=loaded.scenario.atmosphere.table, exponential=exponential)
+    winds = WindParams(constant={"east_m_s": 20.0}, shear={"north_m_s": 5.0, "north_shear": 1e-3})
+    atm, gas, wind = np.zeros(1, ATMOSPHERE), np.zeros(1, GAS), np.zeros(1, WIND)
+    fill(atm[0], params)
+    fill(gas[0], planet.gas)
+    fill(wind[0], winds)
+    return atm[0], gas[0], wind[0], build_table(air_inputs(params, planet))[0]
+
+
+@pytest.mark.parametrize("index", range(len(ATMOSPHERES.members)), ids=ATMOSPHERES.names)
+def test_air_is_finite_not_negative_thins_upwards_and_is_repeatable(world, index):
+    atm, gas, _, table = world
+    found = np.array([air_of_model(index, atm, gas, table, alt) for alt in ALTITUDES])
+    again = np.array([air_of_model(index, atm, gas, table, alt) for alt in ALTITUDES])
+    density, pressure, temperature, sound = found.T
+    assert np.all(np.isfinite(found)) and np.array_equal(found, again)
+    assert np.all(density >= 0.0) and np.all(pressure >= 0.0)
+    assert np.all(temperature > 0.0) and np.all(sound > 0.0)
+    assert np.all(np.diff(density) <= 0.0)
+
+
+@pytest.mark.parametrize("index", range(len(WINDS.members)), ids=WINDS.names)
+def test_wind_is_finite_bounded_and_repeatable(world, index):
+    """Bound: 2 km/s, what the steepest shear given here reaches 1,000 km up."""
+    _, _, wind, table = world
+    found = np.array([wind_of_model(index, wind, table, alt) for alt in ALTITUDES])
+    assert found.shape == (len(ALTITUDES), 2)
+    assert np.all(np.isfinite(found)) and np.all(np.abs(found) < 2e3)
+    assert np.array_equal(found, [wind_of_model(index, wind, table, alt) for alt in ALTITUDES])
+
+
+def measured(loaded, index, seed, cycles=12):
+    """What one sensor writes into a record full of a mark, over some cycles of a plant that moves."""
+    case = build_records(loaded).case
+    plant, outputs = initial_plant(loaded.truth, case)[0], np.zeros(1, OUTPUTS)[0]
+    params = case[0]["sensors"]
+    params["carried"][0], params["n_carried"] = index, 1
+    rng, sensors, rows = np.random.default_rng(seed), initial_sensors()[0], []
+    for _ in range(cycles):
+        plant["t"] += 0.04
+        plant["y"][:6] += rng.normal(size=6) * 10.0
+        plant["y"][10:13] = rng.normal(size=3)
+        plant["velocity_gain"] += rng.normal(size=3)
+        outputs["specific_force_B"], outputs["agl"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
+        outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
+        for name in SENSED.names:
+            sensors["sensed"][name] = -77
+        sense(params, plant, outputs, sensors)
+        rows.append(sensors["sensed"].copy())
+    return np.array(rows, SENSED)
+
+
+@pytest.mark.parametrize("index", range(len(SENSOR_FAMILY.members)), ids=SENSOR_FAMILY.names)
+def test_sensor_writes_its_part_of_the_record_finite_and_repeatable(loaded, index):
+    rows, writes = measured(loaded, index, 1), SENSOR_FAMILY.members[index].writes
+    assert writes and set(writes) <= set(SENSED.names) - {"t"}
+    for name in set(SENSED.names) - {"t"}:
+        assert np.all(np.isfinite(rows[name])), name
+        assert np.all(rows[name] != -77) == (name in writes), name
+    assert measured(loaded, index, 1).tobytes() == rows.tobytes()
+    assert measured(loaded, index, 2).tobytes() != rows.tobytes()
+
+
+def test_sensors_fly_at_once_each_with_its_memory_and_a_later_one_writes_over(loaded):
+    records = build_records(loaded)
+    plant, outputs = initial_plant(loaded.truth, records.case)[0], np.zeros(1, OUTPUTS)[0]
+    sensors = initial_sensors()[0]
+    sense(records.case[0]["sensors"], plant, outputs, sensors)
+    assert sensors["imu"]["taken"] == 1
+    assert np.array_equal(sensors["sensed"]["r_I"], plant["y"][:3])
+    assert np.array_equal(sensors["sensed"]["imu_rate_B"], plant["y"][10:13])
+
+
+def test_a_choice_of_sensors_that_leaves_something_unmeasured_is_refused():
+    assert sensor_problems(SensorParams()) == {}
+    assert sensor_problems(SensorParams(carried=["perfect"])) == {
+        "sensors.carried": "measures no imu_rate_B, imu_gain_B: carry imu too"
+    }
+    assert "carry perfect too" in sensor_problems(SensorParams(carried=["imu"]))["sensors.carried"]
+    twice = sensor_problems(SensorParams(carried=["imu", "perfect", "imu"]))
+    assert twice == {"sensors.carried": "names imu twice"}
+
+
+@pytest.mark.parametrize("member", DISTRIBUTIONS.members, ids=DISTRIBUTIONS.names)
+def test_distribution_rises_with_the_unit_number_and_is_finite_at_both_ends(member):
+    unit = np.concatenate([[0.0], np.linspace(1e-6, 1.0 - 1e-6, 999), [np.nextafter(1.0, 0.0)]])
+    params = member.params(kind=member.name, **GIVEN[member.name])
+    values = params.values(unit, 10.0).astype(float)
+    assert values.shape == unit.shape and np.all(np.isfinite(values))
+    assert np.all(np.diff(values) >= 0.0) and values[0] < values[-1]
+    assert np.array_equal(values, params.values(unit, 10.0).astype(float))
+
+
+@pytest.mark.parametrize("member, nominal", [*product(DISTRIBUTIONS.members, (7.0, 10.0))])
+def test_distribution_gives_each_case_its_own_value_whatever_the_others_are(member, nominal):
+    params, unit = member.params(kind=member.name, **GIVEN[member.name]), np.array([0.1, 0.5, 0.9])
+    whole = params.values(unit, nominal)
+    assert [params.values(unit[k : k + 1], nominal)[0] for k in range(3)] == list(whole)

@@ -1,0 +1,59 @@
+"""The second process of the first flight: started where it is of use, waited for, and never in the way."""
+
+import subprocess
+import sys
+
+import pytest
+
+from edl6dof import jit
+from edl6dof.sim import compile_ahead
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Commands of the processes started, in a simulator that is not compiled on a machine with two cores."""
+    commands, start = [], subprocess.Popen
+
+    def popen(command, **options):
+        commands.append(start([sys.executable, "-c", popen.body], **options))
+        return commands[-1]
+
+    popen.body = "raise SystemExit(1)"
+    monkeypatch.setattr(jit, "is_cached", lambda kernel: False)
+    monkeypatch.setattr(compile_ahead, "_cores", lambda: 2)
+    monkeypatch.setattr(compile_ahead.subprocess, "Popen", popen)
+    return commands, popen
+
+
+def test_the_other_process_is_waited_for_even_if_it_fails(started):
+    commands, _ = started
+    with compile_ahead.flight_software_beside() as compiling:
+        assert compiling
+    assert [process.returncode for process in commands] == [1]
+
+
+def test_an_interrupted_flight_does_not_leave_the_other_process_behind(started):
+    commands, popen = started
+    popen.body = "import time; time.sleep(600)"
+    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside():
+        raise KeyboardInterrupt
+    assert commands[0].returncode not in (None, 0)
+
+
+@pytest.mark.parametrize("reason", ["compiled", "one core", "plugins"])
+def test_no_process_is_started_where_it_is_of_no_use(started, monkeypatch, reason):
+    if reason == "compiled":
+        monkeypatch.setattr(jit, "is_cached", lambda kernel: True)
+    elif reason == "one core":
+        monkeypatch.setattr(compile_ahead, "_cores", lambda: 1)
+    else:
+        monkeypatch.setattr(jit, "outside_sources", ["law.py"])
+    with compile_ahead.flight_software_beside() as compiling:
+        assert not compiling
+    assert started[0] == []
+
+
+def test_the_flight_software_is_compiled_for_the_records_that_fly(nominal):
+    """Another layout would leave code in the cache that no flight ever asks for."""
+    compile_ahead.compile_flight_software()
+    assert sum(compile_ahead.run.stats.cache_misses.values()) == 0
