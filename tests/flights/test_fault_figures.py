@@ -1,4 +1,4 @@
-"""The figures of ``tools/fault_figures.py`` on a handful of dispersed flights; the tool flies 400 and
+"""The figures of ``tools/fault_figures.py`` on a few dispersed flights; the tool flies 400 and
 more.
 """
 
