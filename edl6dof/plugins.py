@@ -3,7 +3,7 @@ is built.
 
 A plugin file is what a member's file in the package is, with one line more that says where it belongs:
 
-    FAMILY = "entry_law"                         # or reversal, powered_law, controller, ...
+    FAMILY = "entry_law"                         # or reversal, powered_law, controller, estimator, ...
     MEMBER = Member("my_law", MyLawParams, {"guide": guide}, "where it comes from")
 
 The families, their records and the compiled loop are made once in a process, so plugins are read first: the
@@ -37,14 +37,24 @@ from edl6dof.registry import Member, is_built, join
 
 #: What FAMILY may say: the family's title, and for each role of a member its kernel's arguments.
 FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
-    "entry_law": ("entry guidance law", {"guide": ("onboard", "nav", "mem", "out")}),
-    "reversal": ("bank-reversal logic", {"side": ("onboard", "nav", "mem", "out", "wanted", "sign")}),
-    "powered_law": ("powered guidance law", {"guide": ("onboard", "nav", "mem", "guide")}),
+    "entry_law": (
+        "entry guidance law",
+        {"guide": ("params", "plan", "onboard", "nav", "memory", "out")},
+    ),
+    "reversal": (
+        "bank-reversal logic",
+        {"side": ("params", "onboard", "nav", "memory", "out", "wanted", "sign")},
+    ),
+    "powered_law": ("powered guidance law", {"guide": ("params", "vehicle", "nav", "memory", "out")}),
+    "controller": (
+        "attitude controller",
+        {"control": ("params", "nav", "goal", "inputs", "dt", "memory")},
+    ),
+    "estimator": ("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
     "distribution": ("distribution", {}),
     "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
     "sensor": ("sensor", {"measure": ("params", "memory", "plant", "outputs", "sensed")}),
     "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
-    "controller": ("attitude controller", {"control": ("onboard", "nav", "guide", "dt", "fsw")}),
 }
 
 _ASK = (

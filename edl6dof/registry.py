@@ -2,12 +2,12 @@
 
 A member is one file with its parameter model, its memory layout and its kernels.  It joins a family by one
 line in the family's tuple.  YAML chooses it by name; the name becomes an integer; compiled code dispatches on
-that integer through :func:`switch`.
+that integer through :meth:`Family.switch`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -121,43 +121,47 @@ class Family:
         """Record with the planned tables of every member."""
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
-    def switch(self, role: str, arity: int) -> Callable[..., Any]:
-        """Function ``f(index, a1 .. a_arity)`` that calls the ``role`` kernel of member ``index``, from
-        Python and from kernels.
+    def switch(self, role: str, *arguments: str) -> Callable[..., Any]:
+        """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
+        and from kernels.
+
+        Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
         """
-        return switch(tuple(member.kernels[role] for member in self.members), arity)
-
-    def own(self, role: str, arity: int) -> Callable[..., Any]:
-        """As :meth:`switch`, ``f(index, params, memory, a1 .. a_arity)``; the member gets its own section of
-        the parameters and its own memory.
-        """
-        sections = [f"params.{member.name}, memory.{member.name}, " for member in self.members]
-        functions = tuple(member.kernels[role] for member in self.members)
-        return _dispatch(functions, "params, memory, ", sections, arity)
+        passed = [_own(arguments, member) for member in self.members]
+        return _dispatch([member.kernels[role] for member in self.members], arguments, passed)
 
 
-def switch(functions: tuple[Callable[..., Any], ...], arity: int) -> Callable[..., Any]:
-    """Dispatch on an integer among compiled functions of one signature.
+#: Arguments that hold a section for each member of a family.
+OWN = ("params", "plan", "memory")
+
+
+def switch(kernels: Sequence[Callable[..., Any]], *arguments: str) -> Callable[..., Any]:
+    """Function ``f(index, *arguments)`` that calls kernel ``index``, from Python and from kernels."""
+    return _dispatch(kernels, arguments, [", ".join(arguments)] * len(kernels))
+
+
+def _own(arguments: Sequence[str], member: Member) -> str:
+    """The arguments as one member gets them."""
+    return ", ".join(f"{name}['{member.name}']" if name in OWN else name for name in arguments)
+
+
+def _dispatch(
+    kernels: Sequence[Callable[..., Any]], arguments: Sequence[str], passed: Sequence[str]
+) -> Callable[..., Any]:
+    """Function of ``arguments`` that calls kernel ``index`` with the arguments ``passed[index]``.
 
     numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
     ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
     """
-    return _dispatch(functions, "", [""] * len(functions), arity)
-
-
-def _dispatch(
-    functions: tuple[Callable[..., Any], ...], taken: str, passed: list[str], arity: int
-) -> Callable[..., Any]:
-    """``f(index, <taken>a1 .. a_arity)`` that calls function ``index`` with ``<passed>a1 .. a_arity``."""
-    rest = ", ".join(f"a{i}" for i in range(arity))
-    lines = [f"def chain(index, {taken}{rest}):"]
-    for i in range(1, len(functions)):
-        lines += [f"    if index == {i}:", f"        return f{i}({passed[i]}{rest})"]
-    lines.append(f"    return f0({passed[0]}{rest})")
-    scope: dict[str, Any] = {f"f{i}": function for i, function in enumerate(functions)}
+    names = ", ".join(arguments)
+    lines = [f"def chain(index, {names}):"]
+    for i in range(1, len(kernels)):
+        lines += [f"    if index == {i}:", f"        return f{i}({passed[i]})"]
+    lines.append(f"    return f0({passed[0]})")
+    scope: dict[str, Any] = {f"f{i}": kernel for i, kernel in enumerate(kernels)}
     exec("\n".join(lines), scope)
-    exec(f"def dispatch(index, {taken}{rest}): return chain(index, {taken}{rest})", scope)
+    exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
     dispatch = scope["dispatch"]
-    exec(f"def choose(index, {taken}{rest}): return chain", scope)
+    exec(f"def choose(index, {names}): return chain", scope)
     overload(dispatch)(scope["choose"])
     return dispatch

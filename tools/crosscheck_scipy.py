@@ -30,7 +30,8 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.integrate import advance, refresh
+from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
@@ -50,8 +51,8 @@ def quiet(state: State) -> State:
     plant = state.plant.copy()
     for name in ("opens", "closes", "level"):
         plant["valves"][name] = 0.0
-    for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
-        plant[name] = 0
+    for name in ("rcs_force", "rcs_moment", "rcs_flow"):
+        plant["inputs"][name] = 0.0
     plant["due"] = 1e99
     return State(state.cycle, plant, state.peaks, state.sensors, state.fsw, "")
 
@@ -62,7 +63,7 @@ def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
     start = float(plant["t"][0])
     records = {**given.arrays, "plant": plant}
     flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
-    refresh(*flown)
+    evaluate(*flown)
     for k in range(round(seconds / 0.01)):
         advance(*flown, start + 0.01 * (k + 1))
     if plant["touched"][0]:
@@ -85,7 +86,7 @@ def main() -> int:
         f"{'took s':>7}"
     )
     for index, phase in enumerate(nominal.scenario.mission.phases[:-1]):
-        begin = float(nominal.fsw["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
+        begin = float(nominal.fsw["mission"]["entered"][0, index]) + BEGIN.get(phase.role, 0.5)
         seconds = min(options.window, LONGEST.get(phase.role, 60.0))
         state = fly(loaded, save_at_s=begin).saved
         if state is None:

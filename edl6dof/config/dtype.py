@@ -41,12 +41,12 @@ def literal_values(annotation: Any) -> tuple[str, ...] | None:
 
 
 def dtype_of(model: type[BaseModel]) -> np.dtype:
-    """The aligned structured dtype that carries ``model`` into compiled code."""
+    """The aligned structured dtype that carries ``model`` into compiled code, which knows no empty record."""
     fields: list[tuple] = []
     for name, info in model.model_fields.items():
         if in_record(info):
             fields += _fields_of(name, info)
-    return np.dtype(fields, align=True)
+    return np.dtype(fields or [("unused", "f8")], align=True)
 
 
 def fill(record: np.ndarray | np.void, model: BaseModel) -> None:

@@ -1,29 +1,52 @@
 """The gas of a planet's atmosphere: what the air, the flow around the vehicle and the heating take from its
 molecules.
+
+Sources: vibration of molecules as harmonic oscillators, Vincenti and Kruger, Introduction to Physical Gas
+Dynamics (1965), chapter IV.12; stagnation heating, Sutton and Graves, NASA TR R-376 (1971).
 """
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import exp, pi, sqrt
+from typing import Annotated
 
-from edl6dof.config.base import REQUIRED, Params, param
+from edl6dof.config.base import REQUIRED, Capacity, Params, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 
+#: Kinds of vibration of one molecule: carbon dioxide has three, methane four.
+MAX_VIBRATIONS = 4
+
+
+class Vibration(Params):
+    """Vibrations of a molecule with one characteristic temperature."""
+
+    temperature_k: float = param(
+        REQUIRED, "characteristic temperature, h c / k times the wave number", gt=0.0, le=20000.0
+    )
+    modes: int = param(1, "how many vibrations have it", ge=1, le=9)
+
 
 class GasParams(Params):
-    """Gas of the atmosphere, a calorically perfect one; part of the planet file."""
+    """Gas of the atmosphere, a thermally perfect one; part of the planet file."""
 
     gas_constant_j_kg_k: float = param(
         REQUIRED, "specific gas constant", status="published", source="planet file", gt=50.0, lt=5000.0
     )
     heat_capacity_ratio: float = param(
         REQUIRED,
-        "ratio of specific heats of the air at rest: speed of sound",
+        "ratio of specific heats of the air at rest, in the cold where no molecule vibrates: speed of sound",
         status="published",
         source="planet file",
         gt=1.0,
         lt=1.7,
+    )
+    vibrations: Annotated[list[Vibration], Capacity(MAX_VIBRATIONS)] = param(
+        None,
+        "vibrations of the molecule, which join in one by one and lower that ratio; empty for one that does "
+        "not follow the temperature",
+        factory=list,
+        max_length=MAX_VIBRATIONS,
     )
     shock_layer_heat_capacity_ratio: float = param(
         REQUIRED, "ratio of specific heats behind the bow shock: stagnation pressure", status="estimate",
@@ -60,7 +83,21 @@ GAS = dtype_of(GasParams)
 def pressure_and_sound(gas, rho, temperature):
     """Pressure (Pa) and speed of sound (m/s) of the ideal gas at ``rho`` (kg/m3) and ``temperature`` (K)."""
     rt = gas.gas_constant * temperature
-    return rho * rt, sqrt(gas.heat_capacity_ratio * rt)
+    return rho * rt, sqrt(ratio_of_specific_heats(gas, temperature) * rt)
+
+
+@kernel
+def ratio_of_specific_heats(gas, temperature):
+    """Ratio of specific heats at ``temperature`` (K): each vibration, a harmonic oscillator of characteristic
+    temperature theta, adds (x / 2 sinh(x/2))^2, x = theta / T, to the heat capacity c_v / R.
+    """
+    if gas.n_vibrations == 0:
+        return gas.heat_capacity_ratio
+    heat_capacity = 1.0 / (gas.heat_capacity_ratio - 1.0)
+    for i in range(gas.n_vibrations):
+        x = gas.vibrations[i].temperature / max(temperature, 1.0)
+        heat_capacity += gas.vibrations[i].modes * x * x * exp(-x) / (1.0 - exp(-x)) ** 2
+    return 1.0 + 1.0 / heat_capacity
 
 
 @kernel

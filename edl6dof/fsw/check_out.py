@@ -1,4 +1,4 @@
-"""Check-out of thrusters before they are needed: each is pulsed alone, and its work is judged by the gyros.
+"""Check-out of thrusters before they are needed: each is pulsed alone, and the gyros show whether it works.
 
 In the first periods of the first phase the two 250 N thrusters of bank control are switched on and off; one
 that does not turn the vehicle is taken out of the selection for the rest of the flight.  Source: Hu et al.
@@ -79,48 +79,56 @@ def fill_check_out(record: np.void, params: CheckOutParams, thrusters: Sequence[
 
 
 @kernel
-def response(effect, inertia, pulse, before, after):
+def response(wrench, inertia, pulse, before, after):
     """Rate change over a pulse along the expected one, in units of it: 1 for full thrust, 0 for none.
 
     Args:
-        effect: force and torque of the thruster, 6 values.
+        wrench: force and torque of the thruster at full thrust, 6 values.
         inertia: believed principal moments, kg m2.
         pulse: its length, s.
         before: rate before it, rad/s.
         after: rate after it, rad/s.
     """
     expected = (
-        effect[3] * pulse / inertia[0],
-        effect[4] * pulse / inertia[1],
-        effect[5] * pulse / inertia[2],
+        wrench[3] * pulse / inertia[0],
+        wrench[4] * pulse / inertia[1],
+        wrench[5] * pulse / inertia[2],
     )
     return dot(sub(after, before), expected) / max(dot(expected, expected), 1e-30)
 
 
 @kernel
-def check_out(onboard, dt, fsw):
-    """One control cycle of check-out: writes the valve intervals and, at the end of a trial, ``fsw.healthy``;
-    false once all is done.
+def under_check_out(params, phase, memory):
+    """Whether thrusters are still to be tried: in the first phase only."""
+    return phase == 0 and memory.next < params.count
+
+
+@kernel
+def check_out(params, effectiveness, inertia, t, rate, dt, memory, healthy):
+    """One control cycle of check-out: (thruster, on-time), the valve to open from now, and for how long.
+
+    Args:
+        params: ``CHECK_OUT`` record.
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        inertia: believed principal moments, kg m2.
+        t: present time, s.
+        rate: measured body rate, rad/s.
+        dt: control cycle, s.
+        memory: ``CHECK_OUT_MEMORY`` record, updated.
+        healthy: written, 0 for a thruster that does not respond.
     """
-    p, memory, nav = onboard.check_out, fsw.check_out, fsw.nav
-    if fsw.phase != 0 or memory.next >= p.count:
-        return False
-    thruster = p.thruster[memory.next]
-    rate = take3(nav.imu_rate_B, 0)
+    thruster, pulse = params.thruster[memory.next], params.setting.pulse
     if memory.under_way == 0:
-        memory.under_way, memory.since = 1, nav.t
+        memory.under_way, memory.since = 1, t
         put3(memory.rate, 0, rate)
-    elapsed = nav.t - memory.since
-    for i in range(onboard.vehicle.n_thrusters):
-        fsw.command.opens[i] = fsw.command.closes[i] = nav.t
-    if elapsed < p.setting.pulse - 1e-9:
-        fsw.command.closes[thruster] = nav.t + min(dt, p.setting.pulse - elapsed)
-    elif elapsed >= p.setting.pulse + p.setting.settle - 1e-9:
-        inertia = onboard.vehicle.configuration[fsw.configuration].inertia
-        seen = response(fsw.allocator.effect[thruster], inertia, p.setting.pulse, take3(memory.rate, 0), rate)
+    elapsed = t - memory.since
+    if elapsed < pulse - 1e-9:
+        return thruster, min(dt, pulse - elapsed)
+    if elapsed >= pulse + params.setting.settle - 1e-9:
+        seen = response(effectiveness[thruster], inertia, pulse, take3(memory.rate, 0), rate)
         memory.response[memory.next] = seen
-        if seen < p.setting.share:
-            fsw.healthy[thruster] = 0
+        if seen < params.setting.share:
+            healthy[thruster] = 0
         memory.next += 1
         memory.under_way = 0
-    return True
+    return thruster, 0.0

@@ -12,32 +12,35 @@ import numpy as np
 
 from edl6dof.config.base import Capacity, Params, group, param
 from edl6dof.config.dtype import dtype_of
+from edl6dof.fsw.allocation.demand import DEMAND
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS
 from edl6dof.fsw.allocation.registry import AllocationParams
-from edl6dof.fsw.allocation.wrench import ALLOCATOR
+from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.check_out import CHECK_OUT, CHECK_OUT_MEMORY, CheckOutParams
-from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.control.registry import CONTROL, CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
-from edl6dof.fsw.estimation.activity import ACTIVITY
-from edl6dof.fsw.estimation.disturbance import DISTURBANCE
-from edl6dof.fsw.estimation.observe import EstimationParams
+from edl6dof.fsw.estimation.registry import DISTURBANCE, EstimationParams
+from edl6dof.fsw.estimation.update import ESTIMATION
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.prediction.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
 from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.guidance.powered.terminal import TERMINAL, TerminalParams
+from edl6dof.fsw.guidance.powered.terminal import TerminalParams
+from edl6dof.fsw.guidance.update import GUIDANCE
+from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.mission.phases import MISSION
-from edl6dof.fsw.mission.sequencer import PHASE_MEMORY
-from edl6dof.fsw.modulation import MODULATOR, ModulationParams
+from edl6dof.fsw.mission.sequencer import SEQUENCE
+from edl6dof.fsw.modulation import MODULATION, ModulationParams
 from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
-from edl6dof.interface.parts import CONFIGURATIONS, ENTRY, LANDER
-from edl6dof.records import FLAG, whole
+from edl6dof.interface.parts import CONFIGURATIONS
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -238,34 +241,26 @@ ONBOARD = np.dtype(
     align=True,
 )
 
-#: All memory of the flight software, roughly in the order in which one thing follows from the other.
+#: The memories of the modules of the flight software.  Only the cycle sees all of them; each module gets its
+#: own, and of the others what its signature says.
 FSW = np.dtype(
     [
-        *PHASE_MEMORY,
-        ("configuration", whole(ENTRY, LANDER)),
-        ("wing_out", FLAG),  # the trim wing was commanded open
-        ("wing_time", "f8"),  # when
-        ("wing_failed", FLAG),  # and it did not open
-        ("saturated", FLAG),
-        ("healthy", FLAG, (MAX_THRUSTERS,)),  # thrusters that may be used: 0 once one is found to have failed
-        ("ignited", FLAG),
-        ("ignition_time", "f8"),
-        ("activity", ACTIVITY),
-        ("entry", ENTRY_MEMORY),
-        ("powered", POWERED_LAWS.memory),
-        ("terminal", TERMINAL),
-        ("control", CONTROLLERS.memory),
+        ("mission", SEQUENCE),
+        ("guidance", GUIDANCE),
+        ("control", CONTROL),
+        ("health", HEALTH),
         # what every cycle looks at for numbers that are none (edl6dof.sim.finiteness) stands together
-        ("mass", "f8"),
+        ("vehicle", VEHICLE_STATE),
         ("nav", NAV),
         ("guide", GUIDE),
         ("disturbance", DISTURBANCE),
-        ("attitude_error", "f8", (3,)),
-        ("demand", "f8", (6,)),
+        ("demand", DEMAND),
+        ("estimation", ESTIMATION),
         ("diagnosis", DIAGNOSIS),
         ("check_out", CHECK_OUT_MEMORY),
-        ("allocator", ALLOCATOR),
-        ("modulator", MODULATOR),
+        ("effectiveness", EFFECTIVENESS),
+        ("allocation", ALLOCATION),
+        ("modulation", MODULATION),
         ("command", COMMAND),
     ],
     align=True,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.diagnose import FINDINGS
+from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.vehicle.faults import THRUSTER_KINDS, FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 
@@ -43,10 +43,10 @@ def findings(fsw: np.void, thrusters: Sequence[str]) -> list[Finding]:
     return [
         Finding(
             thrusters[slot["thruster"]],
-            FINDINGS[int(slot["kind"])],
+            KIND_NAMES[int(slot["kind"])],
             *(float(slot[name]) for name in ("confidence", "loss", "t")),
         )
-        for slot in diagnosis["found"][: diagnosis["n_found"]]
+        for slot in diagnosis["isolated"][: diagnosis["n_isolated"]]
     ]
 
 

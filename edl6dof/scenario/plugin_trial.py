@@ -20,23 +20,14 @@ from edl6dof.environment.atmosphere import ATMOSPHERE
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE
 from edl6dof.environment.gas import GAS
 from edl6dof.environment.wind import WIND
-from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.control.inputs import CONTROL_INPUTS
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
 from edl6dof.vehicle.plant import OUTPUTS, STATE
-
-_FAMILIES = {
-    "entry_law": ENTRY_LAWS,
-    "reversal": REVERSALS,
-    "powered_law": POWERED_LAWS,
-    "controller": CONTROLLERS,
-}
 
 #: What a kernel of each role must return, and whether a value is that.
 _RETURNS = {
@@ -46,7 +37,11 @@ _RETURNS = {
         "four numbers: acceleration north, east, up, and tilt limit",
         lambda value: isinstance(value, tuple) and len(value) == 4,
     ),
-    "controller": ("nothing", lambda value: value is None),
+    "controller": (
+        "torque and attitude error, three numbers each",
+        lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
+    ),
+    "estimator": ("nothing", lambda value: value is None),
     "sensor": ("nothing", lambda value: value is None),
     "atmosphere": (
         "four numbers: density, pressure, temperature and speed of sound",
@@ -88,14 +83,16 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 def _argument(name: str, key: str, member: Member) -> Any:
     scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0}
     records = {
-        "onboard": ONBOARD,
-        "nav": NAV,
-        "out": GUIDE,
-        "guide": GUIDE,
-        "fsw": FSW,
-        "mem": _FAMILIES[key].memory if key in _FAMILIES else None,
         "params": dtype_of(member.params),
+        "plan": member.tables,
         "memory": member.memory,
+        "onboard": ONBOARD,
+        "vehicle": ONBOARD["vehicle"],
+        "nav": NAV,
+        "goal": GUIDE,
+        "inputs": CONTROL_INPUTS,
+        "measured": MEASURED,
+        "out": DISTURBANCE if key == "estimator" else GUIDE,
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,

@@ -18,7 +18,7 @@ from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, bu
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
 from edl6dof.environment.wind import WIND, fill_wind
-from edl6dof.fsw.diagnosis.probe import NOBODY
+from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.initial import InitialState
@@ -198,7 +198,6 @@ def _new_plant() -> np.ndarray:
     record["due"][:] = 1e99
     record["done"][:] = np.nan
     record["wing_start"] = 1e99
-    record["kept"]["t"] = record["debris"]["kept"]["t"] = np.nan
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = 1e99
     record["touchdown_time"] = record["exhausted_time"] = np.nan
@@ -220,7 +219,7 @@ def _initial_attitude(initial: InitialState, lat: float, lon: float, axes: tuple
 def initial_fsw(onboard: np.ndarray) -> np.ndarray:
     """Flight-software memory at t = 0, shape (1,)."""
     fsw = duplicate(_new_fsw())
-    fsw["mass"] = onboard["vehicle"]["entry_mass"]
+    fsw["vehicle"]["mass"] = onboard["vehicle"]["entry_mass"]
     return fsw
 
 
@@ -228,10 +227,10 @@ def initial_fsw(onboard: np.ndarray) -> np.ndarray:
 def _new_fsw() -> np.ndarray:
     """What every flight computer begins with."""
     fsw = np.zeros(1, FSW)
-    fsw["healthy"] = 1
-    fsw["diagnosis"]["probe"]["suspect"] = NOBODY
-    fsw["entered"] = np.nan
-    fsw["entered"][0, 0] = 0.0
+    fsw["health"]["thruster"] = 1
+    fsw["diagnosis"]["probe"]["suspect"] = NONE
+    fsw["mission"]["entered"] = np.nan
+    fsw["mission"]["entered"][0, 0] = 0.0
     return fsw
 
 

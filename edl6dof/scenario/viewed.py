@@ -15,6 +15,7 @@ from edl6dof.environment.atmospheres.registry import ATMOSPHERES
 from edl6dof.environment.wind import WindParams
 from edl6dof.environment.winds.registry import WINDS
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.estimation.registry import ESTIMATORS, EstimationParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
@@ -33,6 +34,7 @@ _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]],
     ((*_GUIDANCE, "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
     ((*_GUIDANCE, "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
     (("flight_software", "control"), ControlParams, {}),
+    (("flight_software", "estimation"), EstimationParams, {"estimator": ESTIMATORS.names}),
 )
 #: What stands for a model of the air or wind that only a plugin has: it needs no table.
 _STAND_INS = {"atmosphere": "us76", "wind": "none"}

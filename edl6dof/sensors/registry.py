@@ -41,7 +41,7 @@ SENSORS = np.dtype(
     [*((member.name, member.memory) for member in SENSOR_FAMILY.members), ("sensed", SENSED)], align=True
 )
 
-_measure = SENSOR_FAMILY.own("measure", 3)
+_measure = SENSOR_FAMILY.switch("measure", "params", "memory", "plant", "outputs", "sensed")
 
 
 @kernel

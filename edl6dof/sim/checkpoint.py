@@ -21,7 +21,7 @@ import numpy as np
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.durable import write_atomic
-from edl6dof.fsw.diagnosis.diagnose import FINDINGS
+from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.fsw.onboard import FSW
 from edl6dof.records import first_not_finite, out_of_range
 from edl6dof.sensors.registry import SENSORS
@@ -127,11 +127,13 @@ class State:
             if path := first_not_finite(getattr(self, name)):
                 yield f"{name}.{path}", "must be finite"
         diagnosis = self.fsw["diagnosis"][0]
-        for index, kind in enumerate(diagnosis["found"]["kind"][: max(diagnosis["n_found"], 0)].tolist()):
-            if kind not in FINDINGS:
+        for index, kind in enumerate(
+            diagnosis["isolated"]["kind"][: max(diagnosis["n_isolated"], 0)].tolist()
+        ):
+            if kind not in KIND_NAMES:
                 yield (
-                    f"fsw.diagnosis.found.kind[{index}]",
-                    (f"must be one of {', '.join(map(str, FINDINGS))} (got {kind})"),
+                    f"fsw.diagnosis.isolated.kind[{index}]",
+                    (f"must be one of {', '.join(map(str, KIND_NAMES))} (got {kind})"),
                 )
 
     def _out_of_range(self, sizes: dict[str, int]) -> list[tuple[str, str]]:

@@ -82,7 +82,11 @@ def _phase(flight: Flight) -> str:
     if flight.code not in (CRASHED, TIPPED_OVER):
         return flight.phase
     met = float(flight.plant["touchdown_time"][0])
-    flown = [name for name, entered in zip(names, flight.fsw["entered"][0], strict=False) if entered < met]
+    flown = [
+        name
+        for name, entered in zip(names, flight.fsw["mission"]["entered"][0], strict=False)
+        if entered < met
+    ]
     return flown[-1] if flown else names[0]
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
@@ -34,13 +35,13 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 
 
 #: Fields of the state that follow from the outputs.
-_FROM_OUTPUTS = ("ground_elevation", "ground_slope")
+_FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
 _SENSED = _words(SENSED, "t", "imu_gain_B", offset(SENSORS, "sensed"))
-_PHASE_START = _words(FSW, "phase_start", "phase_start")
-_WORKED_OUT = _words(FSW, "mass", "demand")
+_PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", offset(FSW, "mission"))
+_WORKED_OUT = _words(FSW, "vehicle", "demand")
 _COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
 
 
@@ -78,7 +79,7 @@ def first_cause(
         sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
     own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
-    steps = (("plant", plant[own]), ("trial", work["trial"]), ("outputs", outputs), ("k", work["k"]))
+    steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
     for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
@@ -90,7 +91,7 @@ def _plain_name(record: str, path: str) -> str:
     ``fsw.guide.bank`` for anything else.
     """
     field, _, index = path.partition("[")
-    if (record, field) == ("plant", "y") or record in ("trial", "k"):
+    if (record, field) == ("plant", "y") or record in ("stage", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
         return f"rate of {state}" if record == "k" else state
     return f"{record}.{path}".removeprefix("sensors.")

@@ -207,7 +207,7 @@ class Flight:
     def phase(self) -> str:
         """Name of the last phase."""
         names = self.phase_names
-        return names[int(self.fsw["phase"][0])] if names else "free flight"
+        return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
 
     @cached_property
     def resolved_scenario(self) -> str:
@@ -362,7 +362,7 @@ def _report(
     progress: Progress, scenario: Scenario, plant: np.ndarray, outputs: np.ndarray, fsw: np.ndarray
 ) -> None:
     phases = scenario.mission.phases
-    phase = phases[int(fsw["phase"][0])].name if phases else "free flight"
+    phase = phases[int(fsw["mission"]["phase"][0])].name if phases else "free flight"
     progress(
         float(plant["t"][0]),
         scenario.simulation.time_limit_s,

@@ -155,7 +155,7 @@ def flown_loops(scenario: Scenario) -> dict[str, Loop]:
     }
     steer, lander = control.bank_to_steer, control.thrust_vector
     pole = (
-        software.estimation.disturbance.torque_pole_rad_s
+        software.estimation.first_order.torque_pole_rad_s
         if lander.against_disturbance == "estimator"
         else 0.0
     )

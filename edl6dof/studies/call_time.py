@@ -41,7 +41,7 @@ def call_time(loaded: LoadedScenario) -> float:
     saved = [flight.saved for t in TIMED_AT if (flight := fly(loaded, save_at_s=t)).saved is not None]
     navs, memories = np.zeros(len(saved), NAV), np.zeros(len(saved), ENTRY_MEMORY)
     for j, state in enumerate(saved):
-        navs[j], memories[j] = state.fsw["nav"][0], state.fsw["entry"][0]
+        navs[j], memories[j] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     law = ENTRY_LAWS.names.index(loaded.scenario.flight_software.guidance.entry.law)
     rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
     _repeat(law, *rest, 1)

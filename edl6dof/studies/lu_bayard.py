@@ -190,7 +190,7 @@ def _history(flight: Flight, design: Design) -> dict[str, np.ndarray]:
         "rate": rate,
         "disturbance": np.gradient(rate, t) - f1 * error - f2 * rate,
         "bank_deg": np.abs(rows["guide.bank_deg"]),
-        "theta": np.array(flight.fsw["entry"]["law"]["adaptive_hinf"]["theta"][0]),
+        "theta": np.array(flight.fsw["guidance"]["entry"]["law"]["adaptive_hinf"]["theta"][0]),
     }
 
 

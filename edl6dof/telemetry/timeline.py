@@ -59,7 +59,7 @@ def moments(plant: np.void, fsw: np.void, phases: Sequence[Phase]) -> list[Momen
     """
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
-        for phase, t in zip(phases, fsw["entered"], strict=False)
+        for phase, t in zip(phases, fsw["mission"]["entered"], strict=False)
     ]
     found += [moment(t, key, name) for key, name, t in zip(EVENTS, DEPLOYMENTS, plant["done"], strict=True)]
     if plant["line_stretch_time"] < 1e9:

@@ -148,7 +148,7 @@ FAULT_KINDS = Family(
     ),
 )
 
-_inflict = FAULT_KINDS.switch("inflict", 5)
+_inflict = FAULT_KINDS.switch("inflict", "fault", "vehicle", "since", "command", "plant")
 _Kinds = FAULT_KINDS.params_model("FaultKinds", "kind", REQUIRED, "What breaks.")
 
 

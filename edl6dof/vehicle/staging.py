@@ -56,7 +56,7 @@ STAGING = dtype_of(StagingParams)
 
 
 @kernel
-def separate(case, plant, part, kept_part, speed, debris, drag_area):
+def separate(case, plant, part, index, speed, debris, drag_area):
     """Take ``part`` off the vehicle and push it along +x of B at ``speed`` relative to what stays; momentum
     is conserved.
 
@@ -68,7 +68,7 @@ def separate(case, plant, part, kept_part, speed, debris, drag_area):
         case: true parameters.
         plant: true state.
         part: mass record of the part (mass, centre).
-        kept_part: index in ``plant.attached``.
+        index: index in ``plant.attached``.
         speed: relative separation speed along +x of B, m/s.
         debris: record that takes the part, or the canopy's; its position and velocity are written.
         drag_area: drag area of the part from now on, m2.
@@ -78,24 +78,24 @@ def separate(case, plant, part, kept_part, speed, debris, drag_area):
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
     load = case.vehicle.mass.propellant
     _, old, _ = with_propellant(plant.dry, load, y[PROPELLANT])
-    plant.attached[kept_part] = 0
+    plant.attached[index] = 0
     compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
     mass, new, inertia = with_propellant(plant.dry, load, y[PROPELLANT])
     part_arm = sub(take3(part.centre, 0), old)
-    kept_arm = sub(new, old)
+    remaining_arm = sub(new, old)
     push = from_frame(q, (speed, 0.0, 0.0))
     total = mass + part.mass
     v_part = add(add(v, from_frame(q, cross(w, part_arm))), scale(mass / total, push))
-    v_kept = sub(add(v, from_frame(q, cross(w, kept_arm))), scale(part.mass / total, push))
+    v_remaining = sub(add(v, from_frame(q, cross(w, remaining_arm))), scale(part.mass / total, push))
     impulse = (speed * mass * part.mass / total, 0.0, 0.0)
-    put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, kept_arm), impulse))))
+    put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, remaining_arm), impulse))))
     debris.active = LOOSE
     debris.mass = part.mass
     debris.drag_area = drag_area
     put3(debris.r_I, 0, add(r, from_frame(q, part_arm)))
     put3(debris.v_I, 0, v_part)
-    put3(y, POSITION, add(r, from_frame(q, kept_arm)))
-    put3(y, VELOCITY, v_kept)
+    put3(y, POSITION, add(r, from_frame(q, remaining_arm)))
+    put3(y, VELOCITY, v_remaining)
 
 
 @kernel

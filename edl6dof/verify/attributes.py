@@ -21,6 +21,8 @@ class Record:
             return Record(value)
         return Records(value) if isinstance(value, np.ndarray) and value.dtype.names else value
 
+    __getitem__ = __getattr__
+
     def __setattr__(self, name: str, value: Any) -> None:
         self._void[name] = value
 

@@ -20,9 +20,9 @@ class EnergyLawParams(Params):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle (rad)."""
-    p, final = onboard.guidance.entry.energy_law, onboard.guidance.entry.final_speed
+    p, final = params, onboard.guidance.entry.final_speed
     out.reference_drag = (nav.speed**2 - final**2) / (2.0 * max(out.range_to_go, 1e3))
     error = nav.drag / max(out.reference_drag, 0.1) - 1.0
     return acos(clamp(p.level_cosine + p.gain * error, -1.0, 1.0))

@@ -15,6 +15,7 @@ from edl6dof.environment.atmospheres.registry import ATMOSPHERES
 from edl6dof.environment.winds.registry import WINDS
 from edl6dof.fsw.allocation.registry import ALLOCATORS
 from edl6dof.fsw.control.registry import CONTROLLERS
+from edl6dof.fsw.estimation.registry import ESTIMATORS
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
@@ -22,7 +23,7 @@ from edl6dof.sensors.registry import SENSOR_FAMILY
 from edl6dof.vehicle.faults import FAULT_KINDS
 
 FAMILIES = (
-    *(CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS),
+    *(CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, ESTIMATORS),
     *(ATMOSPHERES, WINDS, SENSOR_FAMILY, FAULT_KINDS, DISTRIBUTIONS),
 )
 MEMBERS = [(family, member) for family in FAMILIES for member in family.members]

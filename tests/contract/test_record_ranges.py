@@ -75,7 +75,7 @@ def test_ranges_are_read_wherever_a_field_stands():
 
 def test_words_that_every_cycle_looks_at_hold_no_negative_whole_number():
     """One would look infinite."""
-    watched = [SENSED, FSW["nav"], FSW["guide"], FSW["disturbance"], COMMAND]
+    watched = [SENSED, FSW["nav"], FSW["guide"], FSW["vehicle"], FSW["disturbance"], FSW["demand"], COMMAND]
     for dtype in watched:
         for field in numbers(np.zeros(1, dtype)):
             assert field.declared.get("low", 0) >= 0

@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.allocation.registry import ALLOCATORS, allocate
-from edl6dof.fsw.allocation.wrench import ALLOCATOR, effects
+from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
+from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
+from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
@@ -19,7 +23,6 @@ from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
 from edl6dof.fsw.navigation import NAV, navigate
-from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.parts import ENTRY, LANDER
 from edl6dof.interface.sensed import SENSED
 
@@ -53,7 +56,7 @@ def nav_state(
     sensed["q_I2B"] = (spin * Quaternion(matrix=ned) * attitude).elements
     sensed["w_B"], sensed["specific_force_B"] = rate, force
     sensed["height_above_ground"] = altitude - onboard[0]["site"]["elevation"] if height is None else height
-    navigate(onboard[0], sensed, nav)
+    navigate(planet, onboard[0]["atmosphere"], onboard[0]["site"]["frame"], sensed, nav)
     return nav
 
 
@@ -112,14 +115,16 @@ def grid(whole_grid):
     return [nav for nav in whole_grid if nav["speed"] > 0.0]
 
 
-def demand_of(index, onboard, nav, guide, configuration, cycles=3):
-    fsw = np.zeros(1, FSW)[0]
-    fsw["configuration"] = configuration
-    fsw["phase_start"] = nav["t"] - 100.0
+def demand_of(index, onboard, nav, goal, configuration, cycles=3):
+    """Torque and attitude error of a controller, and the force that guidance demands with it."""
+    inputs, memory = np.zeros(1, CONTROL_INPUTS)[0], np.zeros(1, CONTROLLERS.memory)[0]
+    inputs["inertia"] = onboard[0]["vehicle"]["configuration"][configuration]["inertia"]
+    inputs["phase_time"], inputs["bandwidth"], inputs["disturbance_pole"] = 100.0, 1.0, 8.0
     for _ in range(cycles):
-        fsw["demand"] = 0.0
-        attitude_control(index, onboard[0], nav, guide, 0.04, fsw)
-    return np.array(fsw["demand"]), np.array(fsw["attitude_error"])
+        torque, error = attitude_control(index, onboard[0]["control"], nav, goal, inputs, 0.04, memory)
+    phase, demand = onboard[0]["mission"]["phases"][0], np.zeros(1, DEMAND)[0]
+    compose_demand(phase, onboard[0]["vehicle"], 0, np.ones(32, "i8"), nav, goal, torque, error, demand)
+    return np.array(demand["wrench"]), np.array(error)
 
 
 @pytest.mark.parametrize("index", range(len(CONTROLLERS.members)), ids=CONTROLLERS.names)
@@ -237,6 +242,7 @@ def test_entry_law_levels_the_wings_below_the_alignment_speed(shared_onboard, in
 def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(
     shared_onboard, whole_grid, index
 ):
+    params = shared_onboard[0]["guidance"]["entry"]["reversal"]
     for nav, sign, wanted in product(whole_grid[::3], (1.0, -1.0), (0.9, -0.4)):
         answers = []
         for _ in range(2):
@@ -244,7 +250,10 @@ def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(
             out["drag_ratio"], out["lift_ratio"] = 1.0, 1.0
             out["range_to_go"], out["crossrange"] = to_target(shared_onboard[0], nav)
             answers.append(
-                [bank_side(index, shared_onboard[0], nav, memory, out, wanted, sign) for _ in range(3)]
+                [
+                    bank_side(index, params, shared_onboard[0], nav, memory, out, wanted, sign)
+                    for _ in range(3)
+                ]
             )
         assert set(answers[0]) <= {1.0, -1.0}
         assert answers[0] == answers[1]
@@ -254,6 +263,7 @@ def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(
 def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_the_tilt_limit(
     shared_onboard, whole_grid, index
 ):
+    given = shared_onboard[0]["guidance"]["powered"], shared_onboard[0]["vehicle"]
     for nav in whole_grid:
         if nav["speed"] > 200.0:
             continue
@@ -261,8 +271,8 @@ def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_th
         for _ in range(2):
             memory, guide = np.zeros(1, POWERED_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
             for _ in range(3):
-                *acceleration, limit = powered_guidance(index, shared_onboard[0], nav, memory, guide)
-            command_thrust(shared_onboard[0], 900.0, tuple(acceleration), limit, guide)
+                *acceleration, limit = powered_guidance(index, *given, nav, memory, guide)
+            command_thrust(900.0, tuple(acceleration), limit, guide)
             answers.append(
                 (*acceleration, limit, *map(float, guide["thrust_direction_N"]), float(guide["thrust"]))
             )
@@ -291,7 +301,8 @@ def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_wei
     if member.name == "polynomial":  # target reached: over the target at the end of its time
         memory["polynomial"]["started"], memory["polynomial"]["end"] = 1, nav["t"]
         memory["polynomial"]["target_L"] = nav["site_L"][:2]
-    north, east, up, _ = powered_guidance(index, shared_onboard[0], nav, memory, np.zeros(1, GUIDE)[0])
+    given = shared_onboard[0]["guidance"]["powered"], shared_onboard[0]["vehicle"]
+    north, east, up, _ = powered_guidance(index, *given, nav, memory, np.zeros(1, GUIDE)[0])
     assert (north, east, up) == pytest.approx((0.0, 0.0, float(nav["gravity"])), abs=0.02)
 
 
@@ -318,34 +329,46 @@ def test_duties_are_bounded_and_repeatable_whatever_is_demanded(shared_onboard, 
         for size in (0.0, 1e-9, 1.0, 300.0, 1e6)
         for direction in (*np.eye(6), *-np.eye(6), rng.normal(size=6))
     ]
-    for demand, configuration, translating in product(demands, (ENTRY, LANDER), (False, True)):
+    demand, effectiveness = np.zeros(1, DEMAND)[0], np.zeros(1, EFFECTIVENESS)[0]
+    demand["groups"] = 0b1111
+    for wrench, configuration, translating in product(demands, (ENTRY, LANDER), (0, 1)):
+        demand["wrench"], demand["translating"], answers = wrench, translating, []
+        for _ in range(2):
+            found = np.zeros(1, ALLOCATION)[0]
+            update_effectiveness(vehicle, configuration, effectiveness)
+            given = params, params, vehicle, healthy, effectiveness, demand
+            share_out(index, *given, found["method"], found["duty"], found["unallocated"])
+            answers.append(found)
+        duty = found["duty"][:count]
+        assert np.all((duty >= 0.0) & (duty <= sound))
+        assert found["unallocated"] == pytest.approx(
+            wrench - duty @ effectiveness["matrix"][:count], rel=1e-9, abs=1e-8
+        )
+        assert answers[0].tobytes() == answers[1].tobytes()
+
+
+@pytest.mark.parametrize("index", range(len(ESTIMATORS.members)), ids=ESTIMATORS.names)
+def test_estimate_is_finite_bounded_repeatable_and_comes_to_rest_on_a_constant_disturbance(
+    shared_onboard, index
+):
+    """Unexplained forces and torques from nothing to a million newton: after a minute of the same, the force
+    is that, and the torque is that or its own bound.
+    """
+    params, rng, dt = shared_onboard[0]["estimation"], np.random.default_rng(6), 0.04
+    limit = float(params[ESTIMATORS.names[index]]["torque_limit"])
+    for size in (0.0, 1e-9, 1.0, 300.0, 1e6):
+        measured = np.zeros(1, MEASURED)[0]
+        measured["unexplained"] = size * rng.normal(size=6)
         answers = []
         for _ in range(2):
-            memory = np.zeros(1, ALLOCATOR)[0]
-            effects(
-                vehicle["thrusters"],
-                count,
-                tuple(vehicle["configuration"][configuration]["centre"]),
-                memory["effect"],
-            )
-            allocate(
-                index,
-                params,
-                vehicle["thrusters"],
-                count,
-                healthy,
-                0b1111,
-                translating,
-                False,
-                demand,
-                memory,
-            )
-            answers.append(memory)
-        duty = memory["duty"][:count]
-        assert np.all((duty >= 0.0) & (duty <= sound))
-        assert memory["undelivered"] == pytest.approx(
-            demand - duty @ memory["effect"][:count], rel=1e-9, abs=1e-8
-        )
+            memory, out = np.zeros(1, ESTIMATORS.memory)[0], np.zeros(1, DISTURBANCE)[0]
+            for _ in range(round(60.0 / dt)):
+                estimate(index, params, measured, dt, memory, out)
+                assert np.all(np.isfinite(out["force"])) and np.all(np.abs(out["torque"]) <= limit)
+            answers.append(out)
+        assert out["force"] == pytest.approx(measured["unexplained"][:3], rel=1e-9)
+        assert out["torque"] == pytest.approx(np.clip(measured["unexplained"][3:], -limit, limit), rel=1e-9)
+        assert out["pole"] > 0.0
         assert answers[0].tobytes() == answers[1].tobytes()
 
 

@@ -86,7 +86,7 @@ def measured(loaded, index, seed, cycles=12):
         plant["y"][:6] += rng.normal(size=6) * 10.0
         plant["y"][10:13] = rng.normal(size=3)
         plant["velocity_gain"] += rng.normal(size=3)
-        outputs["specific_force_B"], outputs["agl"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
+        outputs["specific_force_B"], outputs["height"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
         outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
         for name in SENSED.names:
             sensors["sensed"][name] = -77

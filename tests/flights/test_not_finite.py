@@ -90,13 +90,13 @@ def test_sensed_quantity_is_named(loaded, state, path, value):
 @pytest.mark.parametrize(
     "t, path",
     [
-        (20.0, "phase_start"),
-        (150.0, "entry.air.drag"),
-        (150.0, "entry.law.drag_tracking.tracking.scale"),
-        (440.0, "powered.polynomial.end"),
-        (440.0, "mass"),
-        (300.0, "mass"),
-        (490.0, "terminal.target_L"),
+        (20.0, "mission.phase_start"),
+        (150.0, "guidance.entry.air.drag"),
+        (150.0, "guidance.entry.law.drag_tracking.tracking.scale"),
+        (440.0, "guidance.powered.polynomial.end"),
+        (440.0, "vehicle.mass"),
+        (300.0, "vehicle.mass"),
+        (490.0, "guidance.terminal.target_L"),
     ],
 )
 def test_memory_of_the_flight_computer_is_named(loaded, t, path):

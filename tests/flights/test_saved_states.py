@@ -121,8 +121,8 @@ def test_cycle_out_of_range_is_named(state, path, cycle):
 
 
 def test_finding_of_no_kind_is_named(state, path):
-    state.fsw["diagnosis"]["n_found"] = 1
-    assert "fsw.diagnosis.found.kind[0]: must be one of 1, 2, 3 (got 0)" in complaint(state, path)
+    state.fsw["diagnosis"]["n_isolated"] = 1
+    assert "fsw.diagnosis.isolated.kind[0]: must be one of 1, 2, 3 (got 0)" in complaint(state, path)
 
 
 def test_archive_that_unpacks_to_gigabytes_is_not_unpacked(state, path):
@@ -184,7 +184,9 @@ def test_state_never_loads_code(state, path, tmp_path):
 def test_fewer_phases_than_the_state_has_flown_are_refused(saved):
     state = saved[500.0]
     few = continue_from(state, ("mission.phases=[{name: falling}]",))
-    with pytest.raises(ConfigError, match=r"fsw.phase: does not fit the scenario: must be 0 .. 0 \(got 5\)"):
+    with pytest.raises(
+        ConfigError, match=r"fsw.mission.phase: does not fit the scenario: must be 0 .. 0 \(got 5\)"
+    ):
         fly(few, start=state)
 
 
@@ -210,8 +212,8 @@ def test_other_thrusters_act_from_where_they_now_are(saved):
     moved = continue_from(state, ("vehicle.rcs.thrusters.0.position_m=[-1.3, 1.0, 0.4]",))
     first = fly(moved, start=state)
     unknowing = replace(state, fsw=duplicate(state.fsw))
-    unknowing.fsw["allocator"]["effect"] = 0.0
-    unknowing.fsw["allocator"]["gram"] = 0.0
+    unknowing.fsw["effectiveness"]["matrix"] = 0.0
+    unknowing.fsw["allocation"]["method"]["least_squares"]["gram"] = 0.0
     assert fly(moved, start=unknowing).plant["y"].tobytes() == first.plant["y"].tobytes()
 
 

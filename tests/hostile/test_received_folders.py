@@ -24,7 +24,7 @@ class MineParams(Params):
     "Mine."
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     "Mine."
     return 0.5
 

@@ -10,7 +10,9 @@ import pytest
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.control import bank_to_steer, rate_damping, thrust_vector
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
-from edl6dof.fsw.estimation.disturbance import DISTURBANCE, DisturbanceParams, estimate
+from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, estimate
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
+from edl6dof.fsw.estimation.update import unexplained_torque
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies.attitude_loops import Loop, flown_loops, margins
 
@@ -70,28 +72,25 @@ def simulate(loop, push, cycles):
     """Inputs of the plant under the compiled laws: ``push`` (per cycle) is added to the commanded
     acceleration.
     """
-    zone, settings = np.zeros(1, dtype_of(ZoneParams))[0], np.zeros(1, dtype_of(DisturbanceParams))[0]
+    zone, settings = np.zeros(1, dtype_of(ZoneParams))[0], np.zeros(1, dtype_of(FirstOrderParams))[0]
     gains = {"proportional": loop.proportional, "integral": loop.integral, "derivative": loop.derivative}
     fill(zone, ZoneParams(near_deg=179.0, far_deg=180.0, rate_deg_s=60.0, integral_limit_deg_s2=1e6, **gains))
-    fill(settings, DisturbanceParams(torque_pole_rad_s=max(loop.pole, 1e-6)))
-    axis, memory = np.zeros(1, AXIS)[0], np.zeros(1, DISTURBANCE)[0]
+    fill(settings, FirstOrderParams(torque_pole_rad_s=max(loop.pole, 1e-6)))
+    axis, out, measured = np.zeros(1, AXIS)[0], np.zeros(1, DISTURBANCE)[0], np.zeros(1, MEASURED)[0]
     cycle, lag, delay = loop.cycle, loop.valve_lag, loop.sensor_delay
     angle = rate = applied = last = before = 0.0
+    sample = (0.0, 0.0, 0.0)
     history = []
     for k in range(cycles):
         expected = INERTIA * ((delay + lag) * before + (cycle - delay - lag) * last) / cycle
-        wrench = (0.0, 0.0, 0.0, expected, 0.0, 0.0)
-        estimate(
-            settings,
-            (INERTIA,) * 3 + (0.0,) * 3,
-            1.0,
-            (rate - delay * applied, 0.0, 0.0),
-            (0.0,) * 3,
-            wrench,
-            cycle,
-            memory,
-        )
-        found = memory["torque"][0] / INERTIA if loop.pole else 0.0
+        seen = (rate - delay * applied, 0.0, 0.0)
+        if k > 0:
+            inertia = (INERTIA,) * 3 + (0.0,) * 3
+            unexplained = unexplained_torque(inertia, seen, sample, (expected, 0.0, 0.0), cycle)
+            measured["unexplained"][3:] = unexplained
+            estimate(settings, measured, cycle, None, out)
+        sample = seen
+        found = out["torque"][0] / INERTIA if loop.pole else 0.0
         command = follow(zone, axis, -angle, rate, cycle, False) - found
         entering = command + push[k]
         history.append((entering, command))

@@ -111,7 +111,7 @@ def test_no_entry_law_allocates(nominal):
     loaded = edl6dof.load("tianwen1", ["flight_software.guidance.entry.law=etpc"])
     onboard, state = build_records(loaded).onboard, edl6dof.fly(loaded, save_at_s=120.0).saved
     navs, memories = np.zeros(1, NAV), np.zeros(1, ENTRY_MEMORY)
-    navs[0], memories[0] = state.fsw["nav"][0], state.fsw["entry"][0]
+    navs[0], memories[0] = state.fsw["nav"][0], state.fsw["guidance"]["entry"][0]
     for law in range(len(ENTRY_LAWS.members)):
         rest = (onboard, navs, memories, np.zeros(1, ENTRY_MEMORY), np.zeros(1, GUIDE))
         once, often = (allocations(call_time._repeat, law, *rest, n) for n in (1, 100))

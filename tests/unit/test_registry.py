@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from edl6dof.config.base import Params, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
-from edl6dof.registry import Family, Member, switch
+from edl6dof.registry import Family, Member
 
 
 @kernel
@@ -35,8 +35,14 @@ def root(x, y):
     return x**0.5 + y
 
 
-POWERS = switch((square, cube, root), 2)
-ONLY = switch((cube,), 2)
+def of(*functions):
+    """The choice among functions of x and y, as a family's."""
+    members = [Member(f.__name__, Params, {"of": f}, "none") for f in functions]
+    return Family("function", tuple(members)).switch("of", "x", "y")
+
+
+POWERS = of(square, cube, root)
+ONLY = of(cube)
 
 
 @kernel
@@ -82,7 +88,7 @@ BOTH = Family(
         Member("down", Gain, {"step": count_down}, "none", memory=COUNT),
     ),
 )
-STEP = BOTH.own("step", 1)
+STEP = BOTH.switch("step", "params", "memory", "x")
 
 
 @kernel
@@ -117,7 +123,7 @@ def test_a_family_of_one_needs_no_choice():
 
 
 def test_two_switches_in_one_kernel_do_not_mix():
-    other = switch((root, square), 2)
+    other = of(root, square)
 
     @kernel
     def both(i, j, x):
@@ -128,9 +134,11 @@ def test_two_switches_in_one_kernel_do_not_mix():
 
 def test_a_second_process_loads_the_dispatching_kernel_from_the_cache(tmp_path):
     (tmp_path / "laws.py").write_text(
-        "from edl6dof.jit import kernel\nfrom edl6dof.registry import switch\n"
+        "from edl6dof.jit import kernel\nfrom edl6dof.config.base import Params\n"
+        "from edl6dof.registry import Family, Member\n"
         "@kernel\ndef one(x):\n    return x\n@kernel\ndef two(x):\n    return 2.0 * x\n"
-        "pick = switch((one, two), 1)\n"
+        "members = tuple(Member(f.__name__, Params, {'of': f}, 'none') for f in (one, two))\n"
+        "pick = Family('function', members).switch('of', 'x')\n"
         "@kernel\ndef fly(index, x):\n    return pick(index, x)\n"
     )
     code = "from laws import fly; print(fly(0, 7.0), fly(1, 7.0), sum(fly.stats.cache_hits.values()))"
@@ -171,7 +179,7 @@ class TestFamily:
     model: ClassVar = FAMILY.params_model("LawParams", "law", "gentle", "Choice of a law.")
 
     def test_the_name_in_yaml_becomes_the_index_that_switch_dispatches_on(self):
-        steer = FAMILY.switch("steer", 2)
+        steer = FAMILY.switch("steer", "x", "y")
         for name, expected in (("gentle", 9.0), ("firm", 27.0)):
             record = np.zeros(1, dtype_of(self.model)).view(np.recarray)[0]
             fill(record, self.model(law=name))

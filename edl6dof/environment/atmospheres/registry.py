@@ -13,4 +13,4 @@ AtmosphereChoice = ATMOSPHERES.params_model(
 
 #: ``(index, atmosphere, gas, table, altitude)`` to density kg/m3, pressure Pa, temperature K and speed of
 #: sound m/s.
-air_of_model = ATMOSPHERES.switch("air", 4)
+air_of_model = ATMOSPHERES.switch("air", "atm", "gas", "table", "alt")

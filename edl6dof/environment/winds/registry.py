@@ -10,4 +10,4 @@ WINDS = Family("mean wind", (table.MEMBER, constant.MEMBER, shear.MEMBER, none.M
 WindChoice = WINDS.params_model("WindChoice", "model", "table", "Which model of the mean wind.", bare=True)
 
 #: ``(index, wind, table, altitude)`` to the mean wind towards east and north, m/s.
-wind_of_model = WINDS.switch("mean", 3)
+wind_of_model = WINDS.switch("mean", "wind", "table", "alt")

@@ -1,1 +1,1 @@
-"""Thruster allocation: duties for a demanded force and torque, and what stays undelivered."""
+"""Thruster allocation: duties for a demanded force and torque, and what stays unallocated."""

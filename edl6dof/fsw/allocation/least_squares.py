@@ -3,10 +3,10 @@
 Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it
 would be non-negative least squares.  Each step moves the duty that has farthest to go to its best value
 (Gauss-Southwell rule), which comes as near to the optimum in some twenty steps as eight cycles through all
-thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B of the effects keep
-up to date; these change with the vehicle's configuration only.  The weights W set the priority: torque before
-force.  It starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands
-go to the fine thrusters alone (Hu et al. 2022, section 4.3).
+thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B keep up to date;
+these change with the vehicle's configuration only.  The weights W set the priority: torque before force.  It
+starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the
+fine thrusters alone (Hu et al. 2022, section 4.3).
 
 Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of
 Gauss and Southwell, Luo and Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
@@ -14,10 +14,14 @@ Gauss and Southwell, Luo and Tseng, J. Optim. Theory Appl. 72 (1992) 7-35.
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.allocation.wrench import ROWS, fine_enough, usable
+from edl6dof.fsw.allocation.effectiveness import ROWS, fine_enough, usable
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import AXIAL, FINE
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 from edl6dof.registry import Member
 
 
@@ -42,57 +46,73 @@ class LeastSquaresParams(Params):
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
 
 
+#: Who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its
+#: use; products of the weighted effectiveness, duty for each slope, and the weights that these belong to.
+MEMORY = np.dtype(
+    [
+        ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
+        ("slope", "f8", (MAX_THRUSTERS,)),
+        ("price", "f8", (MAX_THRUSTERS,)),
+        ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
+        ("gain", "f8", (MAX_THRUSTERS,)),
+        ("gram_of", whole(0, 4)),
+    ],
+    align=True,
+)
+
+
 @kernel
-def allocate(params, thrusters, count, healthy, allowed, translating, boosting, demand, memory):
-    """Duties for a demanded force and torque; ``memory.duty`` and ``memory.undelivered`` are written.
+def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
+    """Duties for a demanded force and torque.
 
     Args:
-        params: allocation record.
-        thrusters: believed thrusters (group, thrust).
-        count: how many there are.
+        params: least-squares record.
+        shared: what all methods have in common: torque scale, share of the fine thrusters.
+        vehicle: believed vehicle (thrusters).
         healthy: whether each may be used (0 for no).
-        allowed: bit mask of the groups that may fire.
-        translating: whether lateral force is demanded; otherwise stray force is only discouraged.
-        boosting: whether axial force is demanded; otherwise it is left alone.
-        demand: (force x, y, z, torque x, y, z) in B, N and N m.
-        memory: ``ALLOCATOR`` record whose ``effect`` is filled.
+        effectiveness: ``EFFECTIVENESS`` record.
+        demand: ``DEMAND`` record: force and torque, groups that may fire, priorities.
+        memory: ``MEMORY`` record.
+        duty: written, 0..1 for each thruster.
+        unallocated: written, what the duties leave of the demand (force and torque in B, N and N m).
     """
-    p = params.least_squares
-    effect, duty, slope, price = memory.effect, memory.duty, memory.slope, memory.price
+    p, thrusters, count = params, vehicle.thrusters, vehicle.n_thrusters
+    translating, boosting = demand.translating != 0, demand.boosting != 0
+    matrix, slope, price = effectiveness.matrix, memory.slope, memory.price
     small = not (translating or boosting) and fine_enough(
-        params.fine_share, effect, thrusters, count, healthy, demand
+        shared.fine_share, matrix, thrusters, count, healthy, demand.wrench
     )
-    only_fine = small and (allowed >> FINE) & 1 == 1
-    mask = 1 << FINE if only_fine else allowed
+    only_fine = small and (demand.groups >> FINE) & 1 == 1
+    mask = 1 << FINE if only_fine else demand.groups
     axial = 1.0 / p.axial_force_scale**2 if boosting else 0.0
     lateral = 1.0 / (p.force_scale if translating else p.stray_force_scale) ** 2
-    weight = (axial, lateral, 1.0 / params.torque_scale**2)
-    keep_products(weight, count, 1 + 4 * memory.effect_of + 2 * translating + boosting, memory)
+    weight = (axial, lateral, 1.0 / shared.torque_scale**2)
+    update_products(weight, count, 1 + 2 * translating + boosting, effectiveness, memory)
     order, n = memory.order, 0
     # fine thrusters take their share first: the coarse ones then only get what is left, not the last few
     # newton metres
-    for fine_turn in (True, False):
+    for fine_first in (True, False):
         for i in range(count):
-            if usable(i, thrusters, healthy, mask) and (thrusters[i].group == FINE) == fine_turn:
+            if usable(i, thrusters, healthy, mask) and (thrusters[i].group == FINE) == fine_first:
                 order[n] = i
                 n += 1
     for i in range(count):
         duty[i] = 0.0
-        slope[i] = product(weight, effect[i], demand)
+        slope[i] = product(weight, matrix[i], demand.wrench)
         # axial thrusters that are to help the engine cost nothing: any price would only shorten their pulses
         price[i] = (
             0.0
             if boosting and thrusters[i].group == AXIAL
             else 0.5 * p.use_cost * thrusters[i].thrust / 250.0
         )
-    descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory)
+    descend(p.steps, p.translating_tolerance if translating else p.tolerance, n, count, memory, duty)
     for row in range(ROWS):
-        memory.undelivered[row] = demand[row]
+        unallocated[row] = demand.wrench[row]
     for k in range(n):
         i = order[k]
         if duty[i] > 0.0:
             for row in range(ROWS):
-                memory.undelivered[row] -= effect[i, row] * duty[i]
+                unallocated[row] -= matrix[i, row] * duty[i]
 
 
 @kernel
@@ -106,25 +126,25 @@ def product(weight, a, b):
 
 
 @kernel
-def keep_products(weight, count, key, memory):
-    """Work out ``memory.gram`` when it belongs to other effects or weights than those that ``key`` stands
-    for.
+def update_products(weight, count, weights_key, effectiveness, memory):
+    """Work out ``memory.gram`` when it belongs to another effectiveness, or to other weights than those that
+    ``weights_key`` stands for.
     """
-    if memory.gram_of == key:
+    if memory.gram_of == weights_key and effectiveness.changed == 0:
         return
-    memory.gram_of = key
+    memory.gram_of = weights_key
     for i in range(count):
         for j in range(count):
-            memory.gram[i, j] = product(weight, memory.effect[i], memory.effect[j])
+            memory.gram[i, j] = product(weight, effectiveness.matrix[i], effectiveness.matrix[j])
         memory.gain[i] = 1.0 / memory.gram[i, i] if memory.gram[i, i] > 0.0 else 0.0
 
 
 @kernel
-def farthest(order, n, memory):
+def farthest(n, memory, duty):
     """The thruster whose duty is farthest from its best value, and the way there; of equals the first in
-    turn.
+    order.
     """
-    duty, slope, price, gain = memory.duty, memory.slope, memory.price, memory.gain
+    order, slope, price, gain = memory.order, memory.slope, memory.price, memory.gain
     chosen, way, size = 0, 0.0, 0.0
     for k in range(n):
         i = order[k]
@@ -135,13 +155,13 @@ def farthest(order, n, memory):
 
 
 @kernel
-def descend(steps, tolerance, n, count, memory):
+def descend(steps, tolerance, n, count, memory, duty):
     """Change one duty after the other, the farthest first, until none has as far to go as ``tolerance``."""
     for _ in range(steps):
-        i, move = farthest(memory.order, n, memory)
+        i, move = farthest(n, memory, duty)
         if abs(move) < tolerance:
             break
-        memory.duty[i] += move
+        duty[i] += move
         for j in range(count):
             memory.slope[j] -= memory.gram[i, j] * move
 
@@ -149,6 +169,7 @@ def descend(steps, tolerance, n, count, memory):
 MEMBER = Member(
     "least_squares",
     LeastSquaresParams,
-    {"allocate": allocate},
+    {"share_out": share_out},
     "Bertsekas, Nonlinear Programming, section 2.7",
+    MEMORY,
 )

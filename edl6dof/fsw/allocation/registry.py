@@ -1,7 +1,10 @@
 """The methods of thruster allocation.
 
-Both know the groups that may fire and the thrusters that are sound, give duties within 0..1, and report what
-stays undelivered, which stops the integrators of attitude control.  On the nominal flight
+A member has one kernel, ``share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty,
+unallocated)``: it writes ``duty`` (0..1 each) and what these leave of the demand.  ``params`` and ``memory``
+are its own, ``shared`` what all methods have in common.  ``effectiveness.changed`` tells that what was worked
+out from the effectiveness before no longer holds.  An unallocated torque stops the integrators of attitude
+control.  On the nominal flight
 (``tests/flights/test_allocation_methods.py`` flies both):
 
     method          propellant   largest roll error   thrust direction   body rate at touchdown
@@ -26,11 +29,14 @@ class AllocationParams(_Methods):
     """Thruster allocation: the method, and what all share."""
 
     torque_scale_nm: float = param(
-        250.0, ("torque error that weighs one; a fifth of it undelivered counts as saturated"), gt=0.0
+        250.0, ("torque error that weighs one; a fifth of it unallocated counts as saturated"), gt=0.0
     )
     fine_share: float = param(
         0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0
     )
 
 
-allocate = ALLOCATORS.switch("allocate", 9)
+share_out = ALLOCATORS.switch(
+    "share_out",
+    *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
+)

@@ -6,7 +6,7 @@ Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters 
 its axis, all with the same duty, so a failed one only makes the others work longer.  Lateral force comes
 first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out
 of the pulse time that is left: a thruster that serves two directions shares it between them.  What a row does
-to the other axes is carried over to theirs; what the last one leaves is reported as undelivered.
+to the other axes is carried over to theirs; what the last one leaves is reported as unallocated.
 
 The order of the axes is the priority between them.  Left out: any search for a better combination; a row is
 taken whole or not at all.
@@ -15,7 +15,7 @@ taken whole or not at all.
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.allocation.wrench import ROWS, usable
+from edl6dof.fsw.allocation.effectiveness import ROWS, usable
 from edl6dof.interface.thrusters import AXIAL, FINE, HORIZONTAL
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -33,76 +33,84 @@ class TableParams(Params):
 
 
 @kernel
-def in_row(effect, i, row, sign, alignment):
+def in_row(matrix, i, row, sign, alignment):
     """Whether thruster ``i`` belongs to the row of the table for an axis and sign."""
     first = 1 if row < 3 else 3
     square = 0.0
     for k in range(first, 3 if row < 3 else 6):
-        square += effect[i, k] * effect[i, k]
-    return sign * effect[i, row] > 0.0 and effect[i, row] * effect[i, row] > alignment * alignment * square
+        square += matrix[i, k] * matrix[i, k]
+    return sign * matrix[i, row] > 0.0 and matrix[i, row] * matrix[i, row] > alignment * alignment * square
 
 
 @kernel
-def row_authority(params, effect, thrusters, count, healthy, mask, row, sign):
+def row_authority(alignment, matrix, vehicle, healthy, mask, row, sign):
     """Force or torque along an axis of a row of the table at full duty."""
     total = 0.0
-    for i in range(count):
-        if usable(i, thrusters, healthy, mask) and in_row(effect, i, row, sign, params.table.alignment):
-            total += abs(effect[i, row])
+    for i in range(vehicle.n_thrusters):
+        if usable(i, vehicle.thrusters, healthy, mask) and in_row(matrix, i, row, sign, alignment):
+            total += abs(matrix[i, row])
     return total
 
 
 @kernel
-def add_row(params, thrusters, count, healthy, mask, row, memory):
+def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
     """Give the demand left along an axis to the thrusters of its row in the groups of ``mask``, within the
     pulse time they have left.
     """
-    effect, duty, left = memory.effect, memory.duty, memory.undelivered
     sign = 1.0 if left[row] > 0.0 else -1.0
-    total = row_authority(params, effect, thrusters, count, healthy, mask, row, sign)
+    total = row_authority(alignment, matrix, vehicle, healthy, mask, row, sign)
     if total <= 0.0:
         return
     wanted = min(abs(left[row]) / total, 1.0)
-    for i in range(count):
-        if usable(i, thrusters, healthy, mask) and in_row(effect, i, row, sign, params.table.alignment):
+    for i in range(vehicle.n_thrusters):
+        if usable(i, vehicle.thrusters, healthy, mask) and in_row(matrix, i, row, sign, alignment):
             more = min(wanted, 1.0 - duty[i])
             duty[i] += more
             for k in range(ROWS):
-                left[k] -= effect[i, k] * more
+                left[k] -= matrix[i, k] * more
 
 
 @kernel
-def allocate(params, thrusters, count, healthy, allowed, translating, boosting, demand, memory):
-    """Duties for a demanded force and torque by table; arguments as in
-    :func:`edl6dof.fsw.allocation.least_squares.allocate`.
+def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty, left):
+    """Give the torque left along an axis to the fine thrusters, to the coarse ones where it is too much for
+    them, and to both where these do not suffice.
     """
-    effect, duty, left = memory.effect, memory.duty, memory.undelivered
+    need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
+    if need <= 1e-9:
+        return
+    fine, coarse = groups & (1 << FINE), groups & ~(1 << FINE)
+    if need > fine_share * row_authority(alignment, matrix, vehicle, healthy, fine, row, sign):
+        # axial thrusters stand in only where nobody else is left
+        mask = coarse & ~(1 << AXIAL)
+        if row_authority(alignment, matrix, vehicle, healthy, mask, row, sign) == 0.0:
+            mask = coarse
+        add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left)
+    if sign * left[row] > 1e-9:
+        add_row(alignment, matrix, vehicle, healthy, fine, row, duty, left)
+
+
+@kernel
+def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
+    """Duties for a demanded force and torque by table; arguments as in
+    :func:`edl6dof.fsw.allocation.least_squares.share_out`.
+    """
+    matrix, alignment = effectiveness.matrix, params.alignment
     for row in range(ROWS):
-        left[row] = demand[row]
-    for i in range(count):
+        unallocated[row] = demand.wrench[row]
+    for i in range(vehicle.n_thrusters):
         duty[i] = 0.0
-        if boosting and thrusters[i].group == AXIAL and healthy[i] != 0:
+        if demand.boosting != 0 and vehicle.thrusters[i].group == AXIAL and healthy[i] != 0:
             duty[i] = 1.0
             for row in range(ROWS):
-                left[row] -= effect[i, row]
-    fine, coarse = allowed & (1 << FINE), allowed & ~(1 << FINE)
-    if translating:
-        add_row(params, thrusters, count, healthy, allowed & (1 << HORIZONTAL), 1, memory)
-        add_row(params, thrusters, count, healthy, allowed & (1 << HORIZONTAL), 2, memory)
-    for row in range(3, 6):
-        need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
-        if need <= 1e-9:
-            continue
-        if need > params.fine_share * row_authority(
-            params, effect, thrusters, count, healthy, fine, row, sign
-        ):
-            # axial thrusters stand in only where nobody else is left
-            mask = coarse & ~(1 << AXIAL)
-            if row_authority(params, effect, thrusters, count, healthy, mask, row, sign) == 0.0:
-                mask = coarse
-            add_row(params, thrusters, count, healthy, mask, row, memory)
-        if sign * left[row] > 1e-9:
-            add_row(params, thrusters, count, healthy, fine, row, memory)
+                unallocated[row] -= matrix[i, row]
+    if demand.translating != 0:
+        for row in (1, 2):
+            mask = demand.groups & (1 << HORIZONTAL)
+            add_row(alignment, matrix, vehicle, healthy, mask, row, duty, unallocated)
+    for row in range(3, ROWS):
+        add_axis(
+            alignment, shared.fine_share, matrix, vehicle, healthy, demand.groups, row, duty, unallocated
+        )
 
 
-MEMBER = Member("table", TableParams, {"allocate": allocate}, "Hu et al. 2022, section 4.3")
+MEMBER = Member("table", TableParams, {"share_out": share_out}, "Hu et al. 2022, section 4.3")

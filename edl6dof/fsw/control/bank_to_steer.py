@@ -7,15 +7,17 @@ inertia.  Afterwards it is computed in the body, with a larger derivative gain o
 is weakly damped then.
 
 Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit
-of error.  When the wing
-does not report that it has opened, the angle of attack is closed around zero at once: the thrusters then hold
-it against the trim moment of the centre-of-mass offset, so that the parachute can open.
+of error.  When the wing is known to have failed (:mod:`edl6dof.fsw.diagnosis.trim_wing`), the angle of attack
+is closed around zero at once: the thrusters then hold it against the trim moment of the centre-of-mass
+offset, so that the parachute can open.
 
 Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
 crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 """
 
 from __future__ import annotations
+
+from typing import ClassVar
 
 import numpy as np
 
@@ -32,11 +34,13 @@ from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
-from edl6dof.spatial.vector import add, dot, scale, sub
+from edl6dof.spatial.vector import add, dot, scale, sub, take3
 
 
 class BankToSteerParams(Params):
     """Bank tracking in four zones; rate damping of angle of attack and sideslip."""
+
+    moved: ClassVar = {"wing_patience_s": "flight_software.diagnosis.wing_patience_s"}
 
     bank: ZoneParams = group(ZoneParams, "bank channel")
     damping: float = param(0.8, "acceleration per rate of angle of attack and sideslip, 1/s", ge=0.0)
@@ -52,9 +56,6 @@ class BankToSteerParams(Params):
         gt=0.0,
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
-    wing_patience_s: float = param(
-        2.0, ("time after which a trim wing that has not reported itself open counts as failed"), gt=0.0
-    )
     held_alpha: ZoneParams = group(ZoneParams, "angle of attack held by thrusters after a failed trim wing")
 
 
@@ -68,36 +69,27 @@ def damped(p, damping, rate, error):
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
+def control(params, nav, goal, inputs, dt, memory):
     """Demand the torque for bank tracking and damping."""
-    p = onboard.control.bank_to_steer
-    memory = fsw.control.bank_to_steer
-    frozen = fsw.saturated != 0
-    if fsw.wing_out != 0 and nav.wing_open == 0 and nav.t - fsw.wing_time > p.wing_patience:
-        fsw.wing_failed = 1
+    p, inertia, wing_out = params, take3(inputs.inertia, 0), inputs.wing_commanded != 0
+    frozen = inputs.saturated != 0
     along, across, aside = velocity_axes(nav.alpha, nav.beta)
-    if fsw.wing_out != 0:
+    if wing_out:
         along, across, aside = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     rate = sub(body_rate(nav), path_rate(nav))
-    bank_error = wrap(guide.bank - nav.bank)
-    alpha_error = wrap((0.0 if fsw.wing_out != 0 else guide.alpha) - nav.alpha)
+    bank_error = wrap(goal.bank - nav.bank)
+    alpha_error = wrap((0.0 if wing_out else goal.alpha) - nav.alpha)
     roll = follow(p.bank, memory.bank, bank_error, dot(rate, along), dt, frozen)
-    if fsw.wing_failed != 0:
+    if inputs.wing_failed != 0:
         pitch = follow(p.held_alpha, memory.alpha, alpha_error, dot(rate, across), dt, frozen)
     else:
-        pitch = damped(
-            p, p.damping_after_wing if fsw.wing_out != 0 else p.damping, dot(rate, across), alpha_error
-        )
+        damping = p.damping_after_wing if wing_out else p.damping
+        pitch = damped(p, damping, dot(rate, across), alpha_error)
     # sideslip grows when the nose turns left: a turn to the right about z removes it
     yaw = damped(p, p.damping, dot(rate, aside), nav.beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
-    torque = add(
-        inertia_torque(onboard, fsw.configuration, acceleration),
-        gyroscopic_torque(onboard, fsw.configuration, body_rate(nav)),
-    )
-    for i in range(3):
-        fsw.demand[3 + i] = torque[i]
-    fsw.attitude_error[0], fsw.attitude_error[1], fsw.attitude_error[2] = bank_error, alpha_error, nav.beta
+    torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, body_rate(nav)))
+    return torque, (bank_error, alpha_error, nav.beta)
 
 
 MEMBER = Member("bank_to_steer", BankToSteerParams, {"control": control}, "Hu et al. 2022, section 4", MEMORY)

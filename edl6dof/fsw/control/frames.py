@@ -19,18 +19,14 @@ from edl6dof.spatial.vector import cross, dot, scale, sub, take3
 
 
 @kernel
-def inertia_torque(onboard, configuration, acceleration):
-    """Torque (N m, B) that gives the body ``acceleration`` (rad/s2) with the believed principal inertia of
-    the configuration.
-    """
-    inertia = onboard.vehicle.configuration[configuration].inertia
+def inertia_torque(inertia, acceleration):
+    """Torque (N m, B) that gives a body of principal ``inertia`` (kg m2) an ``acceleration`` (rad/s2)."""
     return inertia[0] * acceleration[0], inertia[1] * acceleration[1], inertia[2] * acceleration[2]
 
 
 @kernel
-def gyroscopic_torque(onboard, configuration, w):
-    """Torque (N m, B) that keeps the rate ``w`` of the believed principal inertia from precessing."""
-    inertia = onboard.vehicle.configuration[configuration].inertia
+def gyroscopic_torque(inertia, w):
+    """Torque (N m, B) that keeps the rate ``w`` (rad/s) of principal ``inertia`` (kg m2) from precessing."""
     return cross(w, (inertia[0] * w[0], inertia[1] * w[1], inertia[2] * w[2]))
 
 
@@ -58,7 +54,7 @@ def path_rate(nav):
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
     q = attitude(nav)
-    v = take3(nav.v_I, 0)
+    v = take3(nav.v_rel_I, 0)
     acceleration = sub(from_frame(q, take3(nav.specific_force_B, 0)), scale(nav.gravity, take3(nav.up_I, 0)))
     speed2 = max(nav.speed * nav.speed, 1.0)
     return to_frame(q, scale(1.0 / speed2, cross(v, acceleration)))
@@ -71,13 +67,14 @@ def attitude(nav):
 
 
 @kernel
-def wind_attitude_error(nav, guide):
+def wind_attitude_error(nav, command):
     """Rotation vector from the actual attitude to the commanded bank, angle of attack and zero sideslip, and
     the rate to remove.
 
     Both in B: error (goal minus actual, rad) and rate (actual minus goal, rad/s).
     """
-    goal = attitude_from_wind_angles(take3(nav.v_I, 0), take3(nav.up_I, 0), guide.bank, guide.alpha, 0.0)
+    up_I = take3(nav.up_I, 0)
+    goal = attitude_from_wind_angles(take3(nav.v_rel_I, 0), up_I, command.bank, command.alpha, 0.0)
     q = attitude(nav)
     error = rotation_vector(multiply(conjugate(q), goal))
     return error, sub(body_rate(nav), path_rate(nav))
@@ -141,12 +138,12 @@ def decoupled_error(q, goal):
     wrong way; here some axis across it is turned about.
     """
     thrust_axis = (-1.0, 0.0, 0.0)
-    turn = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))
-    left = multiply(conjugate(multiply(q, turn)), goal)
+    tilt = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))
+    left = multiply(conjugate(multiply(q, tilt)), goal)
     roll = 2.0 * atan2(left[1], left[0])
     if roll > pi:
         roll -= 2.0 * pi
     elif roll <= -pi:
         roll += 2.0 * pi
-    tilt = rotation_vector(turn)
-    return roll, tilt[1], tilt[2]
+    _, pitch, yaw = rotation_vector(tilt)
+    return roll, pitch, yaw

@@ -12,8 +12,9 @@ class OffParams(Params):
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
+def control(params, nav, goal, inputs, dt, memory):
     """Demand nothing."""
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 MEMBER = Member("off", OffParams, {"control": control}, "none")

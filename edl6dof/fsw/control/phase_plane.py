@@ -22,6 +22,7 @@ from edl6dof.fsw.control.frames import inertia_torque, wind_attitude_error
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 from edl6dof.registry import Member
+from edl6dof.spatial.vector import take3
 
 
 class PhasePlaneParams(Params):
@@ -53,12 +54,10 @@ def switch_axis(p, firing, error, rate):
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
+def control(params, nav, goal, inputs, dt, memory):
     """Demand torque on each axis whose switching curve is crossed."""
-    p = onboard.control.phase_plane
-    memory = fsw.control.phase_plane
-    error, rate = wind_attitude_error(nav, guide)
-    demand = fsw.demand
+    p = params
+    error, rate = wind_attitude_error(nav, goal)
     acceleration = (
         p.acceleration * switch_axis(p, memory.firing[0], error[0], rate[0]),
         p.acceleration * switch_axis(p, memory.firing[1], error[1], rate[1]),
@@ -66,10 +65,7 @@ def control(onboard, nav, guide, dt, fsw):
     )
     for i in range(3):
         memory.firing[i] = 1 if acceleration[i] > 0.0 else (-1 if acceleration[i] < 0.0 else 0)
-        fsw.attitude_error[i] = error[i]
-    torque = inertia_torque(onboard, fsw.configuration, acceleration)
-    for i in range(3):
-        demand[3 + i] = torque[i]
+    return inertia_torque(take3(inputs.inertia, 0), acceleration), error
 
 
 MEMBER = Member("phase_plane", PhasePlaneParams, {"control": control}, "Hu et al. 2022, section 3", MEMORY)

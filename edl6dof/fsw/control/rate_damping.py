@@ -16,6 +16,7 @@ from edl6dof.fsw.control.frames import beyond, body_rate, inertia_torque
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
+from edl6dof.spatial.vector import take3
 
 
 class RateDampingParams(Params):
@@ -33,23 +34,20 @@ MEMORY = np.dtype([("roll", AXIS)], align=True)
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
+def control(params, nav, goal, inputs, dt, memory):
     """Demand damping torque in pitch and yaw and the roll torque, after the rest."""
-    p = onboard.control.rate_damping
-    fsw.attitude_error[0] = nav.roll_to_south
-    fsw.attitude_error[1] = fsw.attitude_error[2] = 0.0
-    if nav.t - fsw.phase_start < p.rest:
-        return
+    p = params
+    error = (nav.roll_to_south, 0.0, 0.0)
+    if inputs.phase_time < p.rest:
+        return (0.0, 0.0, 0.0), error
     w = body_rate(nav)
-    roll = follow(p.roll, fsw.control.rate_damping.roll, nav.roll_to_south, w[0], dt, fsw.saturated != 0)
+    roll = follow(p.roll, memory.roll, nav.roll_to_south, w[0], dt, inputs.saturated != 0)
     acceleration = (
         roll,
         -p.damping * beyond(w[1], p.rate_deadband),
         -p.damping * beyond(w[2], p.rate_deadband),
     )
-    torque = inertia_torque(onboard, fsw.configuration, acceleration)
-    for i in range(3):
-        fsw.demand[3 + i] = torque[i]
+    return inertia_torque(take3(inputs.inertia, 0), acceleration), error
 
 
 MEMBER = Member("rate_damping", RateDampingParams, {"control": control}, "Hu et al. 2022, section 5", MEMORY)

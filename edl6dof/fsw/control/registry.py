@@ -1,8 +1,17 @@
-"""The attitude controllers a mission phase can name."""
+"""The attitude controllers a mission phase can name.
+
+A member has one kernel, ``control(params, nav, goal, inputs, dt, memory)``: it returns the torque it demands
+(N m, B) and the attitude error it works on (rad), three numbers each.  ``params`` and ``memory`` are its own;
+``nav``, ``goal`` (what guidance wants) and ``inputs`` (:mod:`edl6dof.fsw.control.inputs`) are there to be
+read; ``dt`` is the control cycle (s).
+"""
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
+from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.registry import Family
 
 CONTROLLERS = Family(
@@ -16,4 +25,6 @@ CONTROLLERS = Family(
     ),
 )
 
-attitude_control = CONTROLLERS.switch("control", 5)
+CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
+
+attitude_control = CONTROLLERS.switch("control", "params", "nav", "goal", "inputs", "dt", "memory")

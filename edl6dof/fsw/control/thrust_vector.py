@@ -9,7 +9,9 @@ the rate they are driven to is one vector along the rotation (eq. 8; the print h
 sign, which would turn the thrust away; the direction follows from the error).
 
 The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse
-modulation gave beyond its orders (:mod:`edl6dof.fsw.estimation.shortfall`).  With the pole lambda of the
+modulation gave beyond its duties: eq. 9 takes the *commanded* torque as the vehicle's own, which makes that
+difference part of the disturbance; here the estimator sees the valve intervals, and the difference is
+filtered with the same pole, so that the two add up to the estimate of the paper.  With the pole lambda of the
 estimator the torque per inertia on an error e becomes
 
     (P + lambda D) e + lambda P int e dt + (D + lambda) e',
@@ -37,10 +39,8 @@ from edl6dof.fsw.control.frames import (
     shortest_path_error,
 )
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, axis_acceleration, target_rate
-from edl6dof.fsw.estimation.shortfall import SHORTFALL, shortfall
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, scale, sub, take3
 
 DECOUPLED, SHORTEST_PATH = range(2)
@@ -66,17 +66,24 @@ class ThrustVectorParams(Params):
     roll: ZoneParams = group(ZoneParams, "roll channel")
 
 
-MEMORY = np.dtype([("axis", AXIS, (3,)), ("shortfall", SHORTFALL), ("compensation", "f8", (3,))], align=True)
+MEMORY = np.dtype(
+    [
+        ("axis", AXIS, (3,)),
+        ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
+        ("compensation", "f8", (3,)),  # N m: what is taken off the demand
+    ],
+    align=True,
+)
 
 
 @kernel
-def thrust_direction(nav, guide):
+def thrust_direction(nav, goal):
     """Commanded thrust direction, unit vector in I."""
     north, east = (
-        scale(guide.thrust_direction_N[0], take3(nav.north_I, 0)),
-        scale(guide.thrust_direction_N[1], take3(nav.east_I, 0)),
+        scale(goal.thrust_direction_N[0], take3(nav.north_I, 0)),
+        scale(goal.thrust_direction_N[1], take3(nav.east_I, 0)),
     )
-    return sub(add(north, east), scale(guide.thrust_direction_N[2], take3(nav.up_I, 0)))
+    return sub(add(north, east), scale(goal.thrust_direction_N[2], take3(nav.up_I, 0)))
 
 
 @kernel
@@ -91,26 +98,17 @@ def slew_rates(p, error, bandwidth):
 
 
 @kernel
-def compensation(onboard, dt, bandwidth, fsw):
-    """Torque (N m, B) to take off the demand: disturbance and modulation shortfall.
+def compensation(inputs, dt, memory):
+    """Torque (N m, B) to take off the demand: the disturbance, and what modulation gives unasked.
 
     In a phase of low bandwidth it is smoothed, so that estimator and filter together lag by 1 / (bandwidth
     lambda).
     """
-    memory = fsw.control.thrust_vector
-    pole = onboard.estimation.disturbance.torque_pole
-    command, count = fsw.command, onboard.vehicle.n_thrusters
-    owed = shortfall(
-        pole,
-        fsw.allocator.effect,
-        count,
-        command.opens,
-        command.closes,
-        fsw.allocator.duty,
-        dt,
-        memory.shortfall,
-    )
-    found = add(take3(fsw.disturbance.torque, 0), owed)
+    pole, bandwidth = inputs.disturbance_pole, inputs.bandwidth
+    step = 1.0 - exp(-pole * dt)
+    for i in range(3):
+        memory.modulation_torque[i] += step * (inputs.modulation_torque[i] - memory.modulation_torque[i])
+    found = add(take3(inputs.disturbance_torque, 0), take3(memory.modulation_torque, 0))
     step = 1.0 - exp(-dt * pole * bandwidth / (1.0 - bandwidth)) if bandwidth < 1.0 else 1.0
     for i in range(3):
         memory.compensation[i] += step * (found[i] - memory.compensation[i])
@@ -118,32 +116,27 @@ def compensation(onboard, dt, bandwidth, fsw):
 
 
 @kernel
-def control(onboard, nav, guide, dt, fsw):
-    """Demand the torque towards the commanded thrust direction and roll; pass the lateral force on."""
-    p = onboard.control.thrust_vector
-    memory = fsw.control.thrust_vector
-    bandwidth = onboard.mission.phases[fsw.phase].bandwidth
+def control(params, nav, goal, inputs, dt, memory):
+    """Demand the torque towards the commanded thrust direction and roll."""
+    p, bandwidth = params, inputs.bandwidth
     q, w = attitude(nav), body_rate(nav)
-    goal = goal_attitude(
-        take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, guide)
+    wanted_attitude = goal_attitude(
+        take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0), thrust_direction(nav, goal)
     )
-    error = shortest_path_error(q, goal) if p.error == SHORTEST_PATH else decoupled_error(q, goal)
+    if p.error == SHORTEST_PATH:
+        error = shortest_path_error(q, wanted_attitude)
+    else:
+        error = decoupled_error(q, wanted_attitude)
     wanted = slew_rates(p, error, bandwidth)
-    frozen = fsw.saturated != 0 or p.against_disturbance == ESTIMATOR
+    frozen = inputs.saturated != 0 or p.against_disturbance == ESTIMATOR
     acceleration = (
         axis_acceleration(p.roll, memory.axis[0], error[0], wanted[0], w[0], dt, frozen, bandwidth),
         axis_acceleration(p.pitch_yaw, memory.axis[1], error[1], wanted[1], w[1], dt, frozen, bandwidth),
         axis_acceleration(p.pitch_yaw, memory.axis[2], error[2], wanted[2], w[2], dt, frozen, bandwidth),
     )
-    torque = inertia_torque(onboard, fsw.configuration, acceleration)
-    against = compensation(onboard, dt, bandwidth, fsw)
-    for i in range(3):
-        fsw.demand[3 + i] = torque[i] - (against[i] if p.against_disturbance == ESTIMATOR else 0.0)
-        fsw.attitude_error[i] = error[i]
-    if guide.translating != 0:
-        north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
-        force = to_frame(q, add(scale(guide.force_N[0], north), scale(guide.force_N[1], east)))
-        fsw.demand[1], fsw.demand[2] = force[1], force[2]
+    torque = inertia_torque(take3(inputs.inertia, 0), acceleration)
+    against = compensation(inputs, dt, memory)
+    return (sub(torque, against) if p.against_disturbance == ESTIMATOR else torque), error
 
 
 MEMBER = Member(

@@ -1,9 +1,9 @@
-"""One control cycle of thruster fault diagnosis: residual, hypotheses, verdict, and what follows from it.
+"""One control cycle of thruster fault diagnosis: residual, hypotheses, and isolation.
 
-The confidence of a verdict is the posterior probability of its hypothesis among all others and "no thruster
-has failed", whose prior is the price of a false alarm; it is wanted in several cycles on end.  Then the
-thruster is taken out of the allocation and isolated: that costs nothing with a dead one, and it stops one
-that had been stuck on for so long that it looks dead.
+The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
+whose prior is the price of a false alarm; it is wanted in several cycles on end.  Then the thruster is taken
+out of the allocation and its isolation valve shut: that costs nothing with a dead one, and it stops one that
+had been stuck on for so long that it looks dead.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
@@ -27,23 +27,23 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     weigh,
 )
 from edl6dof.fsw.diagnosis.probe import (
-    GUILTY,
-    NOBODY,
+    FAILED,
+    NONE,
     PROBE,
     SOUND,
     close_probe,
     follow_probe,
+    next_suspect,
     open_probe,
-    suspect,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 
-MAX_FINDINGS = 4
-#: Names of the kinds of finding, by number.
-FINDINGS = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"}
+MAX_ISOLATED = 4
+#: Names of the kinds of fault, by number.
+KIND_NAMES = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"}
 
 
 class DiagnosisParams(Params):
@@ -75,7 +75,7 @@ class DiagnosisParams(Params):
     prior: float = param(
         16.0, "log of the odds for a sound vehicle: the price of a false alarm", gt=0.0, le=100.0
     )
-    confidence: float = param(0.999, "confidence at which a thruster is condemned", gt=0.5, lt=1.0)
+    confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
     streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)
     loss_least: float = param(
         0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0
@@ -84,13 +84,17 @@ class DiagnosisParams(Params):
         0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0
     )
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
+    wing_patience_s: float = param(
+        2.0, ("time after which a trim wing that has not reported itself open counts as failed"), gt=0.0
+    )
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     trust_s: float = param(
         5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0
     )
 
 
-FINDING = np.dtype(
+#: A thruster taken out of use, and why.
+ISOLATED = np.dtype(
     [
         ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
         ("kind", whole(NOTHING, DEGRADED)),
@@ -107,8 +111,8 @@ DIAGNOSIS = np.dtype(
         ("probe", PROBE),
         ("exercise", EXERCISE),
         ("streak", COUNT),
-        ("found", FINDING, (MAX_FINDINGS,)),
-        ("n_found", whole(0, MAX_FINDINGS)),
+        ("isolated", ISOLATED, (MAX_ISOLATED,)),
+        ("n_isolated", whole(0, MAX_ISOLATED)),
     ],
     align=True,
 )
@@ -123,67 +127,73 @@ def restart(memory):
 
 
 @kernel
-def condemn(i, kind, loss, confidence, t, memory, healthy, isolate):
-    """Record a verdict and take the thruster out of use."""
-    found = memory.found[memory.n_found]
-    found.thruster, found.kind, found.loss = i, kind, loss
-    found.confidence, found.t = confidence, t
-    memory.n_found += 1
-    healthy[i], isolate[i] = 0, 1
+def isolate(i, kind, loss, confidence, t, memory, healthy, shut):
+    """Take a thruster out of use for good, and note why."""
+    one = memory.isolated[memory.n_isolated]
+    one.thruster, one.kind, one.loss = i, kind, loss
+    one.confidence, one.t = confidence, t
+    memory.n_isolated += 1
+    healthy[i], shut[i] = 0, 1
     restart(memory)
 
 
 @kernel
-def judge_probe(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate):
+def follow_suspect(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
     """Go on with a probe, and end it when it has decided."""
     i = memory.probe.suspect
-    state, confidence = follow_probe(params, count, effect, activity, load, seen, t, dt, memory.probe)
-    if state == GUILTY:
-        memory.probe.suspect = NOBODY
-        condemn(i, STUCK_ON, 0.0, confidence, t, memory, healthy, isolate)
+    state, confidence = follow_probe(
+        params, count, effectiveness, activity, load, unexplained, t, dt, memory.probe
+    )
+    if state == FAILED:
+        memory.probe.suspect = NONE
+        isolate(i, STUCK_ON, 0.0, confidence, t, memory, healthy, shut)
     elif state == SOUND:
-        close_probe(params, t, memory.probe, healthy, isolate)
+        close_probe(params, t, memory.probe, healthy, shut)
 
 
 @kernel
-def diagnose(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate):
+def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
     """One control cycle of diagnosis.
 
     Args:
         params: diagnosis record.
         count: number of thrusters.
-        effect: force and torque of each at full thrust, rows of 6 (N, N m).
+        effectiveness: force and torque of each at full thrust, rows of 6 (N, N m).
         activity: what they should have done in the measured cycle.
         load: axial force of air and riser, N.
-        seen: force and torque of that cycle that this does not explain (6).
+        unexplained: force and torque of that cycle that this does not explain (6).
         t: present time, s.
         dt: control cycle, s.
         memory: ``DIAGNOSIS`` record.
         healthy: written, 0 for a thruster that is not to be used.
-        isolate: written, 1 for a thruster whose isolation valve is to be shut.
+        shut: written, 1 for a thruster whose isolation valve is to be shut.
     """
-    known = without_slow_part(params.slow, seen, activity.share, count, dt, memory.residual)
-    if params.enabled == 0 or memory.n_found == MAX_FINDINGS:
+    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
+    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED:
         return
-    if memory.probe.suspect != NOBODY:
+    if memory.probe.suspect != NONE:
         if known == 0:
-            close_probe(params, t, memory.probe, healthy, isolate)
+            close_probe(params, t, memory.probe, healthy, shut)
         else:
-            judge_probe(params, count, effect, activity, load, seen, t, dt, memory, healthy, isolate)
+            follow_suspect(
+                params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
+            )
         return
     if known == 0:
         return
     best = memory.hypotheses
     before = (best.thruster, best.kind)
-    weigh(params, count, effect, activity, load, memory.residual, best)
+    weigh(params, count, effectiveness, activity, load, memory.residual, best)
     compare(params, count, healthy, memory.probe.trusted_until, t, best)
     if best.kind != NOTHING and best.confidence >= params.confidence:
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
     else:
         memory.streak = 0
     if memory.streak >= params.streak:
-        condemn(best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, isolate)
+        isolate(best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, shut)
         return
-    accused = suspect(params, count, effect, memory.residual, known, best, healthy, t, memory.probe)
-    if accused != NOBODY and memory.streak == 0:
-        open_probe(accused, t, memory.residual, memory.probe, healthy, isolate)
+    candidate = next_suspect(
+        params, count, effectiveness, memory.residual, known, best, healthy, t, memory.probe
+    )
+    if candidate != NONE and memory.streak == 0:
+        open_probe(candidate, t, memory.residual, memory.probe, healthy, shut)

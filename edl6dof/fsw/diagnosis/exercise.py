@@ -17,7 +17,7 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
 
-NOBODY = -1
+NONE = -1
 
 
 class ExerciseParams(Params):
@@ -33,82 +33,78 @@ EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=
 
 
 @kernel
-def opposite(effect, count, i):
-    """The thruster whose force and torque cancel those of ``i`` to a tenth, or ``NOBODY``."""
+def opposite(effectiveness, count, i):
+    """The thruster whose force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
     own = 0.0
     for row in range(6):
-        own += effect[i, row] * effect[i, row]
+        own += effectiveness[i, row] * effectiveness[i, row]
     for j in range(count):
         both = 0.0
         for row in range(6):
-            both += (effect[i, row] + effect[j, row]) ** 2
+            both += (effectiveness[i, row] + effectiveness[j, row]) ** 2
         if both < 0.01 * own:
             return j
-    return NOBODY
+    return NONE
 
 
 @kernel
-def can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+def can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
     """Whether two thrusters are in use, shut during this cycle, and able to give a pulse within it."""
-    if j == NOBODY or healthy[i] == 0 or healthy[j] == 0:
+    if j == NONE or healthy[i] == 0 or healthy[j] == 0:
         return False
-    shut = (
-        closes[i] <= opens[i]
-        and closes[j] <= opens[j]
-        and modulator.busy_until[i] <= t
-        and modulator.busy_until[j] <= t
-    )
+    shut = closes[i] <= opens[i] and closes[j] <= opens[j] and busy_until[i] <= t and busy_until[j] <= t
     return shut and thrusters[i].minimum_pulse <= dt + 1e-9 and thrusters[j].minimum_pulse <= dt + 1e-9
 
 
 @kernel
-def next_pair(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory):
-    """The pair to test now: a suspect's, or the one that has rested longest; (``NOBODY``, ``NOBODY``) for
-    none.
-    """
+def next_pair(
+    params, thrusters, count, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
+):
+    """The pair to test now: a suspect's, or the one that has rested longest; twice ``NONE`` for none."""
     if hypotheses.kind != NOTHING and hypotheses.evidence > params.suspicion:
         i = hypotheses.thruster
-        j = opposite(effect, count, i)
-        if can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+        j = opposite(effectiveness, count, i)
+        if can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
             return i, j
-    first, second, oldest = NOBODY, NOBODY, t - params.rest
+    first, second, oldest = NONE, NONE, t - params.rest
     if t < memory.tested + params.spacing - 1e-9:
         return first, second
     for i in range(count):
         if thrusters[i].group == HORIZONTAL and memory.used[i] < oldest:
-            j = opposite(effect, count, i)
-            if can_be_tested(i, j, t, dt, thrusters, healthy, modulator, opens, closes):
+            j = opposite(effectiveness, count, i)
+            if can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
                 first, second, oldest = i, j, memory.used[i]
     return first, second
 
 
 @kernel
-def exercise(params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory):
-    """Add an opposed test pulse, as long as the control cycle, to the valve intervals of this cycle.
+def pair_to_test(
+    params, vehicle, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
+):
+    """The two thrusters to fire against each other in this control cycle; (``NONE``, ``NONE``) for none.
 
     Args:
         params: exercise record.
-        thrusters: believed thrusters (group, minimum pulse).
-        count: how many there are.
-        effect: force and torque of each at full thrust, rows of 6 (N, N m).
+        vehicle: believed vehicle (thrusters: group, minimum pulse).
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         healthy: whether each may be used.
         hypotheses: what diagnosis thinks at present.
-        modulator: memory of the pulse modulation: what it owes is not touched, since the two impulses cancel.
-        opens: valve openings of this control cycle, s; those of the tested pair are written.
-        closes: valve closings, s; likewise.
+        busy_until: end of the shortest pulse under way of each, s.
+        opens: valve openings of this control cycle, s.
+        closes: valve closings, s.
         t: present time, s.
         dt: control cycle, s.
         memory: ``EXERCISE`` record.
     """
     if params.enabled == 0:
-        return
+        return NONE, NONE
+    thrusters, count = vehicle.thrusters, vehicle.n_thrusters
     for i in range(count):
         if closes[i] > opens[i] + 0.5 * dt:
             memory.used[i] = t
     i, j = next_pair(
-        params, thrusters, count, effect, healthy, hypotheses, modulator, opens, closes, t, dt, memory
+        params, thrusters, count, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
     )
-    if i != NOBODY:
-        opens[i] = opens[j] = t
-        closes[i] = closes[j] = t + dt
+    if i != NONE:
         memory.used[i] = memory.used[j] = memory.tested = t
+    return i, j

@@ -1,7 +1,7 @@
 """Hypotheses about single thrusters and the evidence for each.
 
-A thruster i with effect b_i (force and torque at full thrust) that was to fire for the share e of a cycle
-leaves the residual
+A thruster i of effectiveness b_i (force and torque at full thrust) that was to fire for the share e of a
+cycle leaves the residual
 
     off    - L e b_i             it gives the fraction L less than it should (L = 1: stuck off) on     + (1 -
     e) b_i         its valve stays open old    - L (e - e_mean) b_i  either of them, so long ago that its mean
@@ -35,7 +35,7 @@ COMPONENTS = 2.0
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
 
-#: Kinds of finding.
+#: Kinds of fault.
 NOTHING, STUCK_OFF, STUCK_ON, DEGRADED = range(4)
 
 #: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
@@ -64,7 +64,7 @@ HYPOTHESES = np.dtype(
 @kernel
 def collect(sums, keep, signature, along, square, every):
     """Add one cycle to the sums of a hypothesis that predicts the residual ``signature`` times the thruster's
-    effect.
+    effectiveness.
     """
     sums.cross = keep * sums.cross + signature * along
     sums.own = keep * sums.own + signature * signature * square
@@ -131,7 +131,7 @@ def weights(params, wrench, load):
 
 
 @kernel
-def weigh(params, count, effect, activity, load, residual, memory):
+def weigh(params, count, effectiveness, activity, load, residual, memory):
     """Let one cycle count for every hypothesis in which it predicts something."""
     weight = weights(params, activity.wrench, load)
     keep = 1.0 - 1.0 / params.memory_cycles
@@ -139,8 +139,8 @@ def weigh(params, count, effect, activity, load, residual, memory):
     for i in range(count):
         share = activity.share[i]
         change = share - residual.mean_share[i]
-        along = product(residual.value, effect[i], weight)
-        square = product(effect[i], effect[i], weight)
+        along = product(residual.value, effectiveness[i], weight)
+        square = product(effectiveness[i], effectiveness[i], weight)
         if share > LEAST_USE:
             collect(memory.off[i], keep, -share, along, square, every)
         if abs(change) > LEAST_USE:

@@ -2,11 +2,11 @@
 
 A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number
 fires against it leaves the same residual as that one stuck off.  Where the residual cannot decide, the
-suspect is isolated for a fraction of a second.  If it is the culprit, force and torque change by exactly
-minus its effect; if it is sound, nothing happens, because nothing had been asked of it.
+suspect is isolated for a fraction of a second.  If it has failed, force and torque change by exactly
+minus its effectiveness; if it is sound, nothing happens, because nothing had been asked of it.
 A dead thruster that stops being commanded just then leaves the same change: every other thruster's use is
 weighed against the suspect. Suspected is a thruster for which "stuck on" has evidence but a rival, or whose
-effect accounts for most of a slow disturbance that is larger than the misalignments of engine, drag and riser
+thrust accounts for most of a slow disturbance that is larger than the misalignments of engine, drag and riser
 explain.
 """
 
@@ -22,18 +22,20 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 
-NOBODY = -1
-UNDER_WAY, SOUND, GUILTY = range(3)
-SLOW_KNOWN = 25  # cycles for which the slow disturbance must have been known before anyone is suspected of it
+NONE = -1
+UNDER_WAY, SOUND, FAILED = range(3)
+SLOW_KNOWN = (
+    25  # cycles for which the slow disturbance must have been known before a thruster is suspected of it
+)
 LEAST_CYCLES = 3
 BEFORE = 3  # cycles before a probe that what follows is compared with
-# lateral force over axial load, and torque over axial load in m, that nobody is suspected of
+# lateral force over axial load, and torque over axial load in m, that no thruster is suspected of
 MISALIGNMENT = 0.01
 LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
 
 PROBE = np.dtype(
     [
-        ("suspect", whole(NOBODY, MAX_THRUSTERS - 1, of="thrusters")),
+        ("suspect", whole(NONE, MAX_THRUSTERS - 1, of="thrusters")),
         ("since", "f8"),
         ("before", "f8", (6,)),
         ("share_before", "f8", (MAX_THRUSTERS,)),
@@ -46,41 +48,41 @@ PROBE = np.dtype(
 
 
 @kernel
-def culprit_of_slow(count, effect, residual, healthy, t, memory):
+def explains_slow_part(count, effectiveness, residual, healthy, t, memory):
     """The thruster whose standing thrust accounts for four fifths of a large slow disturbance, or
-    ``NOBODY``.
+    ``NONE``.
     """
     slow = residual.slow
     force, torque = LEAST_FORCE + MISALIGNMENT * abs(slow[0]), LEAST_TORQUE + MISALIGNMENT * abs(slow[0])
     weight = (1.0 / (force * force), 1.0 / (torque * torque), 1.0 / (torque * torque))
     size = product(slow, slow, weight)
-    found, least = NOBODY, 0.2 * size
+    found, least = NONE, 0.2 * size
     if size < 4.0:
         return found
     for i in range(count):
         if healthy[i] == 0 or t < memory.trusted_until[i]:
             continue
         idle = 1.0 - residual.mean_share[i]
-        along = product(slow, effect[i], weight)
-        left = size - 2.0 * idle * along + idle * idle * product(effect[i], effect[i], weight)
+        along = product(slow, effectiveness[i], weight)
+        left = size - 2.0 * idle * along + idle * idle * product(effectiveness[i], effectiveness[i], weight)
         if left < least:
             found, least = i, left
     return found
 
 
 @kernel
-def suspect(params, count, effect, residual, known, hypotheses, healthy, t, memory):
-    """Whom to shut off for a moment, or ``NOBODY``."""
-    accused = hypotheses.on_thruster
-    if hypotheses.on_evidence > params.prior and t >= memory.trusted_until[accused]:
-        return accused
+def next_suspect(params, count, effectiveness, residual, known, hypotheses, healthy, t, memory):
+    """The thruster to shut off for a moment, or ``NONE``."""
+    candidate = hypotheses.on_thruster
+    if hypotheses.on_evidence > params.prior and t >= memory.trusted_until[candidate]:
+        return candidate
     if known < SLOW_KNOWN:
-        return NOBODY
-    return culprit_of_slow(count, effect, residual, healthy, t, memory)
+        return NONE
+    return explains_slow_part(count, effectiveness, residual, healthy, t, memory)
 
 
 @kernel
-def open_probe(i, t, residual, memory, healthy, isolate):
+def open_probe(i, t, residual, memory, healthy, shut):
     """Shut thruster ``i`` off, and note force and torque before."""
     for j in range(6):
         memory.before[j] = 0.0
@@ -93,48 +95,48 @@ def open_probe(i, t, residual, memory, healthy, isolate):
         forget(memory.rivals[j])
     memory.suspect, memory.since = i, t
     forget(memory.sums)
-    healthy[i], isolate[i] = 0, 1
+    healthy[i], shut[i] = 0, 1
 
 
 @kernel
-def close_probe(params, t, memory, healthy, isolate):
+def close_probe(params, t, memory, healthy, shut):
     """Put the suspect back into use and trust it for a while."""
     i = memory.suspect
-    healthy[i], isolate[i] = 1, 0
+    healthy[i], shut[i] = 1, 0
     memory.trusted_until[i] = t + params.trust
-    memory.suspect = NOBODY
+    memory.suspect = NONE
 
 
 @kernel
-def follow_probe(params, count, effect, activity, load, seen, t, dt, memory):
-    """Let one cycle of a probe count: ``UNDER_WAY``, ``SOUND`` or ``GUILTY``, and the confidence."""
+def follow_probe(params, count, effectiveness, activity, load, unexplained, t, dt, memory):
+    """Let one cycle of a probe count: ``UNDER_WAY``, ``SOUND`` or ``FAILED``, and the confidence."""
     if t < memory.since + 3.0 * dt:
         return UNDER_WAY, 0.0
     weight = weights(params, activity.wrench, load)
-    b = effect[memory.suspect]
+    b = effectiveness[memory.suspect]
     before = memory.before
     change = (
         0.0,
-        seen[1] - before[1],
-        seen[2] - before[2],
-        seen[3] - before[3],
-        seen[4] - before[4],
-        seen[5] - before[5],
+        unexplained[1] - before[1],
+        unexplained[2] - before[2],
+        unexplained[3] - before[3],
+        unexplained[4] - before[4],
+        unexplained[5] - before[5],
     )
     every = product(change, change, weight)
     collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), every)
     found = evidence(memory.sums, 1.0)
-    guilty = exp(found)
-    total = guilty + exp(params.prior)
+    failed = exp(found)
+    total = failed + exp(params.prior)
     for j in range(count):
         if j != memory.suspect:
-            b = effect[j]
+            b = effectiveness[j]
             less = memory.share_before[j] - activity.share[j]
             collect(memory.rivals[j], 1.0, less, product(change, b, weight), product(b, b, weight), every)
             total += exp(for_loss(params, memory.rivals[j], 0.0, False)[1])
-    confidence = guilty / total
+    confidence = failed / total
     if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
-        return GUILTY, confidence
+        return FAILED, confidence
     if t >= memory.since + WINDOW * dt or (memory.sums.cycles >= LEAST_CYCLES and found <= -params.prior):
         return SOUND, confidence
     return UNDER_WAY, confidence

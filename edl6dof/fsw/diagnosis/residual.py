@@ -39,14 +39,14 @@ def restart_residual(memory):
 
 
 @kernel
-def without_slow_part(time_constant, seen, share, count, dt, memory):
+def without_slow_part(time_constant, unexplained, share, count, dt, memory):
     """Take the slow part off; returns for how many cycles it has been known (0: not yet).
 
     At the start of the flight, in free fall, the slow part is taken to be zero.
 
     Args:
         time_constant: of the mean, s.
-        seen: unexplained force and torque of the last cycle (6), N and N m.
+        unexplained: unexplained force and torque of the last cycle (6), N and N m.
         share: share of that cycle in which each thruster should have given thrust.
         count: number of thrusters.
         dt: control cycle, s.
@@ -64,8 +64,8 @@ def without_slow_part(time_constant, seen, share, count, dt, memory):
         for i in range(count):
             memory.mean_share[i] += step * (memory.recent_share[row, i] - memory.mean_share[i])
     for j in range(6):
-        memory.recent[row, j] = seen[j]
-        memory.value[j] = seen[j] - memory.slow[j]
+        memory.recent[row, j] = unexplained[j]
+        memory.value[j] = unexplained[j] - memory.slow[j]
     for i in range(count):
         memory.recent_share[row, i] = share[i]
     return memory.taken if memory.restarted == 0 else max(older + 1 - LEAST_MEAN, 0)

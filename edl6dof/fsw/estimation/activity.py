@@ -41,11 +41,11 @@ def remember(opens, closes, count, memory):
 
 
 @kernel
-def expect(effect, count, begin, end, lag, memory):
+def expect(effectiveness, count, begin, end, lag, memory):
     """Work out ``memory.share`` and ``memory.wrench`` for the time from ``begin`` to ``end`` (s).
 
     Args:
-        effect: force and torque of each thruster at full thrust, rows of 6 (N, N m).
+        effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         count: how many thrusters there are.
         begin: start of the measured cycle.
         end: its end.
@@ -63,4 +63,4 @@ def expect(effect, count, begin, end, lag, memory):
         memory.share[i] = share
         if share > 0.0:
             for j in range(6):
-                memory.wrench[j] += share * effect[i, j]
+                memory.wrench[j] += share * effectiveness[i, j]

@@ -5,6 +5,8 @@ It belongs to the flight software: it looks only at navigated quantities and nev
 
 from __future__ import annotations
 
+import numpy as np
+
 from edl6dof.fsw.mission.phases import (
     MAX_EVENTS,
     Q_ALTITUDE,
@@ -22,13 +24,15 @@ from edl6dof.interface.capacities import MAX_PHASES
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
-#: Fields of the flight-software memory that the sequencer owns.
-PHASE_MEMORY = [
-    ("phase", whole(0, MAX_PHASES - 1, of="phases")),
-    ("phase_start", "f8"),
-    ("event_done", FLAG, (MAX_EVENTS,)),
-    ("entered", TIME_IF_EVER, (MAX_PHASES,)),
-]
+SEQUENCE = np.dtype(
+    [
+        ("phase", whole(0, MAX_PHASES - 1, of="phases")),
+        ("phase_start", "f8"),  # s, flight time
+        ("event_done", FLAG, (MAX_EVENTS,)),
+        ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
+    ],
+    align=True,
+)
 
 
 @kernel
@@ -71,27 +75,27 @@ def fires(trigger, nav, guide, elapsed):
 
 
 @kernel
-def sequence(mission, nav, guide, fsw, request):
+def sequence(mission, nav, guide, memory, request):
     """Advance the phase table: request events whose triggers fire, and change phase.
 
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
         guide: guidance record (time to go).
-        fsw: flight-software memory: ``phase``, ``phase_start``, ``event_done`` are updated.
+        memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event name.
     """
     if mission.n_phases == 0:
         return
-    elapsed = nav.t - fsw.phase_start
-    phase = mission.phases[fsw.phase]
+    elapsed = nav.t - memory.phase_start
+    phase = mission.phases[memory.phase]
     for i in range(phase.n_events):
-        if fsw.event_done[i] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
-            fsw.event_done[i] = 1
+        if memory.event_done[i] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
+            memory.event_done[i] = 1
             request[phase.events[i].do] = 1
-    if fsw.phase + 1 < mission.n_phases and fires(phase.until, nav, guide, elapsed):
-        fsw.phase += 1
-        fsw.phase_start = nav.t
-        fsw.entered[fsw.phase] = nav.t
+    if memory.phase + 1 < mission.n_phases and fires(phase.until, nav, guide, elapsed):
+        memory.phase += 1
+        memory.phase_start = nav.t
+        memory.entered[memory.phase] = nav.t
         for i in range(MAX_EVENTS):
-            fsw.event_done[i] = 0
+            memory.event_done[i] = 0

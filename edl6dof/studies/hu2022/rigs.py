@@ -65,7 +65,7 @@ HELD = "alpha held"
 _STUCK_WING = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
 WING: dict[str, tuple[str, ...]] = {
     HELD: (_STUCK_WING,),
-    "left to trim": (_STUCK_WING, "flight_software.control.bank_to_steer.wing_patience_s=1000"),
+    "left to trim": (_STUCK_WING, "flight_software.diagnosis.wing_patience_s=1000"),
 }
 
 
@@ -134,9 +134,8 @@ def hung_like(state: State, entry: Entry) -> State:
     )
     rate = np.radians(entry.rate_deg_s)
     plant["y"][0, RATE : RATE + 3] = rate
-    plant["fresh"] = 0
     sensors["imu"]["rate"][:] = rate
-    fsw["disturbance"]["rate"] = rate
+    fsw["estimation"]["rate"] = rate
     return replace(state, plant=plant, sensors=sensors, fsw=fsw)
 
 

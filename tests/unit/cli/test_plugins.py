@@ -26,7 +26,7 @@ class MineParams(Params):
     "Mine."
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     "Mine."
     return 0.5
 
@@ -81,8 +81,9 @@ def plugins_of_this_process(monkeypatch):
         ("law.py", LAW.replace("MEMBER =", "LAW ="), r"must define MEMBER = Member\(...\)"),
         (
             "law.py",
-            LAW.replace("(onboard, nav, mem, out)", "(onboard, nav)"),
-            r"must define guide\(onboard, nav, mem, out\) \(got guide\(onb",
+            LAW.replace("(params, plan, onboard, nav, memory, out)", "(onboard, nav, mem, out)"),
+            r"must define guide\(params, plan, onboard, nav, memory, out\) "
+            r"\(got guide\(onboard, nav, mem, out\)",
         ),
         ("law.py", LAW.replace('{"guide"', '{"steer"'), r"must give the kernel guide \(got steer\)"),
         ("law.py", LAW.replace("@kernel", ""), "must compile 'guide' with @kernel"),
@@ -196,9 +197,9 @@ steering.steer_bank(onboard, nav, mem, out, 1.25)
 print(float(out["bank"]), sum(steering.steer_bank.stats.cache_hits.values()))
 """
 
-SIDE = LAW.replace("guide(onboard, nav, mem, out)", "side(onboard, nav, mem, out, wanted, sign)").replace(
-    '{"guide": guide}', '{"side": side}'
-)
+SIDE = LAW.replace(
+    "guide(params, plan, onboard, nav, memory, out)", "side(params, onboard, nav, memory, out, wanted, sign)"
+).replace('{"guide": guide}', '{"side": side}')
 
 
 def test_edited_plugin_is_compiled_again_and_an_unchanged_one_is_not(tmp_path, monkeypatch):

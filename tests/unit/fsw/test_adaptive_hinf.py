@@ -281,7 +281,7 @@ def test_law_flies_a_point_mass_to_the_parachute_target(density_factor):
         )
     )
     assert flight.metrics["parachute_miss_m"] < 4000.0
-    memory = flight.fsw["entry"]["law"]["adaptive_hinf"][0]
+    memory = flight.fsw["guidance"]["entry"]["law"]["adaptive_hinf"][0]
     assert np.all((memory["theta"] >= memory["low"]) & (memory["theta"] <= memory["high"]))
     middle = 0.5 * (memory["low"] + memory["high"])
     # it has learnt something

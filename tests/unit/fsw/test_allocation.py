@@ -9,9 +9,12 @@ import pytest
 from scipy.optimize import linprog, lsq_linear
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, allocate
+from edl6dof.fsw.allocation.demand import DEMAND
+from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, effectiveness_matrix
+from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, share_out
 from edl6dof.fsw.allocation.registry import AllocationParams
-from edl6dof.fsw.allocation.wrench import ALLOCATOR, effects
+from edl6dof.fsw.allocation.update import ALLOCATION
+from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.parts import ENTRY, LANDER, UNDER_CHUTE
 from edl6dof.interface.thrusters import FINE, THRUSTER_GROUPS
 
@@ -49,10 +52,16 @@ def random_layout(rng, template, count=14):
 
 
 def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, rounds=1, memory=None):
-    memory = np.zeros(1, ALLOCATOR)[0] if memory is None else memory
-    effects(thrusters, count, tuple(centre), memory["effect"])
+    memory = np.zeros(1, ALLOCATION)[0] if memory is None else memory
+    vehicle, asked = np.zeros(1, ONBOARD["vehicle"])[0], np.zeros(1, DEMAND)[0]
+    vehicle["thrusters"], vehicle["n_thrusters"] = thrusters, count
+    asked["wrench"], asked["groups"], asked["translating"] = demand, allowed, translating
+    effectiveness = np.zeros(1, EFFECTIVENESS)[0]
+    effectiveness_matrix(thrusters, count, tuple(centre), effectiveness["matrix"])
+    effectiveness["changed"] = 1
+    own = memory["method"]["least_squares"], memory["duty"], memory["unallocated"]
     for _ in range(rounds):
-        allocate(p, thrusters, count, HEALTHY, allowed, translating, False, np.asarray(demand, float), memory)
+        share_out(p["least_squares"], p, vehicle, HEALTHY, effectiveness, asked, *own)
     return memory
 
 
@@ -145,7 +154,7 @@ def test_demand_beyond_all_authority_saturates_valves_at_the_bounds_and_never_pa
     rng = np.random.default_rng(5)
     vehicle = shared_onboard[0]["vehicle"]
     count, centre = vehicle["n_thrusters"], vehicle["configuration"][ENTRY]["centre"]
-    memory = np.zeros(1, ALLOCATOR)[0]
+    memory = np.zeros(1, ALLOCATION)[0]
     at_bound = 0
     for _ in range(60):
         solve(
@@ -161,12 +170,12 @@ def test_demand_beyond_all_authority_saturates_valves_at_the_bounds_and_never_pa
     assert at_bound > 60
 
 
-def test_undelivered_is_demand_minus_what_the_duties_produce_also_from_a_warm_start(shared_onboard):
+def test_unallocated_is_demand_minus_what_the_duties_produce_also_from_a_warm_start(shared_onboard):
     rng = np.random.default_rng(6)
     vehicle = shared_onboard[0]["vehicle"]
     count, centre = vehicle["n_thrusters"], vehicle["configuration"][LANDER]["centre"]
     effect = wrenches(vehicle["thrusters"], count, centre)
-    memory = np.zeros(1, ALLOCATOR)[0]
+    memory = np.zeros(1, ALLOCATION)[0]
     for step in range(60):
         demand = random_demand(rng, 10.0 ** rng.uniform(0.0, 3.5))
         allowed = [ALL, 0b1101, 0b1000][step % 3]
@@ -182,7 +191,7 @@ def test_undelivered_is_demand_minus_what_the_duties_produce_also_from_a_warm_st
             memory,
         )
         assert np.allclose(
-            memory["undelivered"], demand - effect @ memory["duty"][:count], rtol=0.0, atol=1e-9 * 5000.0
+            memory["unallocated"], demand - effect @ memory["duty"][:count], rtol=0.0, atol=1e-9 * 5000.0
         )
         outside = [(allowed >> g) & 1 == 0 for g in vehicle["thrusters"]["group"][:count]]
         assert np.all(memory["duty"][:count][outside] == 0.0)
@@ -259,7 +268,7 @@ def test_changing_demand_does_not_leave_opposing_thrusters_running(shared_onboar
     )
     effect, thrust = wrenches(vehicle["thrusters"], count, centre), vehicle["thrusters"]["thrust"][:count]
     keep = vehicle["thrusters"]["group"][:count] != THRUSTER_GROUPS.index("axial")
-    memory, used, least = np.zeros(1, ALLOCATOR)[0], 0.0, 0.0
+    memory, used, least = np.zeros(1, ALLOCATION)[0], 0.0, 0.0
     for _ in range(80):
         demand = random_demand(rng, 100.0)
         solve(p, vehicle["thrusters"], count, centre, demand, 0b1101, memory=memory)

@@ -30,8 +30,8 @@ def index(flight, name):
 def test_working_thrusters_respond_in_full_and_stay_in_the_selection(nominal):
     assert nominal.fsw["check_out"]["next"][0] == 2
     assert nominal.fsw["check_out"]["response"][0, :2] == pytest.approx(1.0, abs=0.1)
-    assert nominal.fsw["healthy"][0, index(nominal, "D1")] == 1
-    assert nominal.fsw["healthy"][0, index(nominal, "D2")] == 1
+    assert nominal.fsw["health"]["thruster"][0, index(nominal, "D1")] == 1
+    assert nominal.fsw["health"]["thruster"][0, index(nominal, "D2")] == 1
 
 
 @pytest.mark.parametrize("thruster", ["D1", "D2"])
@@ -39,8 +39,8 @@ def test_a_dead_thruster_is_taken_out_and_never_fired_again(thruster):
     fault = f"faults=[{{thruster: {thruster}, kind: stuck_off, at: {{time_s: 0}}}}]"
     flight = edl6dof.fly("tianwen1", [fault])
     other = "D2" if thruster == "D1" else "D1"
-    assert flight.fsw["healthy"][0, index(flight, thruster)] == 0
-    assert flight.fsw["healthy"][0, index(flight, other)] == 1
+    assert flight.fsw["health"]["thruster"][0, index(flight, thruster)] == 0
+    assert flight.fsw["health"]["thruster"][0, index(flight, other)] == 1
     assert flight.success, flight.outcome
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
+from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.parts import ENTRY, LANDER
 
 DT = 0.02
@@ -18,16 +18,26 @@ X, Y, Z = np.eye(3)
 NORTH, EAST, UP = X, Y, -Z
 
 
+class Control:
+    """What a controller has beside navigation and the goal: its inputs and its memory; and its last error."""
+
+    def __init__(self, configuration, phase_start=-100.0):
+        self.configuration, self.phase_start, self.error = configuration, phase_start, None
+        self.inputs, self.memory = np.zeros(1, CONTROL_INPUTS)[0], np.zeros(1, CONTROLLERS.memory)[0]
+
+
 def memory(configuration, phase_start=-100.0):
-    fsw = np.zeros(1, FSW)[0]
-    fsw["configuration"], fsw["phase_start"], fsw["healthy"] = configuration, phase_start, 1
-    return fsw
+    return Control(configuration, phase_start)
 
 
-def demand(name, onboard, nav, guide, fsw, dt=DT):
-    fsw["demand"] = 0.0
-    attitude_control(CONTROLLERS.names.index(name), onboard[0], nav, guide, dt, fsw)
-    return np.array(fsw["demand"][3:])
+def demand(name, onboard, nav, guide, own, dt=DT):
+    own.inputs["inertia"] = inertia(onboard, own.configuration)
+    own.inputs["phase_time"] = nav["t"] - own.phase_start
+    own.inputs["bandwidth"] = onboard[0]["mission"]["phases"][0]["bandwidth"]
+    torque, own.error = attitude_control(
+        CONTROLLERS.names.index(name), onboard[0]["control"], nav, guide, own.inputs, dt, own.memory
+    )
+    return np.array(torque)
 
 
 def inertia(onboard, configuration):
@@ -43,7 +53,13 @@ def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
     path = Quaternion(axis=X, degrees=bank_deg)
     q = path * Quaternion(axis=Z, degrees=-beta_deg) * Quaternion(axis=Y, degrees=alpha_deg)
     nav["q_I2B"], nav["w_B"], nav["imu_rate_B"] = q.elements, rate, rate
-    nav["v_I"], nav["speed"], nav["up_I"], nav["north_I"], nav["east_I"] = 3000.0 * X, 3000.0, UP, NORTH, EAST
+    nav["v_rel_I"], nav["speed"], nav["up_I"], nav["north_I"], nav["east_I"] = (
+        3000.0 * X,
+        3000.0,
+        UP,
+        NORTH,
+        EAST,
+    )
     nav["alpha"], nav["beta"], nav["bank"] = radians(alpha_deg), radians(beta_deg), radians(bank_deg)
     nav["wing_open"] = 1
     return nav
@@ -71,7 +87,7 @@ def test_bank_torque_turns_the_vehicle_about_the_velocity(onboard):
 
 def test_after_the_trim_wing_bank_torque_turns_about_the_body_axis(onboard):
     fsw = memory(ENTRY)
-    fsw["wing_out"] = 1
+    fsw.inputs["wing_commanded"] = 1
     torque = demand("bank_to_steer", onboard, flying(alpha_deg=-6.0), commanded(60.0), fsw)
     assert torque[0] > 100.0
     assert torque[1:] == pytest.approx(0.0, abs=1e-9)
@@ -97,7 +113,7 @@ def test_rate_of_the_angle_of_attack_decays_with_the_damping_gain(onboard, wing)
     p = onboard[0]["control"]["bank_to_steer"]
     gain = p["damping_after_wing"] if wing else p["damping"]
     rate, start, fsw = radians(6.0), radians(6.0), memory(ENTRY)
-    fsw["wing_out"] = wing
+    fsw.inputs["wing_commanded"] = wing
     for _ in range(round(0.5 / DT)):
         torque = demand(
             "bank_to_steer", onboard, flying(0.0 if wing else -10.0, rate=(0.0, rate, 0.0)), commanded(), fsw
@@ -130,18 +146,12 @@ def test_integral_takes_out_the_bank_error_of_an_aerodynamic_bank_moment(onboard
     assert degrees(bank) == pytest.approx(expected, abs=0.05)
 
 
-def test_wing_that_does_not_report_itself_open_has_its_angle_of_attack_closed_after_the_patience(onboard):
-    p, fsw = onboard[0]["control"]["bank_to_steer"], memory(ENTRY)
-    fsw["wing_out"], fsw["wing_time"] = 1, 100.0
-    nav = flying(alpha_deg=-8.0)
-    nav["wing_open"] = 0
-    for late, failed in ((-0.1, 0), (0.1, 1)):
-        nav["t"] = 100.0 + p["wing_patience"] + late
-        torque = demand("bank_to_steer", onboard, nav, commanded(), fsw)
-        assert fsw["wing_failed"] == failed
-        assert (torque[1] > 50.0) == bool(failed)
-    nav["wing_open"] = 1  # a late signal does not open the loop again
-    assert demand("bank_to_steer", onboard, nav, commanded(), fsw)[1] > 50.0
+@pytest.mark.parametrize("failed", [0, 1])
+def test_angle_of_attack_is_closed_around_zero_once_the_wing_has_failed(onboard, failed):
+    fsw = memory(ENTRY)
+    fsw.inputs["wing_commanded"], fsw.inputs["wing_failed"] = 1, failed
+    torque = demand("bank_to_steer", onboard, flying(alpha_deg=-8.0), commanded(), fsw)
+    assert (torque[1] > 50.0) == bool(failed)
 
 
 # ---- rate damping under the parachute (S1 section 5) -------------------------------------------------------
@@ -207,7 +217,7 @@ def slewed(onboard, goal_tilt, formulation, roll_deg=0.0, duration=8.0):
         rate = rate + DT * (torque - np.cross(rate, principal * rate)) / principal
         q = (q * Quaternion(axis=rate, radians=np.linalg.norm(rate) * DT)).normalised
         axes.append(q.rotate(-X))
-        errors.append(np.array(fsw["attitude_error"]))
+        errors.append(np.array(fsw.error))
     return np.array(axes), np.array(errors)
 
 

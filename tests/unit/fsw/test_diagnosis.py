@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.allocation.wrench import effects
-from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, FINDINGS, DiagnosisParams, diagnose
+from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
+from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, KIND_NAMES, DiagnosisParams, diagnose
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
-from edl6dof.fsw.diagnosis.probe import NOBODY
+from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.interface.parts import LANDER
@@ -23,22 +23,24 @@ DT = 0.04
 
 
 @pytest.fixture(scope="module")
-def effect(shared_onboard):
+def effectiveness(shared_onboard):
     vehicle, table = shared_onboard[0]["vehicle"], np.zeros((32, 6))
-    effects(vehicle["thrusters"], len(NAMES), tuple(vehicle["configuration"][LANDER]["centre"]), table)
+    effectiveness_matrix(
+        vehicle["thrusters"], len(NAMES), tuple(vehicle["configuration"][LANDER]["centre"]), table
+    )
     return table
 
 
 class Watch:
     """The diagnosis with a valve schedule and a true fault to look at."""
 
-    def __init__(self, effect, seed=0, **settings):
-        self.effect, self.rng = effect, np.random.default_rng(seed)
+    def __init__(self, effectiveness, seed=0, **settings):
+        self.effectiveness, self.rng = effectiveness, np.random.default_rng(seed)
         self.params = np.zeros(1, dtype_of(DiagnosisParams))
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory = np.zeros(1, DIAGNOSIS)
-        self.memory["probe"]["suspect"] = NOBODY
-        self.activity, self.healthy, self.isolate = (
+        self.memory["probe"]["suspect"] = NONE
+        self.activity, self.healthy, self.shut = (
             np.zeros(1, ACTIVITY),
             np.ones(32, "i8"),
             np.zeros(32, "i8"),
@@ -59,33 +61,42 @@ class Watch:
         if fault is not None:
             i, kind, loss = fault
             given[i] = 1.0 if kind == "stuck on" else (1.0 - loss) * share[i]
-        given[self.isolate != 0] = 0.0
+        given[self.shut != 0] = 0.0
         noise = np.concatenate([self.rng.normal(0, 2.0, 3), self.rng.normal(0, 1.0, 3)])
-        seen = (given - share) @ self.effect + noise + disturbance
-        self.activity["share"], self.activity["wrench"] = share, share @ self.effect
-        arguments = (self.params[0], len(NAMES), self.effect, self.activity[0], load, seen, self.t, DT)
-        diagnose(*arguments, self.memory[0], self.healthy, self.isolate)
+        unexplained = (given - share) @ self.effectiveness + noise + disturbance
+        self.activity["share"], self.activity["wrench"] = share, share @ self.effectiveness
+        arguments = (
+            self.params[0],
+            len(NAMES),
+            self.effectiveness,
+            self.activity[0],
+            load,
+            unexplained,
+            self.t,
+            DT,
+        )
+        diagnose(*arguments, self.memory[0], self.healthy, self.shut)
         self.t += DT
 
     @property
     def found(self):
         memory = self.memory[0]
         return [
-            (NAMES[slot["thruster"]], FINDINGS[int(slot["kind"])])
-            for slot in memory["found"][: memory["n_found"]]
+            (NAMES[slot["thruster"]], KIND_NAMES[int(slot["kind"])])
+            for slot in memory["isolated"][: memory["n_isolated"]]
         ]
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("kind", "loss"), [("stuck off", 1.0), ("stuck on", 0.0), ("degraded", 0.5)])
-def test_every_thruster_is_named_with_its_fault(effect, name, kind, loss):
+def test_every_thruster_is_named_with_its_fault(effectiveness, name, kind, loss):
     """22 thrusters times three faults, first flown sound for 4 s: nothing else is ever named."""
     if kind == "degraded" and name.startswith("F"):
         pytest.skip("12 N is what the residual of a sound vehicle is allowed")
     fine = np.array([other.startswith("F") for other in NAMES])
     # 25 N are within the tolerance of the models while 250 N thrusters fire
     who = fine if name.startswith("F") else ~fine
-    watch = Watch(effect, seed=NAMES.index(name))
+    watch = Watch(effectiveness, seed=NAMES.index(name))
     for _ in range(100):
         watch.cycle(who=who)
     assert watch.found == []
@@ -94,14 +105,14 @@ def test_every_thruster_is_named_with_its_fault(effect, name, kind, loss):
     assert [who for who, _ in watch.found] == [name]
     if not name.startswith("F"):  # the loss of 25 N is measured to a tenth or two: it may pass for degraded
         assert watch.found == [(name, kind)]
-    assert watch.healthy[NAMES.index(name)] == 0 and watch.isolate[NAMES.index(name)] == 1
+    assert watch.healthy[NAMES.index(name)] == 0 and watch.shut[NAMES.index(name)] == 1
     assert watch.healthy[: len(NAMES)].sum() == len(NAMES) - 1
 
 
-def test_dead_thruster_is_named_after_a_few_cycles_of_use(effect):
-    """Its use between fault and verdict, in cycles at full thrust, for the eight horizontal thrusters."""
+def test_dead_thruster_is_named_after_a_few_cycles_of_use(effectiveness):
+    """Its use between fault and isolation, in cycles at full thrust, for the eight horizontal thrusters."""
     for i in range(8):
-        watch = Watch(effect, seed=i)
+        watch = Watch(effectiveness, seed=i)
         for _ in range(60):
             watch.cycle()
         before = watch.asked[i]
@@ -111,63 +122,63 @@ def test_dead_thruster_is_named_after_a_few_cycles_of_use(effect):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_coloured_disturbance_as_large_as_the_thrusters_accuses_nobody(effect, seed):
+def test_a_coloured_disturbance_as_large_as_the_thrusters_isolates_nothing(effectiveness, seed):
     """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under
     their load.
     """
-    watch, slow = Watch(effect, seed), np.zeros(6)
+    watch, slow = Watch(effectiveness, seed), np.zeros(6)
     for _ in range(2500):
         slow += -slow * DT / 1.0 + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, [0, 250, 250, 0, 250, 250])
         watch.cycle(disturbance=slow, load=10000.0)
     assert watch.found == []
 
 
-def test_sound_vehicle_is_left_alone_for_an_hour(effect):
-    watch = Watch(effect, 5)
+def test_sound_vehicle_is_left_alone_for_an_hour(effectiveness):
+    watch = Watch(effectiveness, 5)
     for _ in range(90000):
         watch.cycle()
     assert watch.found == [] and np.all(watch.healthy == 1)
 
 
-def test_thruster_stuck_on_since_before_anyone_looked_is_found_by_shutting_it_off(effect):
+def test_thruster_stuck_on_since_before_anyone_looked_is_found_by_shutting_it_off(effectiveness):
     """Nothing is fired, and the thrust is there from the first cycle after a restart: part of the slow
     disturbance.
     """
     for i in range(20):
-        watch = Watch(effect, i)
+        watch = Watch(effectiveness, i)
         restart_residual(watch.memory[0]["residual"])
         for _ in range(100):
             watch.cycle((i, "stuck on", 0.0), use=0.0)
         assert watch.found == ([(NAMES[i], "stuck on")] if i < 16 else [])  # 25 N may be misalignment
-        assert np.sum(watch.isolate) == (1 if i < 16 else 0)
+        assert np.sum(watch.shut) == (1 if i < 16 else 0)
 
 
-def test_probe_of_a_sound_thruster_gives_it_back(effect):
+def test_probe_of_a_sound_thruster_gives_it_back(effectiveness):
     """A constant disturbance that looks exactly like D1 stuck on."""
-    watch, shut = Watch(effect), 0
+    watch, shut = Watch(effectiveness), 0
     restart_residual(watch.memory[0]["residual"])
     for _ in range(300):
-        watch.cycle(disturbance=effect[0], use=0.0)
-        shut += int(watch.isolate[0])
-    assert watch.found == [] and 5 < shut < 60 and watch.healthy[0] == 1 and watch.isolate[0] == 0
+        watch.cycle(disturbance=effectiveness[0], use=0.0)
+        shut += int(watch.shut[0])
+    assert watch.found == [] and 5 < shut < 60 and watch.healthy[0] == 1 and watch.shut[0] == 0
 
 
-def test_switched_off_it_neither_names_nor_isolates(effect):
-    watch = Watch(effect, enabled=False)
+def test_switched_off_it_neither_names_nor_isolates(effectiveness):
+    watch = Watch(effectiveness, enabled=False)
     for _ in range(200):
         watch.cycle((3, "stuck on", 0.0))
     assert watch.found == [] and np.all(watch.healthy == 1)
 
 
-def test_confidence_is_a_probability_and_reaches_the_threshold_at_the_verdict(effect):
-    watch = Watch(effect, 2)
+def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(effectiveness):
+    watch = Watch(effectiveness, 2)
     for k in range(120):
         watch.cycle((6, "stuck off", 1.0) if k > 50 else None)
         assert 0.0 <= watch.memory["hypotheses"]["confidence"][0] <= 1.0
-    assert 0.999 <= watch.memory["found"][0][0]["confidence"] <= 1.0
+    assert 0.999 <= watch.memory["isolated"][0][0]["confidence"] <= 1.0
 
 
-def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effect):
+def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effectiveness):
     """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
     limit of large residuals.
     """
@@ -191,10 +202,10 @@ def test_slow_part_is_the_late_mean_by_numpy():
     restart_residual(memory)
     history, slow = [], np.zeros(6)
     for k in range(200):
-        seen = rng.normal(size=6) + 50.0
-        known = without_slow_part(0.4, seen, np.zeros(32), 22, DT, memory)
+        unexplained = rng.normal(size=6) + 50.0
+        known = without_slow_part(0.4, unexplained, np.zeros(32), 22, DT, memory)
         if k >= WINDOW:
             slow = slow + max(DT / 0.4, 1.0 / (k - WINDOW + 1)) * (history[k - WINDOW] - slow)
-            assert memory["value"] == pytest.approx(seen - slow, abs=1e-12)
+            assert memory["value"] == pytest.approx(unexplained - slow, abs=1e-12)
         assert (known > 0) == (k - WINDOW >= 3)
-        history.append(seen)
+        history.append(unexplained)

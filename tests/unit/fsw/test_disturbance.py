@@ -9,15 +9,17 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.estimation.disturbance import DISTURBANCE, DisturbanceParams, estimate
+from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, estimate
+from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
+from edl6dof.fsw.estimation.update import unexplained_force, unexplained_torque
 
 J = np.array([[720.0, 12.0, -20.0], [12.0, 430.0, 8.0], [-20.0, 8.0, 490.0]])
 SIX = (720.0, 430.0, 490.0, 12.0, -20.0, 8.0)
 
 
 def settings(**changes):
-    record = np.zeros(1, dtype_of(DisturbanceParams))
-    fill(record[0], DisturbanceParams(**changes))
+    record = np.zeros(1, dtype_of(FirstOrderParams))
+    fill(record[0], FirstOrderParams(**changes))
     return record[0]
 
 
@@ -34,25 +36,46 @@ def spin(applied, disturbance, w0, times):
 
 def run_estimator(p, rates, applied, dt):
     """Estimates after each cycle; ``applied[k]`` acted between samples k and k+1."""
-    memory = np.zeros(1, DISTURBANCE)[0]
+    memory = Estimator()
     found = [torque_from(p, SIX, rates[0], np.zeros(3), dt, memory)]
     for k in range(1, len(rates)):
         found.append(torque_from(p, SIX, rates[k], applied[k - 1], dt, memory))
     return np.array(found)
 
 
+class Estimator:
+    """The estimate, and the last sample that the next one is compared with."""
+
+    def __init__(self):
+        self.measured, self.out = np.zeros(1, MEASURED)[0], np.zeros(1, DISTURBANCE)[0]
+        self.last = None
+
+    def sample(self, p, sample, unexplained, rows, dt):
+        """Estimate after one more ``sample``; ``unexplained(last)`` fills the ``rows`` of the wrench."""
+        if self.last is not None:
+            self.measured["unexplained"][rows] = unexplained(self.last)
+            estimate(p, self.measured, dt, None, self.out)
+        self.last = tuple(sample)
+
+
 def torque_from(p, inertia, w, applied, dt, memory):
     """Torque estimate after one more sample of the rate, of a body that does not accelerate."""
-    estimate(
-        p, inertia, 1000.0, tuple(w), (0.0, 0.0, 0.0), np.concatenate([np.zeros(3), applied]), dt, memory
-    )
-    return tuple(memory["torque"])
+
+    def unexplained(last):
+        return unexplained_torque(inertia, tuple(w), last, tuple(applied), dt)
+
+    memory.sample(p, w, unexplained, slice(3, 6), dt)
+    return tuple(memory.out["torque"])
 
 
 def force_from(p, mass, gain, applied, dt, memory):
     """Force estimate after one more sample of the velocity gained, of a body that does not turn."""
-    estimate(p, SIX, mass, (0.0, 0.0, 0.0), tuple(gain), np.concatenate([applied, np.zeros(3)]), dt, memory)
-    return tuple(memory["force"])
+
+    def unexplained(last):
+        return unexplained_force(mass, tuple(gain), last, tuple(applied), dt)
+
+    memory.sample(p, gain, unexplained, slice(0, 3), dt)
+    return tuple(memory.out["force"])
 
 
 @pytest.mark.parametrize("pole", [0.5, 1.5, 8.0])
@@ -62,7 +85,7 @@ def test_step_response_is_the_exponential_of_the_pole_at_every_rate(pole, dt):
     t) exactly.
     """
     torque = 100.0
-    memory = np.zeros(1, DISTURBANCE)[0]
+    memory = Estimator()
     p = settings(torque_pole_rad_s=pole)
     for k in range(60):
         t = k * dt
@@ -142,7 +165,7 @@ def test_estimate_follows_the_continuous_observer_of_the_paper():
 
 def test_estimate_is_limited_and_recovers():
     p = settings(torque_limit_nm=50.0, torque_pole_rad_s=2.0)
-    memory = np.zeros(1, DISTURBANCE)[0]
+    memory = Estimator()
     w = 0.0
     for _ in range(200):
         found = torque_from(p, SIX, (w, 0.0, 0.0), np.zeros(3), 0.04, memory)
@@ -154,19 +177,19 @@ def test_estimate_is_limited_and_recovers():
 
 
 def test_first_sample_only_sets_the_memory():
-    memory = np.zeros(1, DISTURBANCE)[0]
+    memory = Estimator()
     assert torque_from(settings(), SIX, (0.5, 0.2, -0.3), np.array([10.0, 0.0, 0.0]), 0.04, memory) == (
         0.0,
         0.0,
         0.0,
     )
-    assert memory["force"].tolist() == [0.0, 0.0, 0.0]
+    assert memory.out["force"].tolist() == [0.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("pole", [0.5, 8.0, 50.0])
 @pytest.mark.parametrize("dt", [0.01, 0.04, 0.2])
 def test_force_step_response_is_the_exponential_of_its_pole_at_every_rate(pole, dt):
-    memory, push, mass = np.zeros(1, DISTURBANCE)[0], np.array([0.0, 250.0, -40.0]), 950.0
+    memory, push, mass = Estimator(), np.array([0.0, 250.0, -40.0]), 950.0
     p = settings(force_pole_rad_s=pole)
     for k in range(40):
         found = force_from(p, mass, push / mass * k * dt, np.zeros(3), dt, memory)
@@ -191,7 +214,7 @@ def test_force_estimate_follows_the_continuous_observer_of_the_paper():
         return [(push(t) + commanded(t)) / mass, -pole * (eta + pole * mass * v + commanded(t))]
 
     v, eta = solve_ivp(both, (0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-10, atol=1e-10).y
-    memory, found = np.zeros(1, DISTURBANCE)[0], []
+    memory, found = Estimator(), []
     for k, t in enumerate(times):
         applied = np.array([0.0, 0.0, commanded(t - dt / 2)])
         found.append(
@@ -220,7 +243,7 @@ def test_torque_step_is_known_to_five_percent_within_half_a_second_as_flown():
         rates[round(t, 3)] = w
         middle = torque(t + 0.0005)
         w = w + 0.001 * np.linalg.solve(J, middle - np.cross(w, J @ w))
-    memory, p = np.zeros(1, DISTURBANCE)[0], settings()
+    memory, p = Estimator(), settings()
     for t in starts[2:]:
         measured = rates[round(t - delay, 3)]
         # the measured cycle is half the last control cycle and half the one before

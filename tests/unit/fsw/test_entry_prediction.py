@@ -174,7 +174,7 @@ def test_solution_of_the_corrector_is_predicted_to_hit(onboard, drag_ratio):
     )
     memory["shift"] = record["reference"]["shift"]
     for _ in range(2):  # a call stops after a few steps; the next one goes on from there
-        solve(record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
+        solve(entry["npc"], record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
     assert abs(miss_of(record, nav, out, memory["shift"])) < entry["npc"]["tolerance"]
     assert memory["iterations"] <= 1
     assert 20.0 < degrees(acos(memory["shift"])) < 100.0
@@ -185,7 +185,7 @@ def test_corrector_goes_to_the_nearer_limit_when_the_target_is_out_of_reach(onbo
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
     nav, memory = state(25.1 + ahead_deg, 110.2, 65e3, 4820.0, -9.3, 181.4), np.zeros(1, NPC_MEMORY)[0]
     for _ in range(3):
-        solve(record, nav, out_record(), cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
+        solve(entry["npc"], record, nav, out_record(), cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
     assert memory["shift"] == pytest.approx(cos(entry[bound]), abs=1e-9)
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.modulation import MODULATOR, ModulationParams, modulate
+from edl6dof.fsw.modulation import MODULATION, ModulationParams, modulate
+from edl6dof.fsw.onboard import ONBOARD
 
 CYCLE = 0.04
 
@@ -29,14 +30,15 @@ def operate(thrusters, duties, cycle=CYCLE, p=None, start=0.0):
     (open, close).
     """
     p = settings() if p is None else p
-    memory = np.zeros(1, MODULATOR)[0]
+    memory = np.zeros(1, MODULATION)[0]
     opens, closes = np.zeros(32), np.zeros(32)
     on, pulses = np.zeros_like(duties), [[] for _ in range(8)]
-    padded = np.zeros(32)
+    padded, vehicle = np.zeros(32), np.zeros(1, ONBOARD["vehicle"])[0]
+    vehicle["thrusters"], vehicle["n_thrusters"] = thrusters, 8
     for k, row in enumerate(duties):
         t = start + k * cycle
         padded[:8] = row
-        modulate(p, thrusters, 8, padded, t, cycle, memory, opens, closes)
+        modulate(p, vehicle, padded, t, cycle, memory, opens, closes)
         assert np.all(opens[:8] >= t - 1e-12)
         assert np.all(closes[:8] <= t + cycle + 1e-9)
         on[k] = closes[:8] - opens[:8]
@@ -55,9 +57,9 @@ def test_total_on_time_follows_randomly_varying_duty_within_one_minimum_pulse_an
     duties = rng.uniform(0.04, 1.0, (2500, 8)) * rng.uniform(0.1, 1.0, 8)
     duties = np.maximum(duties, 0.04)
     on, _ = operate(jets, duties, cycle)
-    owed = np.cumsum(duties * cycle - on, axis=0)
+    residual = np.cumsum(duties * cycle - on, axis=0)
     bound = jets["minimum_pulse"][:8] + cycle
-    assert np.all(np.abs(owed) <= bound + 1e-9)
+    assert np.all(np.abs(residual) <= bound + 1e-9)
     assert np.mean(on, axis=0) / cycle == pytest.approx(
         np.mean(duties, axis=0), abs=2.0 * bound.max() / (2500 * cycle)
     )
@@ -90,7 +92,7 @@ def test_duty_inside_the_deadband_never_opens_a_valve_and_just_outside_does(jets
     assert np.all(np.sum(on, axis=0) > 0.0)
 
 
-def test_impulse_owed_is_forgotten_when_the_thruster_is_no_longer_asked_for(jets):
+def test_residual_is_dropped_when_the_thruster_is_no_longer_asked_for(jets):
     """Alternating half-pulse demands with a pause between must not add up to a pulse in the pause."""
     duties = np.zeros((300, 8))
     duties[::2] = 0.9
@@ -102,7 +104,7 @@ def test_full_duty_keeps_the_valve_open_without_gap(jets):
     on, pulses = operate(jets, np.ones((200, 8)))
     for i in range(8):
         assert len(pulses[i]) == 1
-        assert pulses[i][0][0] <= jets["minimum_pulse"][i]  # starts once the minimum pulse is owed
+        assert pulses[i][0][0] <= jets["minimum_pulse"][i]  # starts once the minimum pulse is due
         assert pulses[i][0][1] == pytest.approx(200 * CYCLE)
 
 
@@ -117,7 +119,7 @@ def test_128_ms_pulse_spans_control_cycles(jets):
 
 def test_pulse_started_goes_on_when_demand_stops_after_one_cycle(jets):
     duties = np.zeros((12, 8))
-    duties[:4, 4] = 1.0  # 0.16 s owed by the fourth cycle: opens there
+    duties[:4, 4] = 1.0  # 0.16 s due by the fourth cycle: opens there
     on, pulses = operate(jets, duties)
     assert pulses[4][0][0] == pytest.approx(0.12)
     assert pulses[4][0][1] - pulses[4][0][0] == pytest.approx(0.128)

@@ -26,7 +26,15 @@ def test_bank_profile_is_linear_between_its_points_and_constant_beyond(over):
     nav, memory, out = np.zeros(1, NAV)[0], np.zeros(1, ENTRY_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
     for x in (0.0, 499.0, 500.0, 900.0, 1500.0, 1555.5, 2000.0, 3500.0, 4800.0):
         nav["speed"], nav["t"] = (x, 77.0) if over == "speed" else (77.0, x)
-        bank = wanted_bank(ENTRY_LAWS.names.index("bank_profile"), record, nav, memory, out)
+        bank = wanted_bank(
+            ENTRY_LAWS.names.index("bank_profile"),
+            record["guidance"]["entry"],
+            record["plan"],
+            record,
+            nav,
+            memory,
+            out,
+        )
         assert bank == pytest.approx(radians(np.interp(x, *np.transpose(points))), abs=1e-12)
 
 
@@ -84,7 +92,8 @@ def side(record, nav, sign, wanted=1.0):
     out = np.zeros(1, GUIDE)[0]
     out["drag_ratio"] = out["lift_ratio"] = 1.0
     mem = np.zeros(1, REVERSALS.memory)[0]
-    return bank_side(REVERSALS.names.index("predictive"), record, nav, mem, out, wanted, sign)
+    params = record["guidance"]["entry"]["reversal"]
+    return bank_side(REVERSALS.names.index("predictive"), params, record, nav, mem, out, wanted, sign)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

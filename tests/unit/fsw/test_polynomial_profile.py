@@ -139,9 +139,16 @@ def test_heading_corridor_compares_the_angle_at_the_vehicle(onboard):
             )
             for sign in (1.0, -1.0):
                 out["crossrange"] *= sign
-                turned = bank_side(logic, record, nav, memory, out, 1.0, sign)
+                turned = bank_side(
+                    logic, record["guidance"]["entry"]["reversal"], record, nav, memory, out, 1.0, sign
+                )
                 assert turned == (-sign if error > limit else sign)
-                assert bank_side(logic, record, nav, memory, out, 1.0, -sign) == -sign  # already turning back
+                assert (
+                    bank_side(
+                        logic, record["guidance"]["entry"]["reversal"], record, nav, memory, out, 1.0, -sign
+                    )
+                    == -sign
+                )  # already turning back
                 out["crossrange"] *= sign
 
 

@@ -49,6 +49,16 @@ def law_memory():
     return np.zeros(1, POWERED_LAWS.memory)[0]
 
 
+def given(record):
+    """Settings and believed vehicle that a powered law gets."""
+    return record["guidance"]["powered"], record["vehicle"]
+
+
+def terminal(onboard):
+    """Settings and believed engine that a terminal law gets."""
+    return onboard[0]["guidance"]["powered"]["terminal"], onboard[0]["vehicle"]["engine"]
+
+
 @pytest.mark.parametrize(
     "height, descent, north, east",
     [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)],
@@ -62,13 +72,13 @@ def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(
     body, memory = PointMass(height, (north, east, descent)), law_memory()
     law = POWERED_LAWS.names.index("polynomial")
     dt, seen = 0.02, []
-    powered_guidance(law, record, body.nav, memory, body.out)
+    powered_guidance(law, *given(record), body.nav, memory, body.out)
     duration = float(body.out["time_to_go"])
     lead = memory["polynomial"]["target_L"]
     goal = np.array([lead[1], lead[0], record["guidance"]["powered"]["polynomial"]["final_height"]])
     r0, v0 = body.r.copy(), body.v * (1.0, 1.0, -1.0)
     while body.out["time_to_go"] > 0.35:
-        n, e, u, limit = powered_guidance(law, record, body.nav, memory, body.out)
+        n, e, u, limit = powered_guidance(law, *given(record), body.nav, memory, body.out)
         assert limit == pytest.approx(record["guidance"]["powered"]["polynomial"]["tilt_limit"])
         seen.append((body.t, *body.r))
         body.move(n, e, u, dt)
@@ -85,7 +95,7 @@ def test_polynomial_law_diverts_against_the_drift_away_from_the_backshell(onboar
     record = onboard[0]
     p = record["guidance"]["powered"]["polynomial"]
     body, memory = PointMass(1300.0, (-10.0, 0.0, 80.0)), law_memory()
-    powered_guidance(POWERED_LAWS.names.index("polynomial"), record, body.nav, memory, body.out)
+    powered_guidance(POWERED_LAWS.names.index("polynomial"), *given(record), body.nav, memory, body.out)
     ahead = p["drift_share"] * body.out["time_to_go"] * -10.0
     assert memory["polynomial"]["target_L"] == pytest.approx((0.0, ahead + p["divert"]))
 
@@ -97,7 +107,7 @@ def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_ve
     law = POWERED_LAWS.names.index("gravity_turn")
     braking = []
     while body.r[2] > final + 2.0 and body.t < 120.0:
-        n, e, u, _ = powered_guidance(law, onboard[0], body.nav, memory, body.out)
+        n, e, u, _ = powered_guidance(law, *given(onboard[0]), body.nav, memory, body.out)
         thrust = np.array([n, e, -(u - G)])
         assert np.cross(thrust, body.v) == pytest.approx(np.zeros(3), abs=1e-9)
         assert thrust @ body.v < 0.0
@@ -111,12 +121,12 @@ def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_ve
 
 
 @pytest.mark.parametrize("tilt_limit_deg", [0.0, 0.6, 4.0, 25.0])
-def test_commanded_thrust_keeps_its_vertical_part_and_the_tilt_limit(onboard, tilt_limit_deg):
+def test_commanded_thrust_keeps_its_vertical_part_and_the_tilt_limit(tilt_limit_deg):
     rng = np.random.default_rng(1)
     out, mass = np.zeros(1, GUIDE)[0], 900.0
     for _ in range(100):
         n, e, u = *rng.uniform(-6.0, 6.0, 2), rng.uniform(0.5, 15.0)
-        command_thrust(onboard[0], mass, (n, e, u), radians(tilt_limit_deg), out)
+        command_thrust(mass, (n, e, u), radians(tilt_limit_deg), out)
         d = out["thrust_direction_N"]
         force = out["thrust"] * d
         assert np.linalg.norm(d) == pytest.approx(1.0)
@@ -130,19 +140,19 @@ def test_commanded_thrust_keeps_its_vertical_part_and_the_tilt_limit(onboard, ti
 
 
 @pytest.mark.parametrize("up", [-0.01, -0.3, -3.0])
-def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(onboard, up):
+def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(up):
     """In hover 16 m too high at rest the law wants 3.71 - 4.0 m/s2 upwards; the thrust axis must stay within
     the tilt limit.
     """
     out = np.zeros(1, GUIDE)[0]
-    command_thrust(onboard[0], 900.0, (0.3, 0.0, up), radians(4.0), out)
+    command_thrust(900.0, (0.3, 0.0, up), radians(4.0), out)
     assert acos(np.clip(-out["thrust_direction_N"][2], -1.0, 1.0)) <= radians(4.0) + 1e-9
 
 
 @pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
 def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
     body = PointMass(height, (0.5, 0.0, descent))
-    hover(onboard[0], body.nav, 900.0, body.out)
+    hover(*terminal(onboard), body.nav, 900.0, body.out)
     assert acos(np.clip(-body.out["thrust_direction_N"][2], -1.0, 1.0)) < radians(6.0)
 
 
@@ -151,7 +161,7 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
     out = np.zeros(1, GUIDE)[0]
     for wish in (-100.0, 0.0, 1499.0, 3000.0, 5001.0, 9000.0):
         out["thrust"] = wish
-        throttle(onboard[0], out)
+        throttle(engine, out)
         assert out["thrust"] == min(max(wish, 1500.0), 5000.0)
         # S1
         assert (engine["throttle_min"], engine["throttle_max"], engine["full_thrust"]) == (
@@ -171,7 +181,7 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
         (9.0, 8000.0),
     ):
         out["thrust"] = wish
-        start_or_throttle(onboard[0], out, elapsed)
+        start_or_throttle(engine, full_time, elapsed, out)
         sequence.append((int(out["engine_mode"]), float(out["thrust"])))
     assert sequence == [(ENGINE_FULL, 7500.0)] * 3 + [(ENGINE_THROTTLE, 4900.0), (ENGINE_THROTTLE, 5000.0)]
 
@@ -187,7 +197,7 @@ def fly_terminal(step, body, mass, duration, dt=0.1, lateral=True):
 
 def test_hover_settles_at_its_height_and_stops_lateral_motion(onboard):
     body, mass = PointMass(108.0, (1.5, -1.0, 3.0)), 850.0
-    fly_terminal(lambda b: hover(onboard[0], b.nav, mass, b.out), body, mass, 40.0)
+    fly_terminal(lambda b: hover(*terminal(onboard), b.nav, mass, b.out), body, mass, 40.0)
     assert body.r[2] == pytest.approx(onboard[0]["guidance"]["powered"]["terminal"]["hover_height"], abs=0.5)
     assert np.linalg.norm(body.v) < 0.1
 
@@ -204,7 +214,7 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 
     def step(b):
         nonlocal fastest
-        avoid(onboard[0], b.nav, mass, memory, b.out)
+        avoid(*terminal(onboard), b.nav, mass, memory, b.out)
         assert b.out["thrust_direction_N"] == pytest.approx((0.0, 0.0, -1.0))
         fastest = max(fastest, np.hypot(b.v[0], b.v[1]))
 
@@ -217,6 +227,6 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 def test_descent_comes_down_at_the_touchdown_rate_without_lateral_speed(onboard):
     p = onboard[0]["guidance"]["powered"]["terminal"]
     body, mass = PointMass(60.0, (0.2, 0.1, 2.5)), 850.0
-    fly_terminal(lambda b: descend(onboard[0], b.nav, mass, b.out), body, mass, 20.0)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, b.out), body, mass, 20.0)
     assert body.v[2] == pytest.approx(p["touchdown_rate"], abs=0.02)
     assert np.hypot(body.v[0], body.v[1]) < 0.15

@@ -7,9 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.entry.laws.etpc import guide, plan
+from edl6dof.fsw.guidance.entry.laws.etpc import guide, lay_plan
 from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, fill_influence
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.navigation import NAV
 
 START = (125e3, 4800.0, radians(-11.58))
@@ -127,7 +126,7 @@ def test_more_drag_shortens_and_more_lift_or_climb_lengthens_the_range(table):
 
 def wanted(onboard, speed, drag_error=0.0, climb_error=0.0, range_error=0.0):
     """Wanted cos(bank) at a node of the plan with measured departures."""
-    influence = onboard[0]["plan"]["etpc"]
+    influence, params = onboard[0]["plan"]["etpc"], onboard[0]["guidance"]["entry"]["etpc"]
     k = round((speed - influence["first"]) / influence["spacing"])
     nav, out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
     nav["speed"] = influence["first"] + k * influence["spacing"]
@@ -135,13 +134,13 @@ def wanted(onboard, speed, drag_error=0.0, climb_error=0.0, range_error=0.0):
     nav["flight_path_angle"] = np.arcsin((influence["climb"][k] + climb_error) / nav["speed"])
     nav["mach"], out["lift_ratio"] = 15.0, 1.0
     out["range_to_go"] = influence["range"][k] + range_error
-    return cos(guide(onboard[0], nav, np.zeros(1, ENTRY_LAWS.memory)[0], out)), influence, k
+    return cos(guide(params, influence, onboard[0], nav, None, out)), influence, k
 
 
 @pytest.fixture(scope="module")
 def planned(plain):
     onboard = plain.copy()
-    plan(onboard, START)
+    lay_plan(onboard, START)
     return onboard
 
 

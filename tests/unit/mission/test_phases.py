@@ -6,9 +6,8 @@ import pytest
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.mission.phases import GUIDANCE, MISSION, Event, MissionParams, Phase, Trigger
-from edl6dof.fsw.mission.sequencer import sequence
+from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.events import EVENTS
 from edl6dof.scenario.schema import load_scenario
 
@@ -30,7 +29,7 @@ class Sequencer:
 
     def __init__(self, mission, start=0.0):
         self.mission, self.k, self.start = mission, 0, start
-        self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, FSW)[0]
+        self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, SEQUENCE)[0]
         self.fsw["phase_start"] = start
         self.events, self.entered = [], [(start, 0)]
 

@@ -1,10 +1,11 @@
 """The entry guidance laws.
 
-A member has one kernel, ``guide(onboard, nav, mem, out)``: it returns the bank angle it wants (rad).  Range
-to go, crossrange and the measured drag and lift ratios are in ``out`` before it is called; limits, side,
-heading alignment and rate come after it, in :mod:`~edl6dof.fsw.guidance.entry.steering`.  ``mem`` is the
-family's memory; a law's own lies in ``mem.<name>``. What a law plans on the ground, by its member's
-``plan(onboard, entry)``, it finds in ``onboard.plan.<name>``.
+A member has one kernel, ``guide(params, plan, onboard, nav, memory, out)``: it returns the bank angle it
+wants (rad).  ``params``, ``plan`` and ``memory`` are its own: its settings, what its member's
+``plan(onboard, entry)`` tabulated on the ground, and what it remembers.  ``onboard`` is what the flight
+computer believes.  Range to go, crossrange and the measured drag and lift ratios are in ``out`` before it is
+called; limits, side, heading alignment and rate come after it, in
+:mod:`~edl6dof.fsw.guidance.entry.steering`.
 """
 
 from __future__ import annotations
@@ -49,16 +50,16 @@ ENTRY_LAWS = Family(
 
 ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
-wanted_bank = ENTRY_LAWS.switch("guide", 4)
+wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out")
 
 
 @kernel
-def entry_guidance(law, onboard, nav, mem, out):
-    """Commanded bank angle of entry law number ``law``, written into ``out``; ``mem`` is an ``ENTRY_MEMORY``
-    record.
+def entry_guidance(law, onboard, nav, memory, out):
+    """Commanded bank angle of entry law number ``law``, written into ``out``; ``memory`` is an
+    ``ENTRY_MEMORY`` record.
     """
     out.range_to_go, out.crossrange = to_target(onboard, nav)
-    measure_air(onboard, nav, mem.air)
-    out.drag_ratio, out.lift_ratio = mem.air.drag, mem.air.lift
-    wanted = wanted_bank(law, onboard, nav, mem.law, out)
-    steer_bank(onboard, nav, mem.steering, out, wanted)
+    measure_air(onboard, nav, memory.air)
+    out.drag_ratio, out.lift_ratio = memory.air.drag, memory.air.lift
+    wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
+    steer_bank(onboard, nav, memory.steering, out, wanted)

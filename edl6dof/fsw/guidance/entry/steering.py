@@ -43,16 +43,17 @@ def limited(onboard, wanted):
 
 
 @kernel
-def chosen_side(onboard, nav, mem, out, wanted):
+def chosen_side(onboard, nav, memory, out, wanted):
     """Side to bank to: towards the aim point at first, then as the reversal logic says; reversals are
     counted.
     """
-    if mem.sign == 0.0:
-        mem.sign = -1.0 if out.crossrange > 0.0 else 1.0
-    sign = bank_side(onboard.guidance.entry.reversal.logic, onboard, nav, mem.reversal, out, wanted, mem.sign)
-    if sign != mem.sign:
-        mem.count += 1
-    mem.sign = sign
+    p = onboard.guidance.entry.reversal
+    if memory.sign == 0.0:
+        memory.sign = -1.0 if out.crossrange > 0.0 else 1.0
+    sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
+    if sign != memory.sign:
+        memory.count += 1
+    memory.sign = sign
     return sign
 
 
@@ -66,7 +67,7 @@ def heading_bank(onboard, out):
 
 
 @kernel
-def steer_bank(onboard, nav, mem, out, wanted):
+def steer_bank(onboard, nav, memory, out, wanted):
     """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
     ``own_sign`` only).
 
@@ -78,9 +79,9 @@ def steer_bank(onboard, nav, mem, out, wanted):
     elif nav.speed < p.heading.speed:
         goal = heading_bank(onboard, out)
     else:
-        goal = chosen_side(onboard, nav, mem, out, wanted) * limited(onboard, wanted)
-    if mem.t > 0.0:
-        step = p.bank_rate * (nav.t - mem.t)
-        goal = clamp(goal, mem.bank - step, mem.bank + step)
-    mem.bank, mem.t = goal, nav.t
+        goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, wanted)
+    if memory.t > 0.0:
+        step = p.bank_rate * (nav.t - memory.t)
+        goal = clamp(goal, memory.bank - step, memory.bank + step)
+    memory.bank, memory.t = goal, nav.t
     out.bank = goal

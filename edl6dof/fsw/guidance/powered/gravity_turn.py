@@ -6,8 +6,6 @@ deceleration needed is taken from the remaining height and speed, v^2 / (2 h), a
 
 from __future__ import annotations
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -22,14 +20,10 @@ class GravityTurnParams(Params):
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
 
 
-MEMORY = np.dtype([("unused", "f8")], align=True)
-
-
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, vehicle, nav, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2) and the tilt limit (rad)."""
-    p = onboard.guidance.powered.gravity_turn
-    path = max(nav.height - p.final_height, 1.0)
+    path = max(nav.height - params.final_height, 1.0)
     speed = max(nav.speed, 0.1)
     descent = max(nav.v_N[2], 0.1)
     brake = 0.5 * speed * descent / path
@@ -38,8 +32,8 @@ def guide(onboard, nav, mem, out):
         -brake * nav.v_N[0] / speed,
         -brake * nav.v_N[1] / speed,
         brake * nav.v_N[2] / speed + nav.gravity,
-        p.tilt_limit,
+        params.tilt_limit,
     )
 
 
-MEMBER = Member("gravity_turn", GravityTurnParams, {"guide": guide}, "Cheng 1966 (gravity turn)", MEMORY)
+MEMBER = Member("gravity_turn", GravityTurnParams, {"guide": guide}, "Cheng 1966 (gravity turn)")

@@ -43,10 +43,9 @@ MEMORY = np.dtype([("started", FLAG), ("end", "f8"), ("target_L", "f8", (2,))], 
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, vehicle, nav, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
-    p = onboard.guidance.powered.polynomial
-    memory = mem.polynomial
+    p = params
     if memory.started == 0:
         memory.started = 1
         descent = max(nav.v_N[2], 5.0)

@@ -1,4 +1,9 @@
-"""The powered guidance laws of the deceleration phase."""
+"""The powered guidance laws of the deceleration phase.
+
+A member has one kernel, ``guide(params, vehicle, nav, memory, out)``: it returns the thrust acceleration it
+wants, north, east and up (m/s2, gravity included), and the tilt limit (rad).  ``params`` and ``memory`` are
+its own; ``vehicle`` is the believed one; it writes the time to go into ``out``.
+"""
 
 from __future__ import annotations
 
@@ -13,4 +18,4 @@ POWERED_LAWS = Family(
     ),
 )
 
-powered_guidance = POWERED_LAWS.switch("guide", 4)
+powered_guidance = POWERED_LAWS.switch("guide", "params", "vehicle", "nav", "memory", "out")

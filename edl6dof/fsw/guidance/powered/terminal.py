@@ -64,8 +64,10 @@ TERMINAL = np.dtype([("target_set", FLAG), ("target_L", "f8", (2,))], align=True
 
 
 @kernel
-def command_thrust(onboard, mass, acceleration, tilt_limit, out):
-    """Turn a wanted acceleration (north, east, up, gravity included) into thrust direction and magnitude."""
+def command_thrust(mass, acceleration, tilt_limit, out):
+    """Turn a wanted acceleration (north, east, up, gravity included, m/s2) into thrust direction and size for
+    ``mass`` (kg).
+    """
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
@@ -78,43 +80,44 @@ def command_thrust(onboard, mass, acceleration, tilt_limit, out):
 
 
 @kernel
-def throttle(onboard, out):
+def throttle(engine, out):
     """Limit the thrust to the throttle band."""
-    engine = onboard.vehicle.engine
     out.engine_mode = ENGINE_THROTTLE
     out.thrust = clamp(out.thrust, engine.throttle_min, engine.throttle_max)
 
 
 @kernel
-def start_or_throttle(onboard, out, elapsed):
+def start_or_throttle(engine, full_time, elapsed, out):
     """Full level with the axial thrusters at the start, until the demand falls inside the throttle band;
     never back.
+
+    Args:
+        engine: believed engine.
+        full_time: shortest time at full level, s.
+        elapsed: time since ignition, s.
+        out: ``GUIDE`` record: thrust and engine mode are written.
     """
-    engine = onboard.vehicle.engine
-    if out.engine_mode != ENGINE_THROTTLE and (
-        out.thrust > engine.throttle_max or elapsed < onboard.guidance.powered.full_time
-    ):
+    if out.engine_mode != ENGINE_THROTTLE and (out.thrust > engine.throttle_max or elapsed < full_time):
         out.engine_mode = ENGINE_FULL
         out.thrust = engine.full_thrust
     else:
-        throttle(onboard, out)
+        throttle(engine, out)
 
 
 @kernel
-def vertical(onboard, nav, p, rate):
+def vertical(p, nav, rate):
     """Upward acceleration (gravity included) that brings the descent rate to ``rate`` m/s."""
     return nav.gravity + p.rate_gain * (nav.v_N[2] - rate)
 
 
 @kernel
-def hover(onboard, nav, mass, out):
+def hover(p, engine, nav, mass, out):
     """Hold the hover height and take out lateral velocity by a small tilt."""
-    p = onboard.guidance.powered.terminal
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     out.translating = 0
-    acceleration = (-p.settle_gain * nav.v_N[0], -p.settle_gain * nav.v_N[1], vertical(onboard, nav, p, rate))
-    command_thrust(onboard, mass, acceleration, p.hover_tilt_limit, out)
-    throttle(onboard, out)
+    acceleration = (-p.settle_gain * nav.v_N[0], -p.settle_gain * nav.v_N[1], vertical(p, nav, rate))
+    command_thrust(mass, acceleration, p.hover_tilt_limit, out)
+    throttle(engine, out)
 
 
 @kernel
@@ -131,9 +134,8 @@ def lateral_force(p, nav, mass, error_n, error_e, out):
 
 
 @kernel
-def avoid(onboard, nav, mass, memory, out):
+def avoid(p, engine, nav, mass, memory, out):
     """Fly sideways to the safe spot with the horizontal thrusters while descending."""
-    p = onboard.guidance.powered.terminal
     if memory.target_set == 0:
         memory.target_set = 1
         memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
@@ -143,18 +145,17 @@ def avoid(onboard, nav, mass, memory, out):
     # slow down towards the final descent rate at the end of the phase
     above = max(nav.height - p.avoidance_height, 0.0)
     rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
-    command_thrust(onboard, mass, (0.0, 0.0, vertical(onboard, nav, p, rate)), 0.0, out)
-    throttle(onboard, out)
+    command_thrust(mass, (0.0, 0.0, vertical(p, nav, rate)), 0.0, out)
+    throttle(engine, out)
 
 
 @kernel
-def descend(onboard, nav, mass, out):
+def descend(p, engine, nav, mass, out):
     """Come down vertically at the touchdown rate, lateral velocity taken out by a small tilt; the thrusters
     keep to attitude.
     """
-    p = onboard.guidance.powered.terminal
     out.translating = 0
-    up = vertical(onboard, nav, p, p.touchdown_rate)
+    up = vertical(p, nav, p.touchdown_rate)
     acceleration = (-p.touchdown_settle_gain * nav.v_N[0], -p.touchdown_settle_gain * nav.v_N[1], up)
-    command_thrust(onboard, mass, acceleration, p.touchdown_tilt_limit, out)
-    throttle(onboard, out)
+    command_thrust(mass, acceleration, p.touchdown_tilt_limit, out)
+    throttle(engine, out)

@@ -105,11 +105,11 @@ def begin(p, memory):
 
 
 @kernel
-def scaled_profile(onboard, nav, memory, out):
+def scaled_profile(profile, onboard, nav, memory, out):
     """Drag to follow at this speed and its first and second derivative by speed, scaled to the range to go,
     under the ceiling.
     """
-    shared, profile = onboard.guidance.entry.tracking, onboard.plan.adaptive_hinf
+    shared = onboard.guidance.entry.tracking
     if shared.update and nav.speed > shared.update_stop:
         wanted = profile_range(profile, nav.speed) / max(out.range_to_go, 1.0)
         memory.scale = clamp(wanted, 1.0 - shared.scale_limit, 1.0 + shared.scale_limit)
@@ -134,9 +134,9 @@ def goal_rates(onboard, nav, drag, drag_rate, slope, curvature):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from measured drag, speed, and the range to the aim point."""
-    p, memory, planet = onboard.guidance.entry.adaptive_hinf, mem.adaptive_hinf, onboard.planet
+    p, planet = params, onboard.planet
     if nav.drag < p.start_drag and nav.speed > onboard.guidance.entry.tracking.update_stop:
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     if memory.started == 0:
@@ -148,7 +148,7 @@ def guide(onboard, nav, mem, out):
         drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, 0.0, scale_height
     )
     out.drag_estimate, out.drag_rate = drag, rate
-    goal, slope, curvature = scaled_profile(onboard, nav, memory, out)
+    goal, slope, curvature = scaled_profile(plan, onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
@@ -178,7 +178,7 @@ def guide(onboard, nav, mem, out):
     return acos(clamp(u / lift_to_drag, -1.0, 1.0))
 
 
-def plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
+def lay_plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
     """Lay the drag-velocity profile along the planned reference."""
     start = float(onboard["guidance"]["entry"]["adaptive_hinf"]["start_drag"][0])
     fill_drag_velocity(onboard, entry, start, onboard["plan"]["adaptive_hinf"][0])
@@ -191,5 +191,5 @@ MEMBER = Member(
     "Lu & Bayard, sections 2 and 3",
     MEMORY,
     tables=DRAG_VELOCITY,
-    plan=plan,
+    plan=lay_plan,
 )

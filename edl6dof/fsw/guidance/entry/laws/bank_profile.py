@@ -49,9 +49,9 @@ class BankProfileParams(Params):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle: the table at the present speed or time, its sign included."""
-    p = onboard.guidance.entry.bank_profile
+    p = params
     x = nav.speed if p.over == 0 else nav.t
     last = p.n_points - 1
     if x <= p.points[0].at:

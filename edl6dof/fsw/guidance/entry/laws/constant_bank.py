@@ -18,9 +18,9 @@ class ConstantBankParams(Params):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle: always the same."""
-    return onboard.guidance.entry.constant_bank.bank
+    return params.bank
 
 
 MEMBER = Member(

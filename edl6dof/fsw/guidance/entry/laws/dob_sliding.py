@@ -109,12 +109,11 @@ def observe(p, memory, dt, error, error_rate, applied):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle (rad), eq. 29."""
-    memory = mem.dob_sliding
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    p = onboard.guidance.entry.dob_sliding
+    p = params
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag

@@ -39,21 +39,22 @@ MEMORY = np.dtype([("tracking", TRACKING)], align=True)
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from measured drag and the range to the aim point."""
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    p = onboard.guidance.entry.drag_tracking
-    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, mem.drag_tracking.tracking, out)
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
     rate, a, b = drag_dynamics(
         nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
     )
-    omega = p.frequency
+    omega = params.frequency
     wanted_acceleration = (
-        goal_acceleration + 2.0 * p.damping * omega * (goal_rate - rate) + omega * omega * (goal - nav.drag)
+        goal_acceleration
+        + 2.0 * params.damping * omega * (goal_rate - rate)
+        + omega * omega * (goal - nav.drag)
     )
     return bank_for(wanted_acceleration, b, a)
 

@@ -49,9 +49,9 @@ MEMORY = np.dtype([("observer", OBSERVER), ("profile", PROFILE)], align=True)
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from the observed drag and the range to the aim point."""
-    p, memory = onboard.guidance.entry.ehgo_fl, mem.ehgo_fl.observer
+    p, observer = params, memory.observer
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
@@ -59,15 +59,15 @@ def guide(onboard, nav, mem, out):
     _, a, b = drag_dynamics(
         nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
     )
-    observe(memory, p.epsilon, nav.t, nav.drag, a, b, cos(nav.bank))
-    drag, rate = memory.drag, memory.rate
-    out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, memory.phi
+    observe(observer, p.epsilon, nav.t, nav.drag, a, b, cos(nav.bank))
+    drag, rate = observer.drag, observer.rate
+    out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, observer.phi
     goal, goal_rate, goal_acceleration = polynomial_goal(
-        onboard, nav, p.profile, mem.ehgo_fl.profile, drag, rate, out
+        onboard, nav, p.profile, memory.profile, drag, rate, out
     )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - drag)
     limit = -p.share * a
-    return bank_for(wanted, b + clamp(memory.phi, -limit, limit), a)
+    return bank_for(wanted, b + clamp(observer.phi, -limit, limit), a)
 
 
 MEMBER = Member("ehgo_fl", EhgoFlParams, {"guide": guide}, "Wu, Cui & Cui 2013, section 3.3", MEMORY)

@@ -45,9 +45,9 @@ def at_speed(table, speed):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle for the vertical lift-to-drag ratio that the predicted miss asks for."""
-    p, table = onboard.guidance.entry.etpc, onboard.plan.etpc
+    p, table = params, plan
     i, f = at_speed(table, nav.speed)
     out.reference_drag = between(table.drag, i, f)
     by_lift = between(table.by_lift, i, f)
@@ -61,7 +61,7 @@ def guide(onboard, nav, mem, out):
     return acos(clamp(wanted / max(lift_to_drag * out.lift_ratio, 1e-3), -1.0, 1.0))
 
 
-def plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
+def lay_plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
     """Tabulate the influence coefficients of the planned reference."""
     fill_influence(onboard, entry, onboard["plan"]["etpc"][0])
 
@@ -72,5 +72,5 @@ MEMBER = Member(
     {"guide": guide},
     "Carman, Ives & Geller 1998; Mendeck & Carman 2002",
     tables=INFLUENCE,
-    plan=plan,
+    plan=lay_plan,
 )

@@ -33,11 +33,11 @@ MEMORY = np.dtype([("profile", PROFILE)], align=True)
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from measured drag, its modelled rate, and the range to the aim point."""
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    p = onboard.guidance.entry.fl
+    p = params
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, a, b = drag_dynamics(
@@ -45,7 +45,7 @@ def guide(onboard, nav, mem, out):
     )
     out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(
-        onboard, nav, p.profile, mem.fl.profile, nav.drag, rate, out
+        onboard, nav, p.profile, memory.profile, nav.drag, rate, out
     )
     wanted = goal_acceleration + p.rate_gain * (goal_rate - rate) + p.error_gain * (goal - nav.drag)
     return bank_for(wanted, b, a)

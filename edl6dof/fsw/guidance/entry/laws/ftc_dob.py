@@ -42,12 +42,12 @@ def power(x, exponent):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle (rad), eq. 22 with the sign of eq. 20."""
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    p = onboard.guidance.entry.ftc_dob
-    error, error_rate, drift, authority = disturbed_drag(onboard, nav, p.observer, mem.ftc_dob, out)
+    p = params
+    error, error_rate, drift, authority = disturbed_drag(onboard, nav, p.observer, memory, out)
     feedback = p.error_gain * power(error, p.exponent) + p.rate_gain * power(
         error_rate, 2.0 * p.exponent / (1.0 + p.exponent)
     )

@@ -50,11 +50,10 @@ def miss_of(onboard, nav, out, shift):
 
 
 @kernel
-def solve(onboard, nav, out, low, high, memory):
+def solve(p, onboard, nav, out, low, high, memory):
     """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound
     nearest to that.
     """
-    p = onboard.guidance.entry.npc
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
     memory.miss = miss_of(onboard, nav, out, memory.shift)
@@ -72,18 +71,17 @@ def solve(onboard, nav, out, low, high, memory):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle: the one predicted to end at the aim point."""
-    p, entry = onboard.guidance.entry.npc, onboard.guidance.entry
-    memory = mem.npc
+    entry = onboard.guidance.entry
     if memory.started == 0:
         memory.shift = onboard.reference.shift
-        if nav.drag >= p.start_drag:
+        if nav.drag >= params.start_drag:
             memory.started = 1
     if memory.started != 0 and nav.speed > max(entry.align_speed, entry.heading.speed):
         # the shift may not leave what the present bank angle can follow
         own = cos(reference_bank(onboard, 0.0, nav.speed))
-        solve(onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)
+        solve(params, onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)
     return acos(clamp(cos(reference_bank(onboard, memory.shift, nav.speed)), -1.0, 1.0))
 
 

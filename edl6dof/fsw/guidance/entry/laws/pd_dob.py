@@ -24,12 +24,12 @@ class PdDobParams(Params):
 
 
 @kernel
-def guide(onboard, nav, mem, out):
+def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle (rad)."""
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    p = onboard.guidance.entry.pd_dob
-    error, error_rate, drift, authority = disturbed_drag(onboard, nav, p.observer, mem.pd_dob, out)
+    p = params
+    error, error_rate, drift, authority = disturbed_drag(onboard, nav, p.observer, memory, out)
     return bank_for(-p.error_gain * error - p.rate_gain * error_rate, drift, authority)
 
 

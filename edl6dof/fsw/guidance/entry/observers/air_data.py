@@ -32,20 +32,22 @@ AIR_DATA = np.dtype([("drag", "f8"), ("lift", "f8"), ("t", "f8")], align=True)
 
 
 @kernel
-def measure_air(onboard, nav, mem):
-    """Update ``mem`` (``AIR_DATA``) with this cycle's accelerometer reading."""
+def measure_air(onboard, nav, memory):
+    """Update ``memory`` (``AIR_DATA``) with this cycle's accelerometer reading."""
     p = onboard.guidance.entry.air_data
-    if mem.drag == 0.0:
-        mem.drag, mem.lift, mem.t = 1.0, 1.0, nav.t
+    if memory.drag == 0.0:
+        memory.drag, memory.lift, memory.t = 1.0, 1.0, nav.t
     density, _, _ = model_atmosphere(onboard.atmosphere, nav.altitude)
     area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
     believed = 0.5 * density * nav.speed * nav.speed * area / onboard.vehicle.entry_mass
-    share = 1.0 - exp(-max(nav.t - mem.t, 0.0) / p.time_constant)
-    mem.t = nav.t
+    share = 1.0 - exp(-max(nav.t - memory.t, 0.0) / p.time_constant)
+    memory.t = nav.t
     if nav.drag < p.least_drag or believed < p.least_drag:
         return
-    mem.drag += share * (clamp(nav.drag / believed, 1.0 - p.limit, 1.0 + p.limit) - mem.drag)
+    memory.drag += share * (clamp(nav.drag / believed, 1.0 - p.limit, 1.0 + p.limit) - memory.drag)
     if lift_to_drag > 0.0:
         f = nav.specific_force_B
         lift = sqrt(max(f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - nav.drag * nav.drag, 0.0))
-        mem.lift += share * (clamp(lift / nav.drag / lift_to_drag, 1.0 - p.limit, 1.0 + p.limit) - mem.lift)
+        memory.lift += share * (
+            clamp(lift / nav.drag / lift_to_drag, 1.0 - p.limit, 1.0 + p.limit) - memory.lift
+        )

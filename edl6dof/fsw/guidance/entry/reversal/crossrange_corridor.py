@@ -21,11 +21,11 @@ class CrossrangeCorridorParams(Params):
 
 
 @kernel
-def side(onboard, nav, mem, out, wanted, sign):
+def side(params, onboard, nav, memory, out, wanted, sign):
     """Side to bank to (+1 right): the other one once the crossrange leaves the corridor on the side being
     turned to.
     """
-    p = onboard.guidance.entry.reversal.crossrange_corridor
+    p = params
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed
     return -sign if sign * out.crossrange > limit else sign
 

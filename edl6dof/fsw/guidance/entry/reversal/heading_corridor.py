@@ -23,11 +23,11 @@ class HeadingCorridorParams(Params):
 
 
 @kernel
-def side(onboard, nav, mem, out, wanted, sign):
+def side(params, onboard, nav, memory, out, wanted, sign):
     """Side to bank to (+1 right): the other one once the heading leaves the corridor on the side being turned
     to.
     """
-    p, radius = onboard.guidance.entry.reversal.heading_corridor, onboard.planet.equatorial_radius
+    p, radius = params, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)
     return -sign if sign * error > limit else sign

@@ -16,7 +16,7 @@ class OwnSignParams(Params):
 
 
 @kernel
-def side(onboard, nav, mem, out, wanted, sign):
+def side(params, onboard, nav, memory, out, wanted, sign):
     """Side of the bank angle that the law wants."""
     return -1.0 if wanted < 0.0 else 1.0
 

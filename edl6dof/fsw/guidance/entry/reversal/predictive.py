@@ -36,11 +36,11 @@ class PredictiveParams(Params):
 
 
 @kernel
-def side(onboard, nav, mem, out, wanted, sign):
+def side(params, onboard, nav, memory, out, wanted, sign):
     """Side to bank to (+1 right): the other one once a reversal now would overshoot by no more than ``ratio``
     of going on.
     """
-    p, entry = onboard.guidance.entry.reversal.predictive, onboard.guidance.entry
+    p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:
         return sign
     shift = cos(clamp(abs(wanted), entry.bank_min, entry.bank_max)) - cos(

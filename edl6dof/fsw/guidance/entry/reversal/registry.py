@@ -1,8 +1,8 @@
 """The bank-reversal logics.
 
-A member has one kernel, ``side(onboard, nav, mem, out, wanted, sign)``: the side to bank to (+1 right, -1
-left), given the bank angle that the law wants (rad), the present side, and range and crossrange in ``out``.
-``mem`` is the family's memory; its own lies in ``mem.<name>``.
+A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``: the side to bank to (+1
+right, -1 left), given the bank angle that the law wants (rad), the present side, and range and crossrange in
+``out``.  ``params`` and ``memory`` are its own.
 """
 
 from __future__ import annotations
@@ -20,4 +20,4 @@ REVERSALS = Family(
     ),
 )
 
-bank_side = REVERSALS.switch("side", 6)
+bank_side = REVERSALS.switch("side", "params", "onboard", "nav", "memory", "out", "wanted", "sign")

@@ -1,0 +1,73 @@
+"""What is asked of the thrusters in a control cycle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.allocation.effectiveness import ROWS
+from edl6dof.interface.engine import ENGINE_FULL
+from edl6dof.interface.thrusters import ATTITUDE, AXIAL, THRUSTER_GROUPS
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG, whole
+from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.vector import add, put3, scale, take3
+
+DEMAND = np.dtype(
+    [
+        ("attitude_error", "f8", (3,)),  # rad: what the attitude controller works on
+        ("wrench", "f8", (ROWS,)),  # N and N m, B: force and torque
+        ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
+        ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
+        ("boosting", FLAG),  # the axial thrusters help the engine; otherwise axial force is left alone
+    ],
+    align=True,
+)
+
+
+@kernel
+def no_demand(demand):
+    """Ask for nothing."""
+    for i in range(ROWS):
+        demand.wrench[i] = 0.0
+
+
+@kernel
+def groups_of(phase, boosting, thrusters, count, healthy):
+    """Bit mask of the thruster groups that may fire: those of the phase; the axial ones to help the engine or
+    for a lost attitude one.
+    """
+    mask = 1 << AXIAL if boosting else 0
+    for i in range(phase.n_thrusters):
+        mask |= 1 << phase.thrusters[i]
+    for i in range(count):
+        if thrusters[i].group == ATTITUDE and healthy[i] == 0:
+            mask |= 1 << AXIAL
+    return mask
+
+
+@kernel
+def compose_demand(phase, vehicle, ignited, healthy, nav, goal, torque, error, demand):
+    """Torque of the attitude controller, lateral force of guidance, and the groups that may give them.
+
+    Args:
+        phase: mission phase (its thruster groups).
+        vehicle: believed vehicle.
+        ignited: whether the engine runs.
+        healthy: whether each thruster may be used.
+        nav: ``NAV`` record.
+        goal: ``GUIDE`` record.
+        torque: demanded torque, N m, B.
+        error: attitude error that it is to remove, rad.
+        demand: ``DEMAND`` record, written.
+    """
+    boosting = goal.engine_mode == ENGINE_FULL and ignited != 0
+    put3(demand.attitude_error, 0, error)
+    no_demand(demand)
+    put3(demand.wrench, 3, torque)
+    if goal.translating != 0:
+        q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
+        north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
+        force = to_frame(q, add(scale(goal.force_N[0], north), scale(goal.force_N[1], east)))
+        demand.wrench[1], demand.wrench[2] = force[1], force[2]
+    demand.groups = groups_of(phase, boosting, vehicle.thrusters, vehicle.n_thrusters, healthy)
+    demand.translating, demand.boosting = goal.translating, 1 if boosting else 0

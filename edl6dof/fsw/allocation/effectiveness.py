@@ -1,0 +1,77 @@
+"""What the thrusters can do: force and torque of each at full thrust, and whether the fine ones suffice.
+
+Geometry only; how a demand is shared out is the allocator's business.
+"""
+
+from __future__ import annotations
+
+from math import copysign
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.parts import CONFIGURATIONS
+from edl6dof.interface.thrusters import FINE
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG, whole
+from edl6dof.spatial.vector import take3
+
+ROWS = 6  # force x, y, z; torque x, y, z
+NO_TORQUE = 1e-9  # N m, a demand that is none
+
+EFFECTIVENESS = np.dtype(
+    [
+        # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
+        ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
+        # configuration that it belongs to, plus one; 0 before the first
+        ("of", whole(0, len(CONFIGURATIONS))),
+        ("changed", FLAG),  # since the last allocation
+    ],
+    align=True,
+)
+
+
+@kernel
+def effectiveness_matrix(thrusters, count, centre, matrix):
+    """Force and torque about ``centre`` of each thruster at full duty: rows of ``matrix``, written."""
+    for i in range(count):
+        jet = thrusters[i]
+        x, y, z = jet.thrust * jet.direction[0], jet.thrust * jet.direction[1], jet.thrust * jet.direction[2]
+        px, py, pz = jet.position[0] - centre[0], jet.position[1] - centre[1], jet.position[2] - centre[2]
+        matrix[i, 0], matrix[i, 1], matrix[i, 2] = x, y, z
+        matrix[i, 3], matrix[i, 4], matrix[i, 5] = py * z - pz * y, pz * x - px * z, px * y - py * x
+
+
+@kernel
+def update_effectiveness(vehicle, configuration, effectiveness):
+    """Work out the effectiveness when the vehicle has another configuration, and so another centre of mass,
+    than before.
+    """
+    if effectiveness.of != configuration + 1:
+        effectiveness.of, effectiveness.changed = configuration + 1, 1
+        centre = take3(vehicle.configuration[configuration].centre, 0)
+        effectiveness_matrix(vehicle.thrusters, vehicle.n_thrusters, centre, effectiveness.matrix)
+
+
+@kernel
+def usable(i, thrusters, healthy, mask):
+    """Whether thruster ``i`` works and belongs to a group in the bit mask."""
+    return healthy[i] != 0 and (mask >> thrusters[i].group) & 1 == 1
+
+
+@kernel
+def fine_enough(share, matrix, thrusters, count, healthy, demand):
+    """Whether the healthy fine thrusters alone have the torque authority for ``demand``, up to a ``share`` of
+    it.
+    """
+    x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
+    for i in range(count):
+        if healthy[i] != 0 and thrusters[i].group == FINE:
+            x += max(copysign(1.0, demand[3]) * matrix[i, 3], 0.0)
+            y += max(copysign(1.0, demand[4]) * matrix[i, 4], 0.0)
+            z += max(copysign(1.0, demand[5]) * matrix[i, 5], 0.0)
+    return (
+        abs(demand[3]) <= share * x + NO_TORQUE
+        and abs(demand[4]) <= share * y + NO_TORQUE
+        and abs(demand[5]) <= share * z + NO_TORQUE
+    )

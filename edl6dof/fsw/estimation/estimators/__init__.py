@@ -1,0 +1,1 @@
+"""The disturbance estimators, one in each file."""

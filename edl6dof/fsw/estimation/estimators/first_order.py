@@ -1,0 +1,48 @@
+"""First-order estimators of disturbance torque and force, sampled at the control rate.
+
+Continuous form (Hu et al. 2022): torque d = xi + lambda J w, xi' = -lambda (-w x J w + T + d) (eq. 9); force
+F = eta + lambda_v m v_d, v_d' = a_b, eta' = -lambda_v (F + F_c) (eqs. 10-12).  Put together each says x' =
+lambda (seen - x): the estimate follows the torque J w' + w x J w - T, or the force m a_b - F_c, that the
+commands do not explain, with the single pole -lambda.  (Eq. 9 prints J_est in one place and J in the other;
+one believed tensor serves both here.)  Sampled, increments over one cycle stand for the derivatives,
+
+    x += (1 - exp(-lambda dt)) (seen - x),
+
+which has the pole of the continuous form at every rate, is stable for every lambda dt, and never integrates J
+w or m v_d against the commands over long times.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+
+class FirstOrderParams(Params):
+    """First-order estimators of disturbance torque and force."""
+
+    torque_pole_rad_s: float = param(
+        8.0, "convergence speed of the torque, lambda: 5 % after 3 / lambda", gt=0.0, le=50.0
+    )
+    torque_limit_nm: float = param(400.0, "largest torque that is estimated on an axis", gt=0.0)
+    force_pole_rad_s: float = param(8.0, "convergence speed of the force, lambda_v", gt=0.0, le=50.0)
+
+
+@kernel
+def estimate(params, measured, dt, memory, out):
+    """Let the estimates follow what the commands do not explain."""
+    limit, unexplained = params.torque_limit, measured.unexplained
+    torque_step, force_step = 1.0 - exp(-params.torque_pole * dt), 1.0 - exp(-params.force_pole * dt)
+    for i in range(3):
+        out.force[i] += force_step * (unexplained[i] - out.force[i])
+        out.torque[i] = clamp(
+            out.torque[i] + torque_step * (unexplained[3 + i] - out.torque[i]), -limit, limit
+        )
+    out.pole = params.torque_pole
+
+
+MEMBER = Member("first_order", FirstOrderParams, {"estimate": estimate}, "Hu et al. 2022, eqs. 9-12")

@@ -1,0 +1,61 @@
+"""The disturbance estimators.
+
+A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it brings the estimate ``out``
+(``DISTURBANCE``) up to the control cycle of ``dt`` seconds that the latest inertial measurement covers,
+``measured`` (``MEASURED``).  ``out`` still holds the last estimate; ``params`` and ``memory`` are its own.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from edl6dof.config.base import param
+from edl6dof.fsw.estimation.estimators import first_order, unfiltered
+from edl6dof.registry import Family
+
+ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
+
+MEASURED = np.dtype(
+    [
+        ("inertia", "f8", (3,)),  # kg m2, believed principal moments about the axes of B
+        ("mass", "f8"),  # kg, believed
+        ("rate", "f8", (3,)),  # rad/s, B, at the end of the cycle
+        ("last_rate", "f8", (3,)),  # rad/s, B, at its beginning
+        ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
+        ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
+        ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
+    ],
+    align=True,
+)
+
+DISTURBANCE = np.dtype(
+    [
+        ("torque", "f8", (3,)),  # N m, B
+        ("force", "f8", (3,)),  # N, B
+        ("pole", "f8"),  # rad/s, convergence speed of the torque
+        ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
+    ],
+    align=True,
+)
+
+_Estimators = ESTIMATORS.params_model("Estimators", "estimator", "first_order", "Disturbance estimation.")
+
+
+class EstimationParams(_Estimators):
+    """Disturbance estimation: the estimator, and what all share."""
+
+    moved: ClassVar = {"disturbance": "flight_software.estimation.first_order"}
+
+    valve_lag_s: float = param(
+        0.006,
+        "time by which thrust follows the valve, half its rise",
+        status="estimate",
+        source="rise and decay of 12 ms",
+        ge=0.0,
+        le=0.02,
+    )
+
+
+estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out")

@@ -1,0 +1,94 @@
+"""Guidance of the present phase: which law runs, and when."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.terminal import (
+    TERMINAL,
+    avoid,
+    command_thrust,
+    descend,
+    hover,
+    start_or_throttle,
+)
+from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
+from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
+from edl6dof.interface.events import CUT_OFF, IGNITION
+from edl6dof.jit import kernel
+
+GUIDANCE = np.dtype(
+    [("entry", ENTRY_MEMORY), ("powered", POWERED_LAWS.memory), ("terminal", TERMINAL)], align=True
+)
+
+
+@kernel
+def switch_engine(engine, request, goal):
+    """Full level at ignition, nothing after cut-off."""
+    if request[IGNITION] != 0:
+        goal.engine_mode = ENGINE_FULL
+        goal.thrust = engine.full_thrust
+    if request[CUT_OFF] != 0:
+        goal.engine_mode = ENGINE_OFF
+        goal.thrust = 0.0
+
+
+@kernel
+def hold_bank(onboard, nav, goal):
+    """The preset bank towards the aim point, chosen at the start of the flight, before lift can do
+    anything.
+    """
+    goal.range_to_go, goal.crossrange = to_target(onboard, nav)
+    if nav.t <= 0.0:
+        bank = onboard.guidance.entry.preset_bank
+        goal.bank = bank if goal.crossrange <= 0.0 else -bank
+
+
+@kernel
+def descend_by_engine(onboard, kind, nav, state, memory, goal):
+    """Thrust, and lateral force where the phase flies sideways, of a phase on the main engine."""
+    p, engine = onboard.guidance.powered, onboard.vehicle.engine
+    if kind == G_POWERED:
+        north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
+        command_thrust(state.mass, (north, east, up), tilt_limit, goal)
+        if state.ignited != 0:
+            start_or_throttle(engine, p.full_time, nav.t - state.ignition_time, goal)
+    elif kind == G_HOVER:
+        hover(p.terminal, engine, nav, state.mass, goal)
+    elif kind == G_AVOID:
+        avoid(p.terminal, engine, nav, state.mass, memory.terminal, goal)
+    elif kind == G_DESCEND:
+        descend(p.terminal, engine, nav, state.mass, goal)
+
+
+@kernel
+def guide(onboard, kind, k, entered, nav, state, memory, goal):
+    """Run the guidance of the present phase when its division of the base cycle comes up, and at once in a
+    new phase.
+
+    Args:
+        onboard: what the flight computer believes.
+        kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
+        k: number of the base cycle.
+        entered: whether the phase begins in this cycle.
+        nav: ``NAV`` record.
+        state: ``VEHICLE_STATE`` record (mass, engine).
+        memory: ``GUIDANCE`` record, updated.
+        goal: ``GUIDE`` record, written.
+    """
+    rates = onboard.rates
+    if entered:
+        goal.translating = 0
+    if kind == G_HOLD_BANK or kind == G_ENTRY:
+        if entered or k % rates.entry_guidance_every == 0:
+            entry = onboard.guidance.entry
+            goal.alpha = entry.trim_alpha
+            if kind == G_HOLD_BANK:
+                hold_bank(onboard, nav, goal)
+            else:
+                entry_guidance(entry.law, onboard, nav, memory.entry, goal)
+    elif entered or k % rates.powered_guidance_every == 0:
+        descend_by_engine(onboard, kind, nav, state, memory, goal)
