@@ -78,7 +78,7 @@ def first_cause(
         work: of the integrator, shape (1,): the stage in which a step failed.
         sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
-    own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
+    own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
     steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
     for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):

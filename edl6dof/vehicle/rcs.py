@@ -48,7 +48,8 @@ class Thruster(Hardware):
         length = float(np.linalg.norm(value))
         if abs(length - 1.0) > 1e-3:
             raise ValueError(f"must be a unit vector, its length is {length:.4f}")
-        return tuple(float(component) / length for component in value)
+        x, y, z = (float(component) / length for component in value)
+        return x, y, z
 
 
 class RcsParams(Hardware):
