@@ -209,7 +209,7 @@ class Flight:
         names = self.phase_names
         return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
 
-    @property
+    @cached_property
     def resolved_scenario(self) -> str:
         """The scenario as YAML with every default: enough to fly it again, bit for bit."""
         return resolved_text(self.loaded)
