@@ -12,8 +12,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from edl6dof.app.blocked_imports import blocked_imports
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
@@ -73,7 +73,7 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
 UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
 
 
-@without(*UNUSED_BY_ARROW)
+@blocked_imports(*UNUSED_BY_ARROW)
 def write_files(flight: Flight, folder: Path, replay: bool) -> None:
     """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a
     replay.
@@ -93,13 +93,13 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
-    from edl6dof.report.terminal import show_flight, verdict
+    from edl6dof.report.terminal import headline, show_flight
 
     console = Console(highlight=False, soft_wrap=True)
     if options.as_json:
         print((target / "summary.json").read_text(encoding="utf-8"), end="")
     elif options.quiet:
-        console.print(verdict(flight))
+        console.print(headline(flight))
     else:
         show_flight(console, flight)
         console.print(f"{target}: {listed(target)}", markup=False)

@@ -1,4 +1,4 @@
-"""What a report says: a verdict, figures at a glance, and sections of text, tables and figures.  It knows no
+"""What a report says: a headline, figures at a glance, and sections of text, tables and figures.  It knows no
 HTML and no matplotlib.
 """
 
@@ -78,7 +78,7 @@ class Report:
     """A whole report."""
 
     title: str
-    verdict: str
+    headline: str
     mood: Mood
     subtitle: str = ""
     facts: Sequence[Fact] = ()

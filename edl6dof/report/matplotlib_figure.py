@@ -67,7 +67,7 @@ _BESIDE: tuple[dict[str, Any], ...] = (
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
-    """One figure in the form that the ending of the path names."""
+    """One figure in the form that the suffix of the path names."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):

@@ -34,7 +34,7 @@ def timeline(
     plant: np.void,
     fsw: np.void,
     phases: Sequence[Phase],
-    ending: str,
+    outcome: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
     """Events in order of time: moments, each with the state of the vehicle then.
@@ -44,7 +44,7 @@ def timeline(
     reversals = [
         moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
     ]
-    found = [*others, *moments(plant, fsw, phases), *reversals, moment(plant["t"], "end", ending)]
+    found = [*others, *moments(plant, fsw, phases), *reversals, moment(plant["t"], "end", outcome)]
     return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
 

@@ -13,7 +13,7 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Figure, Panel, Trace
 from edl6dof.report.flight.build import flight_report
-from edl6dof.report.flight.words import mood, verdict
+from edl6dof.report.flight.words import headline, mood
 from edl6dof.runs.run import Run
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
@@ -44,7 +44,7 @@ def comparison_report(first: Run, second: Run) -> Report:
         f"{second.summary['scenario_sha256']}"
     )
     worst = max((mood(run.summary) for run in (first, second)), key=("good", "warn", "bad").index)
-    words = f"1: {verdict(first)}; 2: {verdict(second)}"
+    words = f"1: {headline(first)}; 2: {headline(second)}"
     return Report(f"{names[0]} and {names[1]}", words, worst, "Two flights compared", (), sections, footer)
 
 

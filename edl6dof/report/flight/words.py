@@ -1,4 +1,4 @@
-"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration
+"""The words of a review: headline, figures at a glance, limits, the published flight, timeline, configuration
 and software.
 """
 
@@ -42,7 +42,7 @@ def mood(summary: Mapping[str, Any]) -> Mood:
     return "warn" if summary.get("reached_goal") else "bad"
 
 
-def verdict(run: Run) -> str:
+def headline(run: Run) -> str:
     """How the flight ended."""
     return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
 
@@ -62,10 +62,10 @@ def facts(run: Run) -> list[Fact]:
     ]
 
 
-def judged(run: Run) -> Iterator[Block]:
+def limits_and_published(run: Run) -> Iterator[Block]:
     """Limits and published figures, as far as there are any."""
     of_limits, of_published = limits(run), published(run)
-    yield of_limits if of_limits.rows else Text("The flight reached no point that a limit judges.")
+    yield of_limits if of_limits.rows else Text("The flight reached no point to which a limit applies.")
     if of_published.rows:
         yield of_published
 
@@ -92,7 +92,7 @@ def limits(run: Run) -> Table:
                 Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad"))),
             ]
         )
-    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
+    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
 
 
 def published(run: Run) -> Table:
