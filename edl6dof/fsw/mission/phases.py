@@ -14,7 +14,7 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
 from edl6dof.fsw.mission.roles import NO_ROLE, Role
 from edl6dof.interface.capacities import MAX_PHASES
-from edl6dof.interface.events import EVENTS
+from edl6dof.interface.events import EventName
 from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
 #: Events of a phase.
@@ -67,7 +67,7 @@ class Trigger(Params):
 class Event(Params):
     """Something that is done once inside a phase."""
 
-    do: Literal[EVENTS] = param(REQUIRED, "what is commanded")
+    do: EventName = param(REQUIRED, "what is commanded")
     when: Trigger = section("condition")
 
 
