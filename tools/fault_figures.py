@@ -25,7 +25,7 @@ import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, fault_row, phases_of
+from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
@@ -60,7 +60,7 @@ def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
 def isolated(flight: Flight) -> Mapping[str, Any]:
     """Who was named, and what the fault did if there was one."""
     names = ", ".join(f"{one.thruster} {one.kind} at {one.t_s:.1f} s" for one in flight.isolated_faults)
-    return {"isolated": names, **(fault_row(flight) if flight.loaded.truth.faults else {})}
+    return {"isolated": names, **(fault_response(flight) if flight.loaded.truth.faults else {})}
 
 
 def single_faults(rows: list[Row]) -> str:
@@ -82,7 +82,7 @@ def single_faults(rows: list[Row]) -> str:
         f"  landed within limits {sum(row['success'] for row in begun)}",
     ]
     missed = [
-        f"  case {row['case']}: {row['thruster']} failed, isolated: {row['isolated'] or 'nobody'}"
+        f"  case {row['case']}: {row['thruster']} failed, isolated: {row['isolated'] or 'none'}"
         for row in begun
         if row not in right
     ]
@@ -116,7 +116,7 @@ def matrix() -> str:
     lines = []
     for kind in KINDS:
         cases = fault_cases(loaded.scenario.thruster_names, [kind], phases_of(loaded.scenario), 1.0)
-        rows = list(fly_rows(loaded, cases, collect=fault_row))
+        rows = list(fly_rows(loaded, cases, collect=fault_response))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
         lines.append(
             f"{kind}: {sum(row['success'] for row in rows)} of {len(rows)} landed within limits, "

@@ -19,7 +19,7 @@ from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, fault_row, phases_of
+from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import ConfigError, Problem
@@ -60,7 +60,7 @@ def run_faults(options: FaultOptions) -> int:
     with atomic_folder(target, "faults", options.force) as folder:
         with _progress(len(cases), quiet=options.as_json) as progress:
             rows = list(
-                fly_rows(loaded, cases, workers=options.workers, collect=fault_row, progress=progress)
+                fly_rows(loaded, cases, workers=options.workers, collect=fault_response, progress=progress)
             )
         pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
         summary = json_text(_summary(rows, kinds, phases))

@@ -40,7 +40,7 @@ def fault_cases(
     ]
 
 
-def fault_row(flight: Flight) -> Mapping[str, Any]:
+def fault_response(flight: Flight) -> Mapping[str, Any]:
     """What the fault did to a flight, and what was made of it.
 
     ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none:

@@ -145,11 +145,11 @@ def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
-    """First finding about each thruster; a run that was written before events told the thruster has none."""
+    """First isolation of each thruster; a run that was written before events told the thruster has none."""
     found: dict[str, Known] = {}
     for event in events:
         if event["key"] == "diagnosis" and event.get("thruster") in jets:
-            found.setdefault(event["thruster"], Known(event["t_s"], event.get("finding", event["name"])))
+            found.setdefault(event["thruster"], Known(event["t_s"], event.get("isolated", event["name"])))
     return found
 
 

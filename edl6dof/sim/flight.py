@@ -139,7 +139,7 @@ class Flight:
             moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN
         ]
         found = [
-            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, finding=one.label)
+            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
             for one in self.isolated_faults
         ]
         return rows + found

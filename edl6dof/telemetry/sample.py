@@ -123,15 +123,15 @@ def record(case, plant, outputs, fsw, tick):
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
         direction
     )
-    torque, missing = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
+    torque, unallocated = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
-    tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
+    tick.control.unallocated_x, tick.control.unallocated_y, tick.control.unallocated_z = unallocated
     estimated = fsw.disturbance
     tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = take3(estimated.torque, 0)
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
-    tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_isolated
+    tick.diagnosis.suspect, tick.diagnosis.isolated = diagnosis.probe.suspect, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
         if fsw.health.thruster[i] != 0:

@@ -97,7 +97,7 @@ def test_faulty_thruster_is_named_and_the_vehicle_lands(thruster, kind, phase):
     assert flight.outcome == "landed within limits"
     assert [fault.thruster for fault in flight.isolated_faults] == [thruster]
     assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] > 0.0
-    assert [event["finding"] for event in flight.events if event["key"] == "diagnosis"] == [
+    assert [event["isolated"] for event in flight.events if event["key"] == "diagnosis"] == [
         flight.isolated_faults[0].label
     ]
 
