@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 #: Names in YAML, in telemetry and in the timeline, in the order of the flight; records carry the index.
-EVENTS = ("trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off")
+EventName = Literal["trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off"]
+EVENTS: tuple[EventName, ...] = get_args(EventName)
 TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF = range(len(EVENTS))

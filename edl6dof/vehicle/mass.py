@@ -89,7 +89,7 @@ def lander_dry(params: MassParams) -> tuple[float, np.ndarray, np.ndarray]:
     return mass, inertia, centre
 
 
-def fill_lander(record, params: MassParams) -> None:
+def fill_lander(record: np.ndarray | np.void, params: MassParams) -> None:
     """Fill a ``BODY`` record with the dry lander that the parts leave over."""
     record["mass"], inertia, record["centre"] = lander_dry(params)
     record["inertia"] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]

@@ -8,7 +8,7 @@ pulse does not depend on the step.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import field_validator
@@ -16,7 +16,7 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
@@ -27,7 +27,7 @@ class Thruster(Hardware):
     """One reaction-control thruster."""
 
     name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
-    group: Literal[THRUSTER_GROUPS] = param(
+    group: ThrusterGroup = param(
         REQUIRED,
         (
             "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; "

@@ -7,24 +7,25 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
-from edl6dof.fsw.control.registry import CONTROLLERS
-from edl6dof.fsw.mission.roles import NO_ROLE, ROLES
+from edl6dof.fsw.control.registry import ControllerName
+from edl6dof.fsw.mission.roles import NO_ROLE, Role
 from edl6dof.interface.capacities import MAX_PHASES
-from edl6dof.interface.events import EVENTS
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.events import EventName
+from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
 #: Events of a phase.
 MAX_EVENTS = 6
 NEVER = 1e9
 
-GUIDANCE = ("none", "hold_bank", "entry", "powered", "hover", "avoid", "descend")
+Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"]
+GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
 G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND = range(len(GUIDANCE))
 
-QUANTITIES = (
+Quantity = Literal[
     "time_s",
     "phase_time_s",
     "mach",
@@ -36,7 +37,8 @@ QUANTITIES = (
     "descent_rate_m_s",
     "time_to_go_s",
     "footpad_contact",
-)
+]
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
     Q_TIME,
     Q_PHASE_TIME,
@@ -55,7 +57,7 @@ QUANTITIES = (
 class Trigger(Params):
     """A condition on one navigated quantity, in SI units, inside a time window of the phase."""
 
-    quantity: Literal[QUANTITIES] = param(REQUIRED, "navigated quantity that is watched")
+    quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
     goes: Literal["below", "above"] = param(REQUIRED, "which side of the value fires the trigger")
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
     earliest_s: float = param(0.0, "phase time before which the trigger cannot fire", ge=0.0)
@@ -65,7 +67,7 @@ class Trigger(Params):
 class Event(Params):
     """Something that is done once inside a phase."""
 
-    do: Literal[EVENTS] = param(REQUIRED, "what is commanded")
+    do: EventName = param(REQUIRED, "what is commanded")
     when: Trigger = section("condition")
 
 
@@ -73,12 +75,12 @@ class Phase(Params):
     """One mission phase."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
-    role: Literal[ROLES] = param(
+    role: Role = param(
         NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False
     )
-    guidance: Literal[GUIDANCE] = param("none", "guidance of the phase")
-    control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
-    thrusters: Annotated[list[Literal[THRUSTER_GROUPS]], Capacity(len(THRUSTER_GROUPS))] = param(
+    guidance: Guidance = param("none", "guidance of the phase")
+    control: ControllerName = param("off", "attitude controller of the phase")
+    thrusters: Annotated[list[ThrusterGroup], Capacity(len(THRUSTER_GROUPS))] = param(
         None, "thruster groups that may fire for attitude", factory=list, max_length=len(THRUSTER_GROUPS)
     )
     bandwidth: float = param(
