@@ -126,20 +126,18 @@ class Family:
         and from kernels.
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
-
-        numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
-        ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
         """
-        names = ", ".join(arguments)
-        lines = [f"def chain(index, {names}):"]
-        for i, member in [*enumerate(self.members)][1:]:
-            lines += [f"    if index == {i}:", f"        return f{i}({_own(arguments, member)})"]
-        lines.append(f"    return f0({_own(arguments, self.members[0])})")
-        return _dispatch(lines, names, [member.kernels[role] for member in self.members])
+        passed = [_own(arguments, member) for member in self.members]
+        return _dispatch([member.kernels[role] for member in self.members], arguments, passed)
 
 
 #: Arguments that hold a section for each member of a family.
 OWN = ("params", "plan", "memory")
+
+
+def switch(kernels: Sequence[Callable[..., Any]], *arguments: str) -> Callable[..., Any]:
+    """Function ``f(index, *arguments)`` that calls kernel ``index``, from Python and from kernels."""
+    return _dispatch(kernels, arguments, [", ".join(arguments)] * len(kernels))
 
 
 def _own(arguments: Sequence[str], member: Member) -> str:
@@ -148,10 +146,19 @@ def _own(arguments: Sequence[str], member: Member) -> str:
 
 
 def _dispatch(
-    lines: Sequence[str], names: str, functions: Sequence[Callable[..., Any]]
+    kernels: Sequence[Callable[..., Any]], arguments: Sequence[str], passed: Sequence[str]
 ) -> Callable[..., Any]:
-    """The written if-chain as a function that both Python and kernels can call."""
-    scope: dict[str, Any] = {f"f{i}": function for i, function in enumerate(functions)}
+    """Function of ``arguments`` that calls kernel ``index`` with the arguments ``passed[index]``.
+
+    numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
+    ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
+    """
+    names = ", ".join(arguments)
+    lines = [f"def chain(index, {names}):"]
+    for i in range(1, len(kernels)):
+        lines += [f"    if index == {i}:", f"        return f{i}({passed[i]})"]
+    lines.append(f"    return f0({passed[0]})")
+    scope: dict[str, Any] = {f"f{i}": kernel for i, kernel in enumerate(kernels)}
     exec("\n".join(lines), scope)
     exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
     dispatch = scope["dispatch"]

@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from hashlib import sha256
+from os.path import isfile, join
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,6 +46,7 @@ class SourceTree:
         """
         self._package, self._memory = package, memory
         self._files: dict[str, tuple[str, frozenset[str]]] = {}
+        self._places: dict[str, str] = {}
 
     def stamp(self, paths: Iterable[str]) -> str:
         """Hash of the statements of all files that ``paths`` reach."""
@@ -83,11 +85,12 @@ class SourceTree:
 
     def _file_of(self, dotted: str) -> str:
         """File of a module of this package; empty for anything else."""
-        first, *inside = dotted.split(".")
-        if first != self._package.name:
-            return ""
-        base = str(self._package.joinpath(*inside))
-        return next((file for file in (f"{base}.py", f"{base}/__init__.py") if Path(file).is_file()), "")
+        if dotted not in self._places:
+            first, *inside = dotted.split(".")
+            base = join(self._package, *inside)
+            files = (f"{base}.py", f"{base}/__init__.py") if first == self._package.name else ()
+            self._places[dotted] = next(filter(isfile, files), "")
+        return self._places[dotted]
 
     @cached_property
     def _known(self) -> dict[str, Source]:

@@ -30,8 +30,9 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.integrate import advance, refresh
+from edl6dof.vehicle.integrate import advance
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
+from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth
@@ -51,8 +52,8 @@ def quiet(state: State) -> State:
     plant = state.plant.copy()
     for name in ("opens", "closes", "level"):
         plant["valves"][name] = 0.0
-    for name in ("rcs_force", "rcs_moment", "rcs_flow", "fresh"):
-        plant[name] = 0
+    for name in ("rcs_force", "rcs_moment", "rcs_flow"):
+        plant["inputs"][name] = 0.0
     plant["due"] = 1e99
     return State(state.cycle, plant, state.peaks, state.sensors, state.fsw, "")
 
@@ -63,7 +64,7 @@ def runge_kutta(given: Setting, seconds: float) -> np.ndarray:
     start = float(plant["t"][0])
     records = {**given.arrays, "plant": plant}
     flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
-    refresh(*flown)
+    evaluate(*flown)
     for k in range(round(seconds / 0.01)):
         advance(*flown, start + 0.01 * (k + 1))
     if plant["touched"][0]:

@@ -4,7 +4,7 @@
 1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a
 random time in the first
    seconds of hazard avoidance: how often the right one is named, how fast, and how many land.
-2. n dispersed flights without a fault: how many thrusters are wrongly condemned.
+2. n dispersed flights without a fault: how many thrusters are wrongly isolated.
 3. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does
 not land within limits.
 
@@ -25,7 +25,7 @@ import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
+from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
@@ -57,10 +57,10 @@ def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
         yield replace(case, truth={**case.truth, **fault}, belief={**case.belief, **spot}, label=label)
 
 
-def condemned(flight: Flight) -> Mapping[str, Any]:
+def isolated(flight: Flight) -> Mapping[str, Any]:
     """Who was named, and what the fault did if there was one."""
-    names = ", ".join(f"{one.thruster} {one.kind} at {one.t_s:.1f} s" for one in flight.findings)
-    return {"condemned": names, **(judge_fault(flight) if flight.loaded.truth.faults else {})}
+    names = ", ".join(f"{one.thruster} {one.kind} at {one.t_s:.1f} s" for one in flight.isolated_faults)
+    return {"isolated": names, **(fault_response(flight) if flight.loaded.truth.faults else {})}
 
 
 def single_faults(rows: list[Row]) -> str:
@@ -73,8 +73,8 @@ def single_faults(rows: list[Row]) -> str:
             f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the "
             "fault began"
         ),
-        f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, sound thrusters "
-        f"condemned {sum(int(row['false_alarms']) for row in begun)}",
+        f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, healthy thrusters "
+        f"isolated {sum(int(row['false_alarms']) for row in begun)}",
         (
             f"  time to detect: median {np.median(times):.2f} s, 95 % {np.percentile(times, 95):.2f} s, "
             f"largest {times.max():.2f} s"
@@ -82,7 +82,7 @@ def single_faults(rows: list[Row]) -> str:
         f"  landed within limits {sum(row['success'] for row in begun)}",
     ]
     missed = [
-        f"  case {row['case']}: {row['thruster']} failed, condemned: {row['condemned'] or 'nobody'}"
+        f"  case {row['case']}: {row['thruster']} failed, isolated: {row['isolated'] or 'none'}"
         for row in begun
         if row not in right
     ]
@@ -91,14 +91,14 @@ def single_faults(rows: list[Row]) -> str:
 
 def healthy(rows: list[Row]) -> str:
     """Figures of the flights without a fault."""
-    accused = [row for row in rows if row.get("false_alarms", 0.0) > 0.0]
+    wrong = [row for row in rows if row.get("false_alarms", 0.0) > 0.0]
     lines = [
         (
-            f"no fault: {len(rows)} flights, {len(accused)} with a false alarm, landed within limits "
+            f"no fault: {len(rows)} flights, {len(wrong)} with a false alarm, landed within limits "
             f"{sum(row['success'] for row in rows)}"
         )
     ]
-    return "\n".join(lines + [f"  case {row['case']}: {row['condemned']}" for row in accused] + lost(rows))
+    return "\n".join(lines + [f"  case {row['case']}: {row['isolated']}" for row in wrong] + lost(rows))
 
 
 def lost(rows: list[Row]) -> list[str]:
@@ -116,11 +116,11 @@ def matrix() -> str:
     lines = []
     for kind in KINDS:
         cases = fault_cases(loaded.scenario.thruster_names, [kind], phases_of(loaded.scenario), 1.0)
-        rows = list(fly_rows(loaded, cases, collect=judge_fault))
+        rows = list(fly_rows(loaded, cases, collect=fault_response))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
         lines.append(
             f"{kind}: {sum(row['success'] for row in rows)} of {len(rows)} landed within limits, "
-            f"{wrong} sound thrusters condemned"
+            f"{wrong} healthy thrusters isolated"
         )
         lines += [
             f"  {row['thruster']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]
@@ -141,12 +141,12 @@ def main() -> None:
     plan = load_plan("tianwen1_mc", cases=options.n)
     print(
         single_faults(
-            list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=condemned))
+            list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=isolated))
         ),
         flush=True,
     )
     print(
-        healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=condemned))),
+        healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=isolated))),
         flush=True,
     )
     if options.matrix:

@@ -23,7 +23,7 @@ def flight_table() -> str:
         "| " + " | ".join(row.cells) + " |" for row in comparison(flight.metrics, flight.scenario.published)
     ]
     lines.append(
-        f"\nVerdict: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing "
+        f"\nOutcome: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing "
         "site."
     )
     return "\n".join(lines)

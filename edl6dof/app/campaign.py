@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from edl6dof.app.ending import INTERRUPTED
+from edl6dof.app.exit_status import INTERRUPTED
 from edl6dof.config.base import stated
 from edl6dof.config.errors import ConfigError, Problem
 

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from edl6dof.app.campaign import CampaignOptions, problem
 from edl6dof.app.campaign_show import show
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.ending import INTERRUPTED, refuse
+from edl6dof.app.exit_status import INTERRUPTED, refuse
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine

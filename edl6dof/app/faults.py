@@ -19,7 +19,7 @@ from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, judge_fault, phases_of
+from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import ConfigError, Problem
@@ -29,9 +29,9 @@ from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
 
 _LEGEND = """\
-matrix: s from the fault to the verdict; a name: another thruster was named;
+matrix: s from the fault to its isolation; a name: another thruster was named;
 -: never fired after the fault; ?: fired, but not named
-below it: medians of s to the verdict, from the fault and from its first use;
+below it: medians of s to the isolation, from the fault and from its first use;
 largest distance from the site (m) and attitude error (deg)"""
 
 
@@ -60,7 +60,7 @@ def run_faults(options: FaultOptions) -> int:
     with atomic_folder(target, "faults", options.force) as folder:
         with _progress(len(cases), quiet=options.as_json) as progress:
             rows = list(
-                fly_rows(loaded, cases, workers=options.workers, collect=judge_fault, progress=progress)
+                fly_rows(loaded, cases, workers=options.workers, collect=fault_response, progress=progress)
             )
         pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
         summary = json_text(_summary(rows, kinds, phases))
@@ -169,9 +169,9 @@ def _show(
             )
     lost = sum(not row["success"] for row in rows)
     flights = counted(len(rows), "flight")
-    verdict = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
+    outcome = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
     console.print(f"{target}: {listed(target)}", markup=False)
-    console.print(Text(verdict, style="bold red" if lost else "bold green"))
+    console.print(Text(outcome, style="bold red" if lost else "bold green"))
 
 
 def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str]) -> Table:
@@ -206,7 +206,7 @@ def _cell(row: Row) -> Text:
 
 
 def _overview(groups: list[dict[str, Any]]) -> Table:
-    """Counts, median times from fault and from first use to the verdict, largest distance from the site and
+    """Counts, median times from fault and from first use to the isolation, largest distance from the site and
     attitude error.
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)

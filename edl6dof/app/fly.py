@@ -12,9 +12,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from edl6dof.app.blocked_imports import blocked_imports
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.without import without
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
@@ -62,18 +63,24 @@ def run_fly(options: FlyOptions) -> int:
 def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: State | None) -> Flight:
     talk = not (options.quiet or options.as_json)
     announce_compiling(talk)
-    with _progress(talk) as report:
+    # a plugin's kernels may hold matrix products
+    unused = () if outside_sources else UNUSED_BY_NUMBA
+    with _progress(talk) as report, blocked_imports(*unused):
         flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
     write_files(flight, folder, options.replay)
     return flight
 
+
+#: What numba imports to learn whether matrix products can be compiled: a tenth of a second, and no kernel of
+#: the package has any.
+UNUSED_BY_NUMBA = ("scipy.linalg",)
 
 #: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its
 #: access to Amazon's storage.
 UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
 
 
-@without(*UNUSED_BY_ARROW)
+@blocked_imports(*UNUSED_BY_ARROW)
 def write_files(flight: Flight, folder: Path, replay: bool) -> None:
     """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a
     replay.
@@ -93,13 +100,13 @@ def write_files(flight: Flight, folder: Path, replay: bool) -> None:
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
-    from edl6dof.report.terminal import show_flight, verdict
+    from edl6dof.report.terminal import headline, show_flight
 
     console = Console(highlight=False, soft_wrap=True)
     if options.as_json:
         print((target / "summary.json").read_text(encoding="utf-8"), end="")
     elif options.quiet:
-        console.print(verdict(flight))
+        console.print(headline(flight))
     else:
         show_flight(console, flight)
         console.print(f"{target}: {listed(target)}", markup=False)

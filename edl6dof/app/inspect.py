@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from edl6dof.app.ending import BAD_INPUT
+from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError

@@ -16,7 +16,7 @@ from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 
-ENDINGS = (".html", ".png", ".pdf", ".svg")
+SUFFIXES = (".html", ".png", ".pdf", ".svg")
 
 
 def run_plot(
@@ -41,8 +41,8 @@ def run_plot(
             (f"has no telemetry between the given times (it runs from {run.t[0]:g} to {run.t[-1]:g} s)"),
         )
     target = out or folder / "plots" / f"{channels[0]}{'-and-more' if len(channels) > 1 else ''}.html"
-    if target.suffix not in ENDINGS:
-        raise refusal(target, f"must end in {', '.join(ENDINGS)}")
+    if target.suffix not in SUFFIXES:
+        raise refusal(target, f"must end in {', '.join(SUFFIXES)}")
     refuse_existing_file(target, force)
     figure = channel_plot(run, channels, x, rows)
     with atomic_file(target, force) as partial:
@@ -95,12 +95,12 @@ def channel_plot(run: Run, channels: Sequence[str], x: str, rows: np.ndarray) ->
 
 def _write(run: Run, figure: Figure, path: Path) -> None:
     if path.suffix == ".html":
-        from edl6dof.report.flight.words import mood, verdict
+        from edl6dof.report.flight.words import headline, mood
         from edl6dof.report.page import page
 
         report = Report(
             run.name,
-            verdict(run),
+            headline(run),
             mood(run.summary),
             str(run.folder),
             sections=[Section("plots", figure.title, [figure])],

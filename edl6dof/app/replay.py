@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.app.ending import UNAVAILABLE
+from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import refusal
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
@@ -59,7 +59,7 @@ class FlownRun:
         return self._run.phase_names
 
     @property
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> Sequence[Mapping[str, Any]]:
         """The timeline."""
         return self._run.events
 
@@ -119,13 +119,15 @@ def _ended_by_signals() -> Iterator[None]:
 
     names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {number: signal.getsignal(number) for number in (getattr(signal, name) for name in names)}
-    ending = [number for number, action in before.items() if action is signal.SIG_DFL]  # nohup ignores SIGHUP
-    for number in ending:
+    defaults = [
+        number for number, action in before.items() if action is signal.SIG_DFL
+    ]  # nohup ignores SIGHUP
+    for number in defaults:
         signal.signal(number, interrupt)
     try:
         yield
     finally:
-        for number in ending:
+        for number in defaults:
             signal.signal(number, signal.SIG_DFL)
 
 

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.ending import refuse
+from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
@@ -105,8 +105,8 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {listed(target)}", markup=False)
     missed = [finding.label for finding in report.findings if not finding.ok]
-    verdict = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
-    console.print(Text(f"{study.name}: {verdict}", style="bold red" if missed else "bold green"))
+    outcome = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
+    console.print(Text(f"{study.name}: {outcome}", style="bold red" if missed else "bold green"))
 
 
 def _grid(grid: Grid) -> Table:

@@ -14,7 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
-from edl6dof.app.ending import refuse
+from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.verify.outcome import Result
 from edl6dof.verify.registry import CASES
@@ -89,7 +89,7 @@ def _show(reports: Sequence[Report], seconds: float, drawn: Sequence[Path]) -> N
     for report in reports:
         if report.skipped:
             console.print(f"skipped: {report.name}: {report.note}", markup=False)
-    console.print(_verdict(reports, seconds))
+    console.print(_summary_line(reports, seconds))
 
 
 def _comparisons(results: Sequence[Result]) -> Table:
@@ -121,7 +121,7 @@ def _comparisons(results: Sequence[Result]) -> Table:
     return table
 
 
-def _verdict(reports: Sequence[Report], seconds: float) -> Text:
+def _summary_line(reports: Sequence[Report], seconds: float) -> Text:
     failed = [report.name for report in reports if not report.passed]
     count = sum(len(report.results) for report in reports)
     if failed:

@@ -40,7 +40,7 @@ def fault_cases(
     ]
 
 
-def judge_fault(flight: Flight) -> Mapping[str, Any]:
+def fault_response(flight: Flight) -> Mapping[str, Any]:
     """What the fault did to a flight, and what was made of it.
 
     ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none:
@@ -54,7 +54,7 @@ def judge_fault(flight: Flight) -> Mapping[str, Any]:
     after = (t >= since) & (t < end)
     error = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])
     used = after & (table[f"valve.{fault.thruster}"] != 0)
-    named = flight.findings[0] if flight.findings else None
+    named = flight.isolated_faults[0] if flight.isolated_faults else None
     return {
         "fault_s": since if since <= end else None,
         "unused_s": float(t[used][0]) - since if used.any() else None,

@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from edl6dof.config.base import Capacity
+from edl6dof.config.base import Capacity, stated
 from edl6dof.config.units import split_unit
 
 
@@ -67,14 +67,15 @@ def duplicate(records: np.ndarray) -> np.ndarray:
 
 
 def _put(record: np.ndarray | np.void, place: _Place, value: Any) -> None:
-    if value is None or isinstance(value, str) and place.names is None:
+    if value is None:
         return
     if isinstance(value, BaseModel):
         fill(record[place.target], value)
     elif place.slots is not None:
-        _fill_list(record, place, value)
+        _fill_list(record, place, place.slots, value)
     elif isinstance(value, str):
-        record[place.target] = place.names.index(value)
+        if place.names is not None:
+            record[place.target] = place.names.index(value)
     elif isinstance(value, bool | int) and not place.is_float:
         record[place.target] = int(value)
     else:
@@ -117,16 +118,16 @@ def _places(model: type[BaseModel]) -> tuple[_Place, ...]:
     return tuple(places)
 
 
-def _fill_list(record: np.ndarray | np.void, place: _Place, items: list[Any]) -> None:
-    if len(items) > place.slots:
-        raise ValueError(f"{place.name}: {len(items)} entries, at most {place.slots} are allowed")
+def _fill_list(record: np.ndarray | np.void, place: _Place, most: int, items: list[Any]) -> None:
+    if len(items) > most:
+        raise ValueError(f"{place.name}: {len(items)} entries, at most {most} are allowed")
     record[f"n_{place.target}"] = len(items)
     slots = record[place.target]
     for index, item in enumerate(items):
         if isinstance(item, BaseModel):
             fill(slots[index], item)
         elif isinstance(item, str):
-            slots[index] = place.item_names.index(item)
+            slots[index] = stated(place.item_names).index(item)
         else:
             slots[index] = np.asarray(item, dtype=np.float64) * place.to_si
 

@@ -65,7 +65,8 @@ def revalidated(base: Model, document: Document, names: Iterable[str]) -> Model:
 def _adapter(model: type[BaseModel], name: str) -> TypeAdapter[Any]:
     """What validates one field of a model."""
     info = model.model_fields[name]
-    return TypeAdapter(Annotated[info.annotation, info])
+    declared: Any = Annotated[info.annotation, info]
+    return TypeAdapter(declared)
 
 
 def refuse(document: Document, problems: Mapping[str, str]) -> None:

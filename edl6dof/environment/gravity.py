@@ -78,20 +78,20 @@ def gravity_F(g, x, y, z):
 
     Source: see the module.
     """
-    return add(central_F(g, x, y, z), departure_F(g, x, y, z))
+    return add(central(g, (x, y, z)), noncentral_F(g, x, y, z))
 
 
 @kernel
-def central_F(g, x, y, z):
-    """The central term of the field, m/s2."""
+def central(g, r):
+    """The central term of the field at ``r`` (m), m/s2; in whatever frame ``r`` is given."""
     if g.model == NONE:
         return 0.0, 0.0, 0.0
-    r2 = x * x + y * y + z * z
-    return scale(-g.mu / (r2 * sqrt(r2)), (x, y, z))
+    r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
+    return scale(-g.mu / (r2 * sqrt(r2)), r)
 
 
 @kernel
-def departure_F(g, x, y, z):
+def noncentral_F(g, x, y, z):
     """What the field adds to its central term, m/s2.
 
     J2 in closed form, Montenbruck and Gill, Satellite Orbits, section 3.2.

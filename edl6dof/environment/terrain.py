@@ -73,6 +73,13 @@ def ground(terrain, grid, lat, lon):
 
 
 @kernel
+def elevations(terrain, grid, lat, lon, found):
+    """Elevation (m) at each of some places (rad), into ``found``."""
+    for i in range(len(found)):
+        found[i] = ground(terrain, grid, lat[i], lon[i])[0]
+
+
+@kernel
 def _site_plane(terrain, lat, lon):
     """The tilt around the site; beyond ``slope_radius`` the height stays what it is on the rim in that
     direction.

@@ -96,8 +96,8 @@ def excess_torque(effectiveness, count, opens, closes, duty, cycle):
     """
     x, y, z = 0.0, 0.0, 0.0
     for i in range(count):
-        excess = (closes[i] - opens[i]) / cycle - duty[i]
-        if excess != 0.0:
+        if closes[i] > opens[i] or duty[i] > 0.0:
+            excess = (closes[i] - opens[i]) / cycle - duty[i]
             x += excess * effectiveness[i, 3]
             y += excess * effectiveness[i, 4]
             z += excess * effectiveness[i, 5]

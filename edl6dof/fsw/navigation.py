@@ -35,7 +35,7 @@ NAV = np.dtype(
         ("specific_force_B", "f8", (3,)),
         ("imu_rate_B", "f8", (3,)),
         ("imu_gain_B", "f8", (3,)),
-        ("v_I", "f8", (3,)),  # planet-relative velocity, components in I
+        ("v_rel_I", "f8", (3,)),  # m/s, I: planet-relative velocity
         ("up_I", "f8", (3,)),
         ("north_I", "f8", (3,)),
         ("east_I", "f8", (3,)),
@@ -97,13 +97,13 @@ def navigate(planet, atmosphere, site_frame, sensed, nav):
     spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
     r_I = take3(sensed.r_I, 0)
-    v_I = (sensed.v_I[0] + spin * r_I[1], sensed.v_I[1] - spin * r_I[0], sensed.v_I[2])
-    r_F, v_F = rotate_z(c, s, r_I), rotate_z(c, s, v_I)
+    v_rel_I = (sensed.v_I[0] + spin * r_I[1], sensed.v_I[1] - spin * r_I[0], sensed.v_I[2])
+    r_F, v_F = rotate_z(c, s, r_I), rotate_z(c, s, v_rel_I)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     up = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 0.0, -1.0)))
     north = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (1.0, 0.0, 0.0)))
     east = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 1.0, 0.0)))
-    put3(nav.v_I, 0, v_I)
+    put3(nav.v_rel_I, 0, v_rel_I)
     put3(nav.up_I, 0, up)
     put3(nav.north_I, 0, north)
     put3(nav.east_I, 0, east)
@@ -112,23 +112,23 @@ def navigate(planet, atmosphere, site_frame, sensed, nav):
     nav.height = sensed.height_above_ground
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F)
     put3(nav.v_N, 0, v_N)
-    speed = norm(v_I)
+    speed = norm(v_rel_I)
     nav.speed = speed
     nav.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     nav.azimuth = atan2(v_N[1], v_N[0])
 
     put3(nav.site_L, 0, to_local(site_frame, r_F))
 
-    v_B = to_frame(q, v_I)
+    v_B = to_frame(q, v_rel_I)
     _, nav.alpha, nav.beta = wind_angles(v_B)
     nav.total_alpha = total_angle_of_attack(v_B)
     x, y, z = axes(q)
-    nav.bank = bank_angle(v_I, up, x, y, z)
+    nav.bank = bank_angle(v_rel_I, up, x, y, z)
     density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed
     force_I = from_frame(q, take3(sensed.specific_force_B, 0))
-    nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_I))
+    nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_rel_I))
     radius = planet.equatorial_radius
     nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
     nav.gravity = planet.mu / (nav.radius * nav.radius)

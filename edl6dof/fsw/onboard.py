@@ -6,7 +6,7 @@ a coarse table of density and speed of sound without wind; drag and lift are one
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -44,8 +44,8 @@ from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
 
-_EntryLaws = ENTRY_LAWS.params_model("EntryLawParams", "law", "drag_tracking", "Entry guidance.")
-_PoweredLaws = POWERED_LAWS.params_model("PoweredLawParams", "law", "polynomial", "Powered guidance.")
+_EntryLaws: Any = ENTRY_LAWS.params_model("EntryLawParams", "law", "drag_tracking", "Entry guidance.")
+_PoweredLaws: Any = POWERED_LAWS.params_model("PoweredLawParams", "law", "polynomial", "Powered guidance.")
 
 
 class EntryGuidanceParams(_EntryLaws):
@@ -108,9 +108,11 @@ class GuidanceParams(Params):
     powered: PoweredGuidanceParams = group(PoweredGuidanceParams, "powered guidance")
 
 
-ControlParams = CONTROLLERS.params_model(
-    "ControlParams", None, "off", ("Attitude controllers; each phase names the one it uses.")
-)
+_Controllers: Any = CONTROLLERS.params_model("ControllerParams", None, "off", "Attitude controllers.")
+
+
+class ControlParams(_Controllers):
+    """Attitude controllers; each phase names the one it uses."""
 
 
 class RateParams(Params):
@@ -219,10 +221,7 @@ ONBOARD = np.dtype(
                             align=True,
                         ),
                     ),
-                    *[
-                        (name, *dtype_of(_Thrusters).fields[name][:1])
-                        for name in ("thrusters", "n_thrusters")
-                    ],
+                    *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
                 ],
                 align=True,
             ),

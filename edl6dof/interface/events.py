@@ -6,13 +6,16 @@ what is done, to which thing, and how long it takes from the command.
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_EVENTS
 
 #: What an event does; records carry the index.  Jettison a part; deploy or release a parachute; extend a
 #: surface or the landing gear; ignite or cut off an engine.
-ACTIONS = ("jettison", "deploy", "release", "extend", "ignite", "cut_off")
+Action = Literal["jettison", "deploy", "release", "extend", "ignite", "cut_off"]
+ACTIONS: tuple[Action, ...] = get_args(Action)
 JETTISON, DEPLOY, RELEASE, EXTEND, IGNITE, CUT_OFF = range(len(ACTIONS))
 
 #: The thing of an event that extends the landing gear; all other things have their index in their list.

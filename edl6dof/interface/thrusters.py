@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 #: Horizontal: hazard avoidance and roll; axial: beside the engine; attitude: pitch and yaw; fine: fine
 #: pointing.  Names in YAML; records carry the index, and masks the bit of that number.
-THRUSTER_GROUPS = ("horizontal", "axial", "attitude", "fine")
+ThrusterGroup = Literal["horizontal", "axial", "attitude", "fine"]
+THRUSTER_GROUPS: tuple[ThrusterGroup, ...] = get_args(ThrusterGroup)
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(len(THRUSTER_GROUPS))

@@ -1,4 +1,4 @@
-"""What the flight computer found out about its thrusters, beside what was truly wrong with them."""
+"""What the flight computer isolated among its thrusters, beside what was truly wrong with them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from edl6dof.vehicle.plant import NOT_BEGUN
 
 
 @dataclass(frozen=True)
-class Finding:
-    """One verdict of the diagnosis: a thruster taken out of use.
+class IsolatedFault:
+    """A thruster fault that the flight computer isolated; it takes the thruster out of use.
 
     Attributes:
         thruster: its name.
@@ -37,11 +37,11 @@ class Finding:
         return f"{self.thruster} {self.kind}, confidence {shown:.4f}"
 
 
-def findings(fsw: np.void, thrusters: Sequence[str]) -> list[Finding]:
-    """Verdicts in the order of time."""
+def isolated_faults(fsw: np.void, thrusters: Sequence[str]) -> list[IsolatedFault]:
+    """Isolated faults in the order of time."""
     diagnosis = fsw["diagnosis"]
     return [
-        Finding(
+        IsolatedFault(
             thrusters[slot["thruster"]],
             KIND_NAMES[int(slot["kind"])],
             *(float(slot[name]) for name in ("confidence", "loss", "t")),
@@ -51,18 +51,18 @@ def findings(fsw: np.void, thrusters: Sequence[str]) -> list[Finding]:
 
 
 def diagnosis_figures(
-    found: Sequence[Finding], faults: Sequence[FaultParams], plant: np.void
+    isolated: Sequence[IsolatedFault], faults: Sequence[FaultParams], plant: np.void
 ) -> dict[str, float]:
-    """Number of sound thrusters condemned, and time from the first thruster fault to its verdict if there was
-    one.
+    """Number of healthy thrusters isolated, and time from the first thruster fault to its isolation if there
+    was one.
     """
     since = {
         fault.thruster: float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)
         if fault.kind in THRUSTER_KINDS and begun != NOT_BEGUN
     }
-    guilty = [one for one in found if one.t_s >= since.get(one.thruster, np.inf)]
-    figures = {"false_alarms": float(len(found) - len(guilty))}
-    if guilty:
-        figures["time_to_detect_s"] = guilty[0].t_s - since[guilty[0].thruster]
+    right = [one for one in isolated if one.t_s >= since.get(one.thruster, np.inf)]
+    figures = {"false_alarms": float(len(isolated) - len(right))}
+    if right:
+        figures["time_to_detect_s"] = right[0].t_s - since[right[0].thruster]
     return figures

@@ -45,7 +45,7 @@ LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and that this flight reached the point to be judged by."""
+    """Every limit that is set and whose point this flight reached."""
     return [
         Check(figure.meaning, figures[figure.name], limit, figure.unit.label)
         for figure in LIMITS

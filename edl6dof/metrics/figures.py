@@ -1,7 +1,7 @@
 """The figures of merit of a flight, declared once: name with unit suffix, what it is, where it comes from,
 and what it is held against.
 
-From this table follow the limits of the verdict, the comparison with published values, and the labels of
+From this table follow the limits, the comparison with published values, and the labels of
 reports and campaigns.
 """
 
@@ -29,7 +29,7 @@ class FigureOfMerit(NamedTuple):
         meaning: what it is, in the words of reports.
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
-            ground contact, ``diagnosis`` for the findings.
+            ground contact, ``diagnosis`` for fault isolation.
         comparison: how a published value is to be read.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
@@ -144,7 +144,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit(
         "landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"
     ),
-    FigureOfMerit("false_alarms", "sound thrusters condemned", "diagnosis"),
+    FigureOfMerit("false_alarms", "healthy thrusters isolated", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
 )
 _BY_NAME = {figure.name: figure for figure in FIGURES}

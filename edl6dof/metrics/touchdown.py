@@ -76,6 +76,7 @@ def _contact(cases, plants):
         t, down, hypot(north, east),
         error[0], error[1], error[2], acos(clamp(-dot(forward, up_I), -1.0, 1.0)),
         w[0], w[1], w[2], norm(w),
-        atan2(hypot(plant.ground_slope[0], plant.ground_slope[1]), 1.0), atan2(sl, cl), atan2(so, co),
+        atan2(hypot(plant.inputs.ground_slope[0], plant.inputs.ground_slope[1]), 1.0),
+        atan2(sl, cl), atan2(so, co),
         site[0], site[1], hypot(site[0], site[1]),
     )  # fmt: skip

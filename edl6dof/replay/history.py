@@ -68,7 +68,7 @@ class Flown(Protocol):
         """Names of the mission phases."""
 
     @property
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> Sequence[Mapping[str, Any]]:
         """The timeline."""
 
     @property
@@ -144,12 +144,12 @@ def _mean_between(values: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.add.reduceat(values, rows, axis=0) / counts.reshape(-1, *[1] * (values.ndim - 1))
 
 
-def _diagnosed(events: Iterable[dict[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
-    """First finding about each thruster; a run that was written before events told the thruster has none."""
+def _diagnosed(events: Iterable[Mapping[str, Any]], jets: Sequence[str]) -> dict[str, Known]:
+    """First isolation of each thruster; a run that was written before events told the thruster has none."""
     found: dict[str, Known] = {}
     for event in events:
         if event["key"] == "diagnosis" and event.get("thruster") in jets:
-            found.setdefault(event["thruster"], Known(event["t_s"], event.get("finding", event["name"])))
+            found.setdefault(event["thruster"], Known(event["t_s"], event.get("isolated", event["name"])))
     return found
 
 

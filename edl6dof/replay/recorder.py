@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,7 +77,9 @@ class Recorder:
             **more,
         )
 
-    def marker(self, name: str, place: np.ndarray, colour: tuple[int, int, int], size: float = 4.0) -> None:
+    def marker(
+        self, name: str, place: Sequence[float] | np.ndarray, colour: tuple[int, int, int], size: float = 4.0
+    ) -> None:
         """A labelled point that is seen from afar."""
         point = self.rr.Points3D(
             [place], labels=[name], colors=colour, radii=self.rr.Radius.ui_points(size), show_labels=True

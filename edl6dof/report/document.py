@@ -1,4 +1,4 @@
-"""What a report says: a verdict, figures at a glance, and sections of text, tables and figures.  It knows no
+"""What a report says: a headline, figures at a glance, and sections of text, tables and figures.  It knows no
 HTML and no matplotlib.
 """
 
@@ -31,12 +31,15 @@ class Cell:
     bar: float | None = None
 
 
+Row = Sequence[str | Cell]
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows under headings; a heading that ends in ``>`` is that of right-aligned numbers."""
 
     columns: Sequence[str]
-    rows: Sequence[Sequence[str | Cell]]
+    rows: Sequence[Row]
     caption: str = ""
 
 
@@ -75,7 +78,7 @@ class Report:
     """A whole report."""
 
     title: str
-    verdict: str
+    headline: str
     mood: Mood
     subtitle: str = ""
     facts: Sequence[Fact] = ()

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from itertools import cycle
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, SEQUENTIAL, Axis, Figure, Panel, Trace, thinned
+from edl6dof.report.figure import GREY, SEQUENTIAL, Axis, Figure, Heat, Panel, Trace, thinned
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.container import BarContainer
     from matplotlib.figure import Figure as Canvas
+
+    Shown = Artist | BarContainer
 
 #: Width of a figure across the text of an A4 page, in.
 WIDTH = 7.0
 PIXELS_PER_INCH = 1000.0 / WIDTH
-STYLE: dict[str, Any] = {
+#: matplotlib's settings, which it types by a literal of all their names.
+STYLE: Any = {
     "font.family": "sans-serif",
     "font.size": 8.0,
     "axes.titlesize": 8.5,
@@ -63,7 +67,7 @@ _BESIDE: tuple[dict[str, Any], ...] = (
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
-    """One figure in the form that the ending of the path names."""
+    """One figure in the form that the suffix of the path names."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -79,7 +83,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
     canvas = Canvas(figsize=(WIDTH, height), layout="constrained")
     canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
     grid = canvas.add_gridspec(figure.rows, figure.columns, height_ratios=weights)
-    named: dict[str, Artist] = {}
+    named: dict[str, Shown] = {}
     for index, panel in enumerate(figure.panels):
         axes = canvas.add_subplot(grid[divmod(index, figure.columns)])
         x, y = figure.spans(index)
@@ -90,7 +94,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
             axes.tick_params(labelbottom=False)
     if len(named) > 1:
         widest = max(len(name) for name in named)
-        canvas.legend(
+        canvas.legend(  # type: ignore[call-overload]  # takes containers of bars too
             named.values(),
             named.keys(),
             loc="outside lower left",
@@ -100,7 +104,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
 
 
 def _panel(
-    axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Artist]
+    axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Shown]
 ) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal:
@@ -137,7 +141,7 @@ def _panel(
         style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
         if mark.axis == "x":
             axes.axvline(mark.at, **style)
-            place = {
+            place: dict[str, Any] = {
                 "xy": (mark.at, 0.98),
                 "xycoords": ("data", "axes fraction"),
                 "rotation": 90,
@@ -149,14 +153,14 @@ def _panel(
         if x[0] <= mark.at <= x[1] if mark.axis == "x" else y[0] <= mark.at <= y[1]:
             axes.annotate(mark.label, ha="right", color=mark.colour, fontsize=6.5, **place)
     if panel.heat is not None:
-        _heat(axes, panel)
+        _heat(axes, panel.heat)
     for trace in panel.coloured():
         artist = _trace(axes, thinned(trace, 1500))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
 
 
-def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> None:
+def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
     if axis.log:
         axes.set(**{f"{which}scale": "log"})
     axes.set(**{f"{which}lim": span})
@@ -165,7 +169,7 @@ def _scale(axes: Axes, which: str, axis: Axis, span: tuple[float, float]) -> Non
         axes.grid(False, axis=which)
 
 
-def _trace(axes: Axes, trace: Trace) -> Artist:
+def _trace(axes: Axes, trace: Trace) -> Shown:
     beside = cycle(_BESIDE)
     for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
         axes.annotate(
@@ -176,7 +180,7 @@ def _trace(axes: Axes, trace: Trace) -> Artist:
         return axes.bar(trace.x, trace.y, width=width, color=trace.colour)
     if trace.kind == "points":
         size = (2.4 + 1.3 * trace.width) ** 2
-        style = {
+        style: dict[str, Any] = {
             "marker": _SYMBOLS.get(trace.symbol, "o"),
             "linewidths": 0.3,
             "edgecolors": "white",
@@ -192,10 +196,9 @@ def _trace(axes: Axes, trace: Trace) -> Artist:
     )[0]
 
 
-def _heat(axes: Axes, panel: Panel) -> None:
+def _heat(axes: Axes, heat: Heat) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
-    heat = panel.heat
     scale = LinearSegmentedColormap.from_list("sequential", SEQUENTIAL)
     cells = axes.pcolormesh(
         heat.x,

@@ -66,4 +66,4 @@ def _as_cell(item: str | Cell) -> Cell:
 def _split_at_mark(line: str) -> tuple[str, str, str]:
     """A line of YAML, the letter of its status mark, and the words after it; empty without one."""
     found = _MARK.search(line)
-    return (line[: found.start()], *found.groups()) if found else (line, "", "")
+    return (line[: found.start()], found[1], found[2]) if found else (line, "", "")

@@ -22,14 +22,14 @@ _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Verdict and tables on A4 pages, then every figure on a page of its own size."""
+    """Headline and tables on A4 pages, then every figure on a page of its own size."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
         from matplotlib.backends.backend_pdf import PdfPages
 
         with PdfPages(
-            path, metadata={"Title": report.title, "Subject": report.verdict, "CreationDate": None}
+            path, metadata={"Title": report.title, "Subject": report.headline, "CreationDate": None}
         ) as pages:
             for canvas in _word_pages(report):
                 pages.savefig(canvas)
@@ -38,13 +38,12 @@ def write_pdf(report: Report, path: Path) -> None:
 
 
 def _word_pages(report: Report) -> Iterator[Canvas]:
-    """A4 pages with title, verdict, facts and all tables."""
+    """A4 pages with title, headline, facts and all tables."""
     from matplotlib.figure import Figure as Canvas
 
-    lines = list(_lines(report))
-    for start in range(0, len(lines), ROWS_PER_PAGE):
+    for lines in _pages(report):
         canvas = Canvas(figsize=A4)
-        for row, cells in enumerate(lines[start : start + ROWS_PER_PAGE]):
+        for row, cells in enumerate(lines):
             for x, align, words, style in cells:
                 canvas.text(
                     0.08 + 0.84 * x, 0.95 - 0.9 * row / ROWS_PER_PAGE, words, ha=align, va="top", **style
@@ -52,17 +51,40 @@ def _word_pages(report: Report) -> Iterator[Canvas]:
         yield canvas
 
 
-Words = tuple[float, str, str, dict[str, Any]]
+#: Words at places of a line: place 0..1, alignment, text, style.
+Line = list[tuple[float, str, str, dict[str, Any]]]
+
+_SMALL = {"fontsize": 7.5}
+#: Lines at the head of a table: its caption and the names of its columns.
+_HEAD = 2
 
 
-def _lines(report: Report) -> Iterator[list[Words]]:
-    """Lines of the word pages: each a list of (place 0..1, alignment, text, style)."""
-    small = {"fontsize": 7.5}
+def _pages(report: Report) -> Iterator[list[Line]]:
+    """Lines of each page; a table stays on one page if it fits there, else its head stands on every page."""
+    page = list(_summary(report))
+    for section in report.sections:
+        for table in (block for block in section.blocks if isinstance(block, Table)):
+            lines = list(_table_lines(table, table.caption or section.title))
+            if len(page) + len(lines) > ROWS_PER_PAGE >= len(lines):
+                yield page
+                page = []
+            page += lines
+            while len(page) > ROWS_PER_PAGE:
+                yield page[:ROWS_PER_PAGE]
+                page = [*lines[:_HEAD], *page[ROWS_PER_PAGE:]]
+            page.append([])
+    yield page + [
+        [(0.0, "left", line, {**_SMALL, "color": GREY})] for line in textwrap.wrap(report.footer, 130)
+    ]
+
+
+def _summary(report: Report) -> Iterator[Line]:
+    """What stands above the tables: title, headline and facts."""
     yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
     yield []
     yield [(0.0, "left", report.subtitle, {"fontsize": 9, "color": GREY})]
     yield [
-        (0.0, "left", report.verdict, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
+        (0.0, "left", report.headline, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
     ]
     yield []
     for first in range(0, len(report.facts), 4):
@@ -71,19 +93,13 @@ def _lines(report: Report) -> Iterator[list[Words]]:
             (k / 4, "left", fact.value, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[fact.mood]})
             for k, fact in facts
         ]
-        yield [(k / 4, "left", fact.label, {**small, "color": GREY}) for k, fact in facts]
+        yield [(k / 4, "left", fact.label, {**_SMALL, "color": GREY}) for k, fact in facts]
         yield []
-    for section in report.sections:
-        for table in (block for block in section.blocks if isinstance(block, Table)):
-            yield [(0.0, "left", table.caption or section.title, {"fontsize": 9, "fontweight": "bold"})]
-            yield from _table_lines(table)
-            yield []
-    for line in textwrap.wrap(report.footer, 130):
-        yield [(0.0, "left", line, {**small, "color": GREY})]
 
 
-def _table_lines(table: Table) -> Iterator[list[Words]]:
-    """Columns as wide as their longest text."""
+def _table_lines(table: Table, caption: str) -> Iterator[Line]:
+    """Caption, names and rows; columns are as wide as their longest text."""
+    yield [(0.0, "left", caption, {"fontsize": 9, "fontweight": "bold"})]
     rows = [[item if isinstance(item, Cell) else Cell(item) for item in row] for row in table.rows]
     widths = [
         max([len(head.rstrip(">")), *(len(row[k].text) for row in rows)]) + 3
@@ -96,13 +112,12 @@ def _table_lines(table: Table) -> Iterator[list[Words]]:
         (starts[k + 1] - 2 / total if right[k] else starts[k], "right" if right[k] else "left")
         for k in range(len(widths))
     ]
-    style = {"fontsize": 7.5}
     yield [
-        (*place, head.rstrip(">"), {**style, "color": GREY})
+        (*place, head.rstrip(">"), {**_SMALL, "color": GREY})
         for place, head in zip(places, table.columns, strict=True)
     ]
     for row in rows:
         yield [
-            (*place, cell.text, {**style, "color": _MOODS[cell.mood]})
+            (*place, cell.text, {**_SMALL, "color": _MOODS[cell.mood]})
             for place, cell in zip(places, row, strict=True)
         ]

@@ -1,4 +1,4 @@
-"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, verdict."""
+"""What a flight looks like on a terminal: timeline, comparison with the published flight, limits, outcome."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class Compared(NamedTuple):
 
 def show_flight(console: Console, flight: Flight) -> None:
     """Print timeline, the table against the published flight, limits, and last, where the eye is, the
-    verdict.
+    outcome.
     """
     console.print(timeline_table(flight))
     if flight.scenario.published:
         console.print(published_table(flight))
     if flight.checks:
         console.print(limits_table(flight))
-    console.print(verdict(flight))
+    console.print(headline(flight))
 
 
 def timeline_table(flight: Flight) -> Table:
@@ -83,7 +83,7 @@ def comparison(figures: Mapping[str, float | None], published_figures: Mapping[s
 
 
 def limits_table(flight: Flight) -> Table:
-    """Limits of the verdict."""
+    """Limits of the mission."""
     table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
         mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
@@ -92,7 +92,7 @@ def limits_table(flight: Flight) -> Table:
     return table
 
 
-def verdict(flight: Flight) -> Text:
+def headline(flight: Flight) -> Text:
     """One line: how it ended."""
     style = "bold green" if flight.success else "bold yellow" if flight.ending.reached else "bold red"
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)

@@ -58,7 +58,7 @@ class Event(TypedDict):
     phase: NotRequired[str]
     role: NotRequired[str]
     thruster: NotRequired[str]
-    finding: NotRequired[str]
+    isolated: NotRequired[str]
     altitude_m: float | None
     height_m: float | None
     speed_m_s: float | None

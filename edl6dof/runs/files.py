@@ -20,7 +20,7 @@ def atomic_file(target: Path, force: bool) -> Iterator[Path]:
         ConfigError: ``target`` exists and ``force`` is not set, or it cannot be written.
     """
     refuse_existing_file(target, force)
-    # keeps the ending, by which writers choose a format
+    # keeps the suffix, by which writers choose a format
     partial = target.parent / f".{os.getpid()}.{target.name}"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

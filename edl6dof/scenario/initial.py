@@ -12,7 +12,7 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Params, Vec3, param
+from edl6dof.config.base import REQUIRED, Params, Vec3, param, stated
 from edl6dof.config.errors import Inconsistent
 
 _PATH = ("speed_m_s", "flight_path_angle_deg", "azimuth_deg")
@@ -119,15 +119,14 @@ class InitialState(Params):
         """Planet-relative velocity north, east, down, m/s."""
         if self.velocity_ned_m_s is not None:
             return self.velocity_ned_m_s
-        gamma, azimuth = radians(self.flight_path_angle_deg), radians(self.azimuth_deg)
-        speed = self.speed_m_s
+        gamma, azimuth, speed = self.flight_path_angle, self.azimuth, self.speed
         return speed * (cos(gamma) * cos(azimuth)), speed * (cos(gamma) * sin(azimuth)), speed * -sin(gamma)
 
     @property
     def speed(self) -> float:
         """Speed relative to the rotating planet, m/s."""
         if self.velocity_ned_m_s is None:
-            return self.speed_m_s
+            return stated(self.speed_m_s)
         north, east, down = self.velocity_ned_m_s
         return sqrt(north * north + east * east + down * down)
 
@@ -135,7 +134,7 @@ class InitialState(Params):
     def flight_path_angle(self) -> float:
         """Flight-path angle, rad, negative downwards; 0 at rest."""
         if self.velocity_ned_m_s is None:
-            return radians(self.flight_path_angle_deg)
+            return radians(stated(self.flight_path_angle_deg))
         north, east, down = self.velocity_ned_m_s
         return atan2(-down, hypot(north, east))
 
@@ -143,10 +142,12 @@ class InitialState(Params):
     def azimuth(self) -> float:
         """Azimuth of the velocity, rad; 0 at rest when only components are given."""
         if self.velocity_ned_m_s is None:
-            return radians(self.azimuth_deg)
+            return radians(stated(self.azimuth_deg))
         return atan2(self.velocity_ned_m_s[1], self.velocity_ned_m_s[0])
 
     @property
     def wind_angles(self) -> Vec3:
         """Bank, angle of attack and sideslip, rad."""
-        return tuple(radians(value or 0.0) for value in (self.bank_deg, self.alpha_deg, self.beta_deg))
+        given = (self.bank_deg, self.alpha_deg, self.beta_deg)
+        bank, alpha, beta = (radians(value or 0.0) for value in given)
+        return bank, alpha, beta

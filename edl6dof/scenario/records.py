@@ -208,7 +208,6 @@ def _new_plant() -> np.ndarray:
     record["due"][:] = 1e99
     record["done"][:] = np.nan
     record["wing_start"] = 1e99
-    record["kept"]["t"] = record["debris"]["kept"]["t"] = np.nan
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
     record["line_stretch_time"] = np.nan
     record["touchdown_time"] = record["exhausted_time"] = np.nan

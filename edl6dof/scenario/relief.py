@@ -8,9 +8,9 @@ from edl6dof.environment.terrain import (
     TERRAIN,
     TERRAIN_GRID,
     TerrainParams,
+    elevations,
     fill_terrain,
     fill_terrain_grid,
-    ground,
 )
 
 
@@ -25,11 +25,9 @@ class Relief:
 
     def elevation(self, latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
         """Elevation (m) at geodetic latitudes and east longitudes (rad), of any shape."""
-        terrain, grid = self._terrain[0], self._grid[0]
-        each = (
-            ground(terrain, grid, a, b)[0] for a, b in zip(latitude.ravel(), longitude.ravel(), strict=True)
-        )
-        return np.fromiter(each, float, latitude.size).reshape(latitude.shape)
+        found = np.empty(latitude.size)
+        elevations(self._terrain[0], self._grid[0], latitude.ravel(), longitude.ravel(), found)
+        return found.reshape(latitude.shape)
 
     @property
     def map(self) -> np.ndarray:

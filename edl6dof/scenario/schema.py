@@ -140,7 +140,7 @@ class Scenario(Params):
     sensors: SensorParams = group(SensorParams, "sensors")
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
-    limits: LimitParams = group(LimitParams, "limits of the verdict")
+    limits: LimitParams = group(LimitParams, "limits that a success keeps")
     faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
         None,
         "what breaks; the flight computer is not told",

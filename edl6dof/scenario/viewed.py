@@ -65,8 +65,8 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
         for key in list(section):
             if key not in model.model_fields or section[key] not in choices.get(key, [section[key]]):
                 del section[key]
-    for name, model in _STAND_INS.items():
-        _section(data, (name,)).setdefault("model", model)
+    for name, stand_in in _STAND_INS.items():
+        _section(data, (name,)).setdefault("model", stand_in)
     sensors = _section(data, ("sensors",))
     if not set(sensors.get("carried", ())) <= set(SENSOR_FAMILY.names):
         del sensors["carried"]

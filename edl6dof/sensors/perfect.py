@@ -31,7 +31,7 @@ def measure(params, memory, plant, outputs, sensed):
         sensed.specific_force_B[i] = outputs.specific_force_B[i]
     for i in range(4):
         sensed.q_I2B[i] = y[ATTITUDE + i]
-    sensed.height_above_ground = outputs.agl
+    sensed.height_above_ground = outputs.height
     sensed.footpad_contact = 1 if outputs.pads > 0 else 0
     sensed.wing_open = 1 if outputs.wing_opening > params.end_switch else 0
 

@@ -6,7 +6,7 @@ star_tracker]`` takes the attitude from the star tracker and the rest from the o
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
@@ -21,13 +21,18 @@ SENSOR_FAMILY = Family("sensor", (perfect.MEMBER, imu.MEMBER))
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 8
 
-_Sections = SENSOR_FAMILY.params_model("SensorSections", None, "", "Parameters of the sensors.")
+if TYPE_CHECKING:
+    SensorName = str
+else:  # which sensors there are, plugins included, is known only when it runs
+    SensorName = Literal[SENSOR_FAMILY.names]
+
+_Sections: Any = SENSOR_FAMILY.params_model("SensorSections", None, "", "Parameters of the sensors.")
 
 
 class SensorParams(_Sections):
     """What the flight computer measures with."""
 
-    carried: Annotated[list[Literal[SENSOR_FAMILY.names]], Capacity(MAX_SENSORS)] = param(
+    carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
         None,
         "sensors that fly; a later one writes over what an earlier one measured",
         factory=lambda: ["perfect", "imu"],
@@ -58,7 +63,7 @@ def sensor_problems(params: SensorParams) -> dict[str, str]:
     """Dotted path to message of what is wrong with the choice of sensors."""
     twice = sorted({name for name in params.carried if params.carried.count(name) > 1})
     written = {field for name in params.carried for field in SENSOR_FAMILY.member(name).writes}
-    missing = [field for field in SENSED.names if field not in written and field != "t"]
+    missing = [field for field in SENSED.names or () if field not in written and field != "t"]
     if twice:
         return {"sensors.carried": f"names {', '.join(twice)} twice"}
     if missing:

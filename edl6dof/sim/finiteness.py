@@ -35,7 +35,7 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 
 
 #: Fields of the state that follow from the outputs.
-_FROM_OUTPUTS = ("ground_elevation", "ground_slope")
+_FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
@@ -78,8 +78,8 @@ def first_cause(
         work: of the integrator, shape (1,): the stage in which a step failed.
         sensors, fsw: readings under way and sensed; memory of the flight software; shape (1,).
     """
-    own = [name for name in plant.dtype.names if name not in _FROM_OUTPUTS]
-    steps = (("plant", plant[own]), ("trial", work["trial"]), ("outputs", outputs), ("k", work["k"]))
+    own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
+    steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))
     for name, record in (*steps, ("plant", plant), ("sensors", sensors), ("fsw", fsw)):
         if path := first_not_finite(record):
             return _plain_name(name, path)
@@ -91,7 +91,7 @@ def _plain_name(record: str, path: str) -> str:
     ``fsw.guide.bank`` for anything else.
     """
     field, _, index = path.partition("[")
-    if (record, field) == ("plant", "y") or record in ("trial", "k"):
+    if (record, field) == ("plant", "y") or record in ("stage", "k"):
         state = STATE_NAMES[int(index.rstrip("]").split(",")[-1])]
         return f"rate of {state}" if record == "k" else state
     return f"{record}.{path}".removeprefix("sensors.")

@@ -14,7 +14,7 @@ from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
-from edl6dof.metrics.diagnosis import Finding, diagnosis_figures, findings
+from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
@@ -120,9 +120,9 @@ class Flight:
         return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, self.outcome, others)
 
     @cached_property
-    def findings(self) -> list[Finding]:
+    def isolated_faults(self) -> list[IsolatedFault]:
         """Thrusters the flight computer took out of use, and why."""
-        return findings(self.fsw[0], self.scenario.thruster_names)
+        return isolated_faults(self.fsw[0], self.scenario.thruster_names)
 
     @property
     def _wing(self) -> list[Moment]:
@@ -140,8 +140,8 @@ class Flight:
             moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN
         ]
         found = [
-            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, finding=one.label)
-            for one in self.findings
+            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
+            for one in self.isolated_faults
         ]
         return rows + found
 
@@ -156,7 +156,7 @@ class Flight:
             figures |= peak_figures(self.plant[0], self.peaks[0], happened) | touchdown_state(
                 self.case, self.plant
             )
-            figures |= diagnosis_figures(self.findings, self.loaded.truth.faults, self.plant[0])
+            figures |= diagnosis_figures(self.isolated_faults, self.loaded.truth.faults, self.plant[0])
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
@@ -210,7 +210,7 @@ class Flight:
         names = self.phase_names
         return names[int(self.fsw["mission"]["phase"][0])] if names else "free flight"
 
-    @property
+    @cached_property
     def resolved_scenario(self) -> str:
         """The scenario as YAML with every default: enough to fly it again, bit for bit."""
         return resolved_text(self.loaded)
@@ -319,7 +319,7 @@ def fly(
     logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
-            held = (duplicate(record) for record in (plant, peaks, sensors, fsw))
+            held = duplicate(plant), duplicate(peaks), duplicate(sensors), duplicate(fsw)
             saved = State(cycle, *held, resolved_text(loaded))
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:

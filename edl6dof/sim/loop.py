@@ -8,20 +8,21 @@ from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.registry import sense
 from edl6dof.sim.finiteness import works_with_finite
-from edl6dof.sim.outcome import FLYING, NOT_FINITE, judge
+from edl6dof.sim.outcome import FLYING, NOT_FINITE, outcome_of
 from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
-from edl6dof.vehicle.integrate import advance, go_back, refresh, retrace
-from edl6dof.vehicle.mass import compose_dry
+from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.peaks import update_peaks
+from edl6dof.vehicle.runge_kutta import evaluate, retrace, survey, undo
 
 
 @kernel
 def prepare(cases, plants):
     """Make the mass properties of a plant those of the parts it has."""
     case, plant = cases[0], plants[0]
-    compose_dry(case.vehicle.parts, case.vehicle.n_parts, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
 
 
 @kernel
@@ -30,7 +31,7 @@ def take_up(cases, plants, memories):
     have changed since.
     """
     case, plant = cases[0], plants[0]
-    compose_dry(case.vehicle.parts, case.vehicle.n_parts, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
     memories[0].effectiveness.of = 0
 
 
@@ -61,16 +62,17 @@ def fly(
     measured, memory = sensors_.view(np.uint64), memories.view(np.uint64)
     cycle = 1.0 / onboard.rates.base
     rows = 0
+    evaluate(case, tables, plant, outputs, work)
     for k in range(first, last):
         t = k * cycle
-        refresh(case, tables, plant, outputs, work)
+        survey(case, tables, plant, outputs)
         sense(case.sensors, plant, outputs, sensors)
         run(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
             update_peaks(outputs, peaks)
-            outcome = judge(case, plant, outputs)
+            outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:
             write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
@@ -79,9 +81,10 @@ def fly(
             return outcome, k - first, rows
         for j in range(steps):
             if not advance(case, tables, plant, outputs, work, t + cycle * (j + 1) / steps):
-                go_back(plant, work)
+                undo(plant, work)
                 if plant.t > t or not logged:
-                    refresh(case, tables, plant, outputs, work)
+                    evaluate(case, tables, plant, outputs, work)
+                    survey(case, tables, plant, outputs)
                     write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
                     rows += 1
                 retrace(case, tables, plant, outputs, work)

@@ -54,7 +54,7 @@ def burning(plant):
 
 
 @kernel
-def judge(case, plant, outputs):
+def outcome_of(case, plant, outputs):
     """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
     limits, out, y = case.limits, outputs, plant.y
     t = plant.t

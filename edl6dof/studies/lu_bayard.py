@@ -341,7 +341,7 @@ def _range(onboard: np.ndarray, radius: float) -> tuple[Finding, ...]:
     def slow(t: float, s: np.ndarray) -> float:
         return s[1] - final
 
-    slow.terminal = True  # type: ignore[attr-defined]
+    slow.terminal = True  # type: ignore[attr-defined]  # scipy's mark on an event that ends the integration
     goal, slope, _ = profile_drag(profile, first)
     height = scale_height * log(_drag_at(onboard, 0.0, first) / goal)
     gamma = asin(path_sine(first, goal, slope, mu / (radius + height) ** 2, scale_height))

@@ -42,8 +42,7 @@ SPREADS = (
 )
 ENTRY = "flight_software.guidance.entry"
 LAWS = {"ehgo_fl": "EHGO+FL", "fl": "FL"}
-#: Share of the true value within which an estimate counts as converged, and the time (s) over which that is
-#: judged.
+#: Share of the true value within which an estimate counts as converged, and the time (s) over which it must.
 CLOSE, WATCHED_S = 0.02, 10.0
 #: Times (s) after the start and before the end that tracking errors are taken over.
 SETTLED_S, END_S = 30.0, 1.0

@@ -124,12 +124,12 @@ CHANNELS: tuple[Channel, ...] = (
     ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
-    Channel("diagnosis.found", "thrusters found to have failed"),
+    Channel("diagnosis.isolated", "thrusters isolated as failed"),
     Channel(
         "diagnosis.in_use",
         ("thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
     ),
-    *_vector("control.undelivered", "nm", "x y z", "demanded torque that the allocation could not deliver"),
+    *_vector("control.unallocated", "nm", "x y z", "demanded torque that stays unallocated"),
 )
 
 #: Channels that the figures and the timeline of a flight are formed from: all that a flight of a campaign

@@ -28,8 +28,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
-from edl6dof.vehicle.surfaces import least_extension
-from edl6dof.vehicle.surroundings import turn_of_planet
+from edl6dof.vehicle.surroundings import planet_rotation
 
 
 @kernel
@@ -41,12 +40,12 @@ def record_brief(case, plant, outputs, fsw, tick):
     t = plant.t
     tick.t = t
     spin = case.planet.rotation_rate
-    c, s = turn_of_planet(case, plant.kept, t)
+    c, s = planet_rotation(case.planet, t)
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
-    v_rel = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-    v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel))
+    v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
+    v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel_I))
 
-    truth.altitude, truth.height = out.altitude, out.agl
+    truth.altitude, truth.height = out.altitude, out.height
     truth.latitude, truth.longitude = out.latitude, out.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.speed = norm(v_N)
@@ -66,15 +65,14 @@ def record_brief(case, plant, outputs, fsw, tick):
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
         fsw.demand.attitude_error, 0
     )
-    return c, s, v_rel, v_N, airspeed
+    return c, s, v_rel_I, v_N, airspeed
 
 
 @kernel
 def record(case, plant, outputs, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
-    c, s, v_rel, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
+    c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
-    t = plant.t
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     up = rotate_z(c, -s, ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, -1.0)))
     x, y_axis, z = axes(q)
@@ -85,7 +83,7 @@ def record(case, plant, outputs, fsw, tick):
     truth.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     truth.azimuth = atan2(v_N[1], v_N[0])
     truth.airspeed = airspeed
-    truth.bank = bank_angle(v_rel, up, x, y_axis, z)
+    truth.bank = bank_angle(v_rel_I, up, x, y_axis, z)
     truth.density, truth.temperature = out.density, out.temperature
     truth.wind_north, truth.wind_east, truth.wind_down = take3(out.wind_N, 0)
     truth.q_I2B_w, truth.q_I2B_x, truth.q_I2B_y, truth.q_I2B_z = q
@@ -94,7 +92,7 @@ def record(case, plant, outputs, fsw, tick):
     truth.centre_x, truth.centre_y, truth.centre_z = take3(out.centre, 0)
     truth.aero_force_x, truth.aero_force_y, truth.aero_force_z = take3(out.aero_force_B, 0)
     truth.aero_moment_x, truth.aero_moment_y, truth.aero_moment_z = take3(out.aero_moment_B, 0)
-    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.rcs_force, 0)
+    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.inputs.rcs_force, 0)
     truth.load = norm(take3(out.specific_force_B, 0))
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
     truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads
@@ -109,7 +107,7 @@ def record(case, plant, outputs, fsw, tick):
     if shield >= 0 and plant.debris[shield].active != 0:
         place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shield].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
-    truth.trim_wing = least_extension(case, plant, t)
+    truth.trim_wing = out.wing_opening
 
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
@@ -127,15 +125,15 @@ def record(case, plant, outputs, fsw, tick):
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
         direction
     )
-    torque, missing = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
+    torque, unallocated = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
-    tick.control.undelivered_x, tick.control.undelivered_y, tick.control.undelivered_z = missing
+    tick.control.unallocated_x, tick.control.unallocated_y, tick.control.unallocated_z = unallocated
     estimated = fsw.disturbance
     tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = take3(estimated.torque, 0)
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
-    tick.diagnosis.suspect, tick.diagnosis.found = diagnosis.probe.suspect, diagnosis.n_isolated
+    tick.diagnosis.suspect, tick.diagnosis.isolated = diagnosis.probe.suspect, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
         if fsw.health.thruster[i] != 0:

@@ -32,7 +32,7 @@ def timeline(
     plant: np.void,
     fsw: np.void,
     mission: MissionParams,
-    ending: str,
+    outcome: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
     """Events in order of time: moments, each with the state of the vehicle then.
@@ -42,7 +42,7 @@ def timeline(
     reversals = [
         moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
     ]
-    found = [*others, *moments(plant, fsw, mission), *reversals, moment(plant["t"], "end", ending)]
+    found = [*others, *moments(plant, fsw, mission), *reversals, moment(plant["t"], "end", outcome)]
     return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
 

@@ -31,7 +31,7 @@ from edl6dof.spatial.vector import (
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
-from edl6dof.vehicle.mass import shape_of, with_propellant
+from edl6dof.vehicle.mass import with_propellant
 from edl6dof.vehicle.parachute import (
     EXTRACTING,
     INFLATING,
@@ -52,21 +52,23 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
-from edl6dof.vehicle.surfaces import extension, least_extension, wing_force
-from edl6dof.vehicle.surroundings import surroundings
+from edl6dof.vehicle.surfaces import extension, wing_force
+from edl6dof.vehicle.surroundings import gravity, surroundings
 
 
 @kernel
-def derivatives(case, tables, plant, t, y, outputs, dy):
-    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s); writes the quantities met
-    on the way into ``outputs``.
+def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
+    """Time derivative ``dy`` of the state ``y`` at time ``t`` (s), when the planet has turned by ``rotation``
+    (:func:`edl6dof.vehicle.surroundings.planet_rotation`); writes the quantities met on the way into
+    ``outputs``.
+
+    A function of these and of what ``plant`` says of parts, commands and ``inputs``: of nothing evaluated
+    before.
     """
+    loads(case, tables, plant, t, rotation, y, outputs)
     if case.dynamics == POINT_MASS:
-        point_attitude(case, tables, plant, t, y)
-        loads(case, tables, plant, t, y, outputs)
-        point_motion(case, t, y, outputs, dy)
+        point_motion(case, plant, t, y, outputs, dy)
     else:
-        loads(case, tables, plant, t, y, outputs)
         motion(case, plant, y, outputs, dy)
 
 
@@ -80,12 +82,11 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     speed = norm(v_air)
     mach = speed / sound if sound > 0.0 else 0.0
     qbar = 0.5 * density * speed * speed
-    shape = shape_of(vehicle.parts, vehicle.n_parts, plant.attached)
     wrench = aerodynamic_wrench(
         vehicle.aero,
         tables.aero,
         case.planet.gas,
-        shape,
+        plant.shape,
         qbar,
         mach,
         density,
@@ -99,51 +100,54 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
+    least = 2.0  # more than open: none was to open yet
     for i in range(vehicle.n_surfaces):
         opening, carrier = extension(case, plant, i, t), case.carrier[i]
+        if plant.wing_start[i] <= t:
+            least = min(least, opening)
         if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
             wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air[0], v_air[1], v_air[2])
             wing_f = (wing[0], wing[1], wing[2])
             force = add(force, wing_f)
             moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
-    return force, moment, mach, qbar, least_extension(case, plant, t)
+    return force, moment, mach, qbar, least if least <= 1.0 else 0.0
 
 
 @kernel
-def riser_loads(case, plant, t, y, q, w, centre, gas, air_I, g_I):
-    """Pull of the riser: force and moment about the centre of mass (B), tension (N), and acceleration of the
-    canopy (I).
+def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
+    """Pull of the riser: force and moment about the centre of mass (B), tension (N); and of the canopy, its
+    acceleration without gravitation (I) and the share of gravitation that its apparent mass leaves it.
     """
     chute = case.vehicle.parachutes[plant.parachute]
-    hook = sub(take3(chute.confluence, 0), centre)
-    hook_r = add(take3(y, POSITION), from_frame(q, hook))
-    hook_v = add(take3(y, VELOCITY), from_frame(q, cross(w, hook)))
-    line = sub(take3(y, CANOPY_POSITION), hook_r)
+    arm = sub(take3(chute.confluence, 0), centre)
+    confluence_r = add(take3(y, POSITION), from_frame(q, arm))
+    confluence_v = add(take3(y, VELOCITY), from_frame(q, cross(w, arm)))
+    line = sub(take3(y, CANOPY_POSITION), confluence_r)
     distance = max(norm(line), 1e-6)
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
     packed = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
-    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, hook_v), line))
+    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
     fraction = 0.0
     if plant.canopy == INFLATING:
         fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
-    force = add(sub(drag, scale(tension, line)), scale(packed, g_I))
-    acceleration = scale(1.0 / (packed + apparent_mass(chute, density, fraction)), force)
+    inverse = 1.0 / (packed + apparent_mass(chute, density, fraction))
+    acceleration = scale(inverse, sub(drag, scale(tension, line)))
     pull = to_frame(q, scale(tension, line))
-    return pull, cross(hook, pull), tension, acceleration
+    return pull, cross(arm, pull), tension, acceleration, packed * inverse
 
 
 @kernel
-def ground_loads(case, plant, y, q, w, centre, turn, place):
+def ground_loads(case, inputs, y, q, w, centre, rotation, place):
     """Force and moment about the centre of mass (B) of the footpads on the ground, and how many touch it."""
     spin = case.planet.rotation_rate
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
-    c, s = turn
+    c, s = rotation
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
-    slope_n, slope_e = plant.ground_slope[0], plant.ground_slope[1]
+    slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
     normal_F = ned_to_fixed(
         sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse)
@@ -151,36 +155,40 @@ def ground_loads(case, plant, y, q, w, centre, turn, place):
     normal_B = to_frame(q, rotate_z(c, -s, normal_F))
     v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
     w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
-    clearance = (altitude - plant.ground_elevation) * inverse
+    clearance = (altitude - inputs.ground_elevation) * inverse
     force, moment, pads = contact(case.vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
     return force, sub(moment, cross(centre, force)), pads
 
 
 @kernel
-def loads(case, tables, plant, t, y, outputs):
+def loads(case, tables, plant, t, rotation, y, outputs):
     """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t``
     (s), written into ``outputs``.
 
     They do not depend on the commands to engine and thrusters: flight software may change those between this
     and :func:`motion`.
     """
-    q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
-    turn, place, gas, wind_N, air_I, g_I = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
+    r_I, w = take3(y, POSITION), take3(y, RATE)
+    place, gas, wind_N, air_I = surroundings(case, tables, rotation, r_I)
     v_air_I = sub(take3(y, VELOCITY), air_I)
+    if case.dynamics == POINT_MASS:
+        q = point_attitude(case, plant, t, rotation, place, v_air_I)
+    else:
+        q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     v_air = to_frame(q, v_air_I)
     mass, centre, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, y[PROPELLANT])
 
     aero_force, aero_moment, mach, qbar, opening = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
     force, moment = aero_force, aero_moment
-    tension, canopy_acceleration = 0.0, (0.0, 0.0, 0.0)
+    tension, canopy_acceleration, canopy_weight = 0.0, (0.0, 0.0, 0.0), 0.0
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        pull, turning, tension, canopy_acceleration = riser_loads(
-            case, plant, t, y, q, w, centre, gas, air_I, g_I
+        pull, turning, tension, canopy_acceleration, canopy_weight = riser_loads(
+            case, plant, t, y, q, w, centre, gas, air_I
         )
         force, moment = add(force, pull), add(moment, turning)
     pads = 0
     if plant.legs != 0 and plant.touched != 0:
-        push, turning, pads = ground_loads(case, plant, y, q, w, centre, turn, place)
+        push, turning, pads = ground_loads(case, plant.inputs, y, q, w, centre, rotation, place)
         force, moment = add(force, push), add(moment, turning)
 
     out = outputs
@@ -188,7 +196,8 @@ def loads(case, tables, plant, t, y, outputs):
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
     out.heat_flux = stagnation_heat_flux(case.planet.gas, out.density, case.vehicle.nose_radius, norm(v_air))
-    put3(out.gravity_I, 0, g_I)
+    for i in range(4):
+        out.q_I2B[i] = q[i]
     put3(out.v_air_B, 0, v_air)
     put3(out.v_air_I, 0, v_air_I)
     put3(out.wind_N, 0, wind_N)
@@ -198,6 +207,7 @@ def loads(case, tables, plant, t, y, outputs):
     put3(out.load_moment_B, 0, moment)
     out.riser_tension, out.mass, out.pads, out.wing_opening = tension, mass, pads, opening
     put3(out.canopy_acceleration_I, 0, canopy_acceleration)
+    out.canopy_weight = canopy_weight
     put3(out.centre, 0, centre)
     for i in range(6):
         out.inertia[i] = inertia[i]
@@ -221,7 +231,7 @@ def propulsion(case, plant, y, centre, dy):
         delivered += thrust * engine.thrust_factor
         flow += propellant_flow(engine, thrust)
         running = plant.running[i] != 0
-        command = plant.thrust_command[i] if running and y[PROPELLANT] > 0.0 else 0.0
+        command = plant.thrust_command[i] if running and plant.inputs.fuelled != 0 else 0.0
         if command != 0.0 or level != 0.0:
             dy[THRUST + i] = thrust_rate(engine, level, command, plant.starting != 0 or not running)
     return force, moment, delivered, flow
@@ -231,36 +241,37 @@ def propulsion(case, plant, y, centre, dy):
 def motion(case, plant, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engines and the thrusters.
 
-    Thruster forces come from ``plant.rcs_*``: the mean over the current step (see
-    :mod:`edl6dof.vehicle.rcs`).
+    Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
     """
-    out = outputs
+    out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
     engine_force, engine_moment, delivered, flow = propulsion(case, plant, y, centre, dy)
-    rcs_force = take3(plant.rcs_force, 0)
+    rcs_force = take3(inputs.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
-    moment = add(disturbance, sub(take3(plant.rcs_moment, 0), cross(centre, rcs_force)))
+    moment = add(disturbance, sub(take3(inputs.rcs_moment, 0), cross(centre, rcs_force)))
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)
     out.engine_thrust = delivered
 
     put3(dy, POSITION, take3(y, VELOCITY))
-    put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
+    g = gravity(case.planet.gravity, inputs, take3(y, POSITION))
+    put3(out.gravity_I, 0, g)
+    put3(dy, VELOCITY, add(from_frame(q, specific), g))
     q_dot = rate(q, w)
     for k in range(4):
         dy[ATTITUDE + k] = q_dot[k]
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     dy[PROPELLANT] = 0.0
-    if y[PROPELLANT] > 0.0:
-        dy[PROPELLANT] = -flow - plant.rcs_flow
+    if inputs.fuelled != 0:
+        dy[PROPELLANT] = -flow - inputs.rcs_flow
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
-    put3(dy, CANOPY_VELOCITY, take3(out.canopy_acceleration_I, 0))
+    put3(dy, CANOPY_VELOCITY, add(take3(out.canopy_acceleration_I, 0), scale(out.canopy_weight, g)))
 
 
 @kernel

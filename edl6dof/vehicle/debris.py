@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import cos, sin
 
+from edl6dof.environment.gravity import central
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
-from edl6dof.vehicle.surroundings import surroundings
+from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surroundings
 
 LOOSE, RESTING, FALLING = 1, 2, 3
 
@@ -15,7 +16,9 @@ LOOSE, RESTING, FALLING = 1, 2, 3
 @kernel
 def fall(case, tables, part, t, r_I, v_I):
     """Acceleration (I) of a falling part, and its altitude."""
-    _, place, gas, _, air_I, g_I = surroundings(case, tables, part.kept, t, r_I)
+    rotation = planet_rotation(case.planet, t)
+    place, gas, _, air_I = surroundings(case, tables, rotation, r_I)
+    g_I = add(central(case.planet.gravity, r_I), noncentral_I(case.planet, rotation, r_I))
     v = sub(v_I, air_I)
     return add(g_I, scale(-0.5 * gas[0] * norm(v) * part.drag_area / part.mass, v)), place[4]
 
@@ -50,4 +53,4 @@ def step_debris(case, tables, plant, t, h):
     """Advance every part that has left the vehicle."""
     for i in range(plant.debris.shape[0]):
         if plant.debris[i].active != 0:
-            step_part(case, tables, plant.debris[i], t, h, plant.ground_elevation)
+            step_part(case, tables, plant.debris[i], t, h, plant.inputs.ground_elevation)

@@ -10,6 +10,7 @@ Left out: intermittent faults, leaks, and valves that fail between open and shut
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from pydantic import model_validator
@@ -155,7 +156,7 @@ FAULT_KINDS = Family(
 )
 
 _inflict = FAULT_KINDS.switch("inflict", "fault", "vehicle", "since", "command", "plant")
-_Kinds = FAULT_KINDS.params_model("FaultKinds", "kind", REQUIRED, "What breaks.")
+_Kinds: Any = FAULT_KINDS.params_model("FaultKinds", "kind", REQUIRED, "What breaks.")
 
 
 class FaultStart(Params):

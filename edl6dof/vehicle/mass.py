@@ -143,7 +143,7 @@ def loaded(
     return whole, middle, inertia
 
 
-def fill_lander(record: np.void, params: MassParams, parts: tuple[Part, ...]) -> None:
+def fill_lander(record: np.ndarray | np.void, params: MassParams, parts: tuple[Part, ...]) -> None:
     """Fill a ``BODY`` record with the dry lander that the parts leave over."""
     record["mass"], inertia, record["centre"] = lander_dry(params, parts)
     record["inertia"] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
@@ -207,6 +207,14 @@ def shape_of(parts, count, attached):
         if attached[i] != 0 and parts[i].shape != CONFIG_LANDER:
             return parts[i].shape
     return CONFIG_LANDER
+
+
+@kernel
+def compose(case, plant):
+    """Bring mass properties and shape of the plant up to date with the parts that are attached."""
+    vehicle = case.vehicle
+    compose_dry(vehicle.parts, vehicle.n_parts, case.lander, plant.attached, plant.dry)
+    plant.shape = shape_of(vehicle.parts, vehicle.n_parts, plant.attached)
 
 
 @kernel

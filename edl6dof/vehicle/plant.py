@@ -22,7 +22,6 @@ from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachute import PACKED, RELEASED
-from edl6dof.vehicle.surroundings import KEPT
 
 #: Layout of the integrated state ``y``.
 POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, HEAT, THRUST = 0, 3, 6, 10, 13, 14, 15
@@ -71,13 +70,13 @@ OUTPUTS = np.dtype(
         ("sin_lon", "f8"),
         ("cos_lon", "f8"),
         ("altitude", "f8"),
-        ("gravity_I", "f8", (3,)),
         ("density", "f8"),
         ("pressure", "f8"),
         ("temperature", "f8"),
         ("speed_of_sound", "f8"),
         ("wind_N", "f8", (3,)),
         ("v_air_I", "f8", (3,)),
+        ("q_I2B", "f8", (4,)),
         ("v_air_B", "f8", (3,)),
         ("mass", "f8"),
         ("centre", "f8", (3,)),
@@ -89,16 +88,18 @@ OUTPUTS = np.dtype(
         ("aero_force_B", "f8", (3,)),
         ("aero_moment_B", "f8", (3,)),
         ("riser_tension", "f8"),
-        ("canopy_acceleration_I", "f8", (3,)),
+        ("canopy_acceleration_I", "f8", (3,)),  # without gravitation
+        ("canopy_weight", "f8"),  # share of gravitation that its apparent mass leaves it
         ("pads", whole(0, MAX_FOOTPADS)),
         ("load_force_B", "f8", (3,)),  # all but engine and thrusters
         ("load_moment_B", "f8", (3,)),
         ("engine_thrust", "f8"),
+        ("gravity_I", "f8", (3,)),
         ("specific_force_B", "f8", (3,)),
         ("disturbance_moment_B", "f8", (3,)),
         ("latitude", "f8"),
         ("longitude", "f8"),
-        ("agl", "f8"),
+        ("height", "f8"),  # above the ground
     ],
     align=True,
 )
@@ -112,7 +113,6 @@ DEBRIS = np.dtype(
         ("r_I", "f8", (3,)),
         ("v_I", "f8", (3,)),
         ("a_I", "f8", (3,)),  # of the step before
-        ("kept", KEPT),
     ],
     align=True,
 )
@@ -120,6 +120,21 @@ DEBRIS = np.dtype(
 #: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
 PEAKS = np.dtype(
     [("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True
+)
+
+#: What the derivative is given beside time and state, held over a step (:mod:`edl6dof.vehicle.runge_kutta`);
+#: sensors read what the thrusters of the last step did.
+INPUTS = np.dtype(
+    [
+        ("rcs_force", "f8", (3,)),  # N, B: mean over the step
+        ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: mean over the step
+        ("rcs_flow", "f8"),  # kg/s: mean over the step
+        ("fuelled", FLAG),  # whether there is propellant
+        ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
+        ("ground_elevation", "f8"),  # m: the plane of the ground
+        ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
+    ],
+    align=True,
 )
 
 #: What changes in flight and does not follow from anything else: what the next step starts from, and all of
@@ -152,21 +167,13 @@ STATE = np.dtype(
         ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
         ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
         ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
-        ("dry", BODY),
+        ("dry", BODY),  # of the parts that are attached
+        ("shape", "i8"),  # that they show to the air
         ("valves", VALVES),
-        # mean wrench and propellant flow of the thrusters in the last step: sensors read what they did to it
-        ("rcs_force", "f8", (3,)),
-        ("rcs_moment", "f8", (3,)),
-        ("rcs_flow", "f8"),
+        ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
-        ("ground_elevation", "f8"),
-        ("ground_slope", "f8", (2,)),
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
-        ("kept", KEPT),
-        # whether the outputs and the ground belong to the present state, so that the next step need not
-        # evaluate them
-        ("fresh", FLAG),
     ],
     align=True,
 )
@@ -175,13 +182,14 @@ STATE = np.dtype(
 #: why that step failed.
 WORKSPACE = np.dtype(
     [
-        ("trial", "f8", (STATES,)),  # a stage of the integrator
+        ("stage", "f8", (STATES,)),  # a stage of the integrator
         ("k", "f8", (4, STATES)),  # derivatives in its stages
-        # at the start of the step, and its length
+        # at the start of the step
+        ("t0", "f8"),
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
         ("velocity_gain0", "f8", (3,)),
-        ("step", "f8"),
+        ("t_failed", "f8"),  # end of a step that failed
     ],
     align=True,
 )

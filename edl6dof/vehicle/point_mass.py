@@ -18,8 +18,8 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.frames import attitude_from_wind_angles, ned_to_fixed, rotate_z, wrap
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3, unit
-from edl6dof.vehicle.plant import ATTITUDE, HEAT, POSITION, STATES_VEHICLE, VELOCITY
-from edl6dof.vehicle.surroundings import surroundings
+from edl6dof.vehicle.plant import HEAT, POSITION, STATES_VEHICLE, VELOCITY
+from edl6dof.vehicle.surroundings import gravity
 
 #: Values of ``case.dynamics``.
 DYNAMICS = ("six_dof", "point_mass")
@@ -68,26 +68,20 @@ def command_bank(case, plant, bank, alpha):
 
 
 @kernel
-def point_attitude(case, tables, plant, t, y):
-    """Write into the state ``y`` the attitude that bank, angle of attack and zero sideslip give at time ``t``
-    (s).
-    """
-    turn, place, _, _, air_I, _ = surroundings(case, tables, plant.kept, t, take3(y, POSITION))
+def point_attitude(case, plant, t, rotation, place, v_air_I):
+    """Attitude ``q_I2B`` that bank, angle of attack and zero sideslip give at time ``t`` (s)."""
     up_F = ned_to_fixed(place[0], place[1], place[2], place[3], (0.0, 0.0, -1.0))
-    up = rotate_z(turn[0], -turn[1], up_F)
-    v_air = sub(take3(y, VELOCITY), air_I)
-    q = attitude_from_wind_angles(v_air, up, bank_at(case, plant, t), plant.alpha, 0.0)
-    for i in range(4):
-        y[ATTITUDE + i] = q[i]
+    up = rotate_z(rotation[0], -rotation[1], up_F)
+    return attitude_from_wind_angles(v_air_I, up, bank_at(case, plant, t), plant.alpha, 0.0)
 
 
 @kernel
-def point_motion(case, t, y, outputs, dy):
+def point_motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``; attitude and rates do not move
     by themselves.
     """
     out = outputs
-    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    q = (out.q_I2B[0], out.q_I2B[1], out.q_I2B[2], out.q_I2B[3])
     disturbance = case.point_mass.disturbance
     rate = disturbance.amplitude * sin(disturbance.frequency * t)
     spin = case.planet.rotation_rate
@@ -100,6 +94,8 @@ def point_motion(case, t, y, outputs, dy):
     put3(out.specific_force_B, 0, specific)
     for i in range(STATES_VEHICLE):
         dy[i] = 0.0
+    g = gravity(case.planet.gravity, plant.inputs, r)
+    put3(out.gravity_I, 0, g)
     put3(dy, POSITION, v)
-    put3(dy, VELOCITY, add(from_frame(q, specific), take3(out.gravity_I, 0)))
+    put3(dy, VELOCITY, add(from_frame(q, specific), g))
     dy[HEAT] = out.heat_flux

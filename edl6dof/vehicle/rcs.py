@@ -8,14 +8,14 @@ pulse does not depend on the step.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
@@ -26,7 +26,7 @@ class Thruster(Hardware):
     """One reaction-control thruster."""
 
     name: Key = param(REQUIRED, "name, unique in the vehicle", record=False)
-    group: Literal[THRUSTER_GROUPS] = param(
+    group: ThrusterGroup = param(
         REQUIRED,
         (
             "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; "

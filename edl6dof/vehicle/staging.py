@@ -15,7 +15,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.debris import LOOSE
-from edl6dof.vehicle.mass import compose_dry, with_propellant
+from edl6dof.vehicle.mass import compose, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -45,27 +45,27 @@ def separate(case, plant, index, velocity):
     load = vehicle.mass.propellant
     _, old, _ = with_propellant(plant.dry, load, y[PROPELLANT])
     plant.attached[index] = 0
-    compose_dry(vehicle.parts, vehicle.n_parts, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
     mass, new, inertia = with_propellant(plant.dry, load, y[PROPELLANT])
     part_arm = sub(take3(part.centre, 0), old)
-    kept_arm = sub(new, old)
+    remaining_arm = sub(new, old)
     push = from_frame(q, velocity)
     total = mass + part.mass
     v_part = add(add(v, from_frame(q, cross(w, part_arm))), scale(mass / total, push))
-    v_kept = sub(add(v, from_frame(q, cross(w, kept_arm))), scale(part.mass / total, push))
+    v_remaining = sub(add(v, from_frame(q, cross(w, remaining_arm))), scale(part.mass / total, push))
     impulse = (
         velocity[0] * mass * part.mass / total,
         velocity[1] * mass * part.mass / total,
         velocity[2] * mass * part.mass / total,
     )
-    put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, kept_arm), impulse))))
+    put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, remaining_arm), impulse))))
     debris.active = LOOSE
     debris.mass = part.mass
     debris.drag_area = part.drag_area
     put3(debris.r_I, 0, add(r, from_frame(q, part_arm)))
     put3(debris.v_I, 0, v_part)
-    put3(y, POSITION, add(r, from_frame(q, kept_arm)))
-    put3(y, VELOCITY, v_kept)
+    put3(y, POSITION, add(r, from_frame(q, remaining_arm)))
+    put3(y, VELOCITY, v_remaining)
 
 
 @kernel

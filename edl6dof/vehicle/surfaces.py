@@ -78,16 +78,6 @@ def extension(case, plant, i, t):
 
 
 @kernel
-def least_extension(case, plant, t):
-    """Opening 0..1 of the least open of the surfaces that were to open; 0 before the first."""
-    least = 2.0
-    for i in range(case.vehicle.n_surfaces):
-        if plant.wing_start[i] <= t:
-            least = min(least, extension(case, plant, i, t))
-    return least if least <= 1.0 else 0.0
-
-
-@kernel
 def wing_force(wing, deflection, qbar, u, v, w):
     """(Fx, Fy, Fz, Mx, My, Mz) in `B` (N, N m) of the wing, moment about the `B` origin.
 

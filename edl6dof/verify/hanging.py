@@ -55,7 +55,7 @@ class Planar:
             self.packed
             + chute.apparent_mass_factor * self.rho * 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3
         )
-        self.hook, self.pressure_point = (
+        self.attachment, self.pressure_point = (
             chute.confluence_m[0] - CENTRE,
             self.bluff.centre_of_pressure_x_m - CENTRE,
         )
@@ -78,13 +78,13 @@ class Planar:
             -self.pressure_point * across
             + 0.5 * half * self.bluff.pitch_damping * self.bluff.reference_length_m**2 * turn
         )
-        line = s[6:8] - s[0:2] - self.hook * nose
+        line = s[6:8] - s[0:2] - self.attachment * nose
         length = np.linalg.norm(line)
         line = line / length
-        stretching = (v_c - v + self.hook * turn * belly) @ line
+        stretching = (v_c - v + self.attachment * turn * belly) @ line
         damper = 2.0 * self.chute.damping_ratio * np.sqrt(self.chute.stiffness_n_m * self.packed)
         tension = self.chute.stiffness_n_m * (length - self.chute.line_length_m) + damper * stretching
-        moment -= self.hook * tension * (line @ belly)
+        moment -= self.attachment * tension * (line @ belly)
         weight = np.array([0.0, GRAVITY])
         pull = (along * nose + across * belly + tension * line) / self.mass + weight
         speed_c = np.linalg.norm(v_c)
@@ -99,7 +99,7 @@ class Planar:
         def state(speed: float, apart: float) -> np.ndarray:
             return np.array([0, 0, 0, 0, speed, 0, 0, -apart, 0, speed], dtype=float)
 
-        start = (self.terminal_speed(), self.chute.line_length_m - self.hook + 0.1)
+        start = (self.terminal_speed(), self.chute.line_length_m - self.attachment + 0.1)
         speed, apart = fsolve(lambda x: self.rates(state(*x))[[4, 9]], start, xtol=1e-13)
         return state(speed, apart)
 

@@ -81,19 +81,21 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
     from scipy.integrate import solve_ivp
 
     from edl6dof.vehicle.body import derivatives
+    from edl6dof.vehicle.plant import POSITION
+    from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
     case, tables, plant, outputs = (s.arrays[name][0] for name in ("case", "tables", "plant", "outputs"))
     full, out, start = plant["y"].copy(), np.zeros(STATES), float(plant["t"])
     count = STATES if plant["canopy"] in (1, 2) else STATES_VEHICLE
-    seen = (
-        [Record(void) for void in (case, tables, plant, outputs)]
-        if SETTINGS.DISABLE_JIT
-        else [case, tables, plant, outputs]
-    )
+    given = [case, tables, plant, outputs, case["planet"]]
+    *seen, planet = map(Record, given) if SETTINGS.DISABLE_JIT else given
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         full[:count] = y
-        derivatives(*seen[:3], t, full, seen[3], out)
+        rotation = planet_rotation(planet, t)
+        # held over a step by the simulator's own method, and not part of the right-hand side
+        plant["inputs"]["noncentral_I"] = noncentral_I(planet, rotation, tuple(full[POSITION : POSITION + 3]))
+        derivatives(*seen[:3], t, rotation, full, seen[3], out)
         return out[:count].copy()
 
     begin = full[:count].copy()

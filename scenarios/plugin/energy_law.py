@@ -1,7 +1,8 @@
 """An entry guidance law of your own: constant drag to the aim point.
 
-The drag that uses up the kinetic energy over the range to go is D* = (V^2 - V_f^2) / (2 s); more lift up when the measured drag is above
-it, less when below.  Source: the constant-drag segment of the Shuttle entry (Harpold & Graves 1979).
+The drag that uses up the kinetic energy over the range to go is D* = (V^2 - V_f^2) / (2 s); more lift up when
+the measured drag is above it, less when below.  Source: the constant-drag segment of the Shuttle entry
+(Harpold & Graves 1979).
 """
 
 from math import acos

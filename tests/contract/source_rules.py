@@ -87,16 +87,31 @@ def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
     found = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef):
-            every = node.args
-            given = [
-                *every.posonlyargs,
-                *every.args,
-                *every.kwonlyargs,
-                *filter(None, (every.vararg, every.kwarg)),
-            ]
             label = getattr(node, "name", "lambda")
-            found += [f"{node.lineno}: {label}({a.arg})" for a in given if a.arg in names]
+            found += [f"{node.lineno}: {label}({a.arg})" for a in _parameters(node) if a.arg in names]
     return found
+
+
+def untyped(source: str) -> list[str]:
+    """``line: function(parameter)`` of what has no type, ``return`` included; a kernel is compiled for the
+    types that it meets.
+    """
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef) and not _is_kernel(node):
+            names = [
+                a.arg for a in _parameters(node) if a.annotation is None and a.arg not in ("self", "cls")
+            ]
+            if node.returns is None and node.name != "__init__":
+                names.append("return")
+            found += [f"{node.lineno}: {node.name}({name})" for name in names]
+    return found
+
+
+def _parameters(function: ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef) -> list[ast.arg]:
+    every = function.args
+    packed = filter(None, (every.vararg, every.kwarg))
+    return [*every.posonlyargs, *every.args, *every.kwonlyargs, *packed]
 
 
 def has_kernels(source: str) -> bool:

@@ -84,9 +84,11 @@ def measured(loaded, index, seed, cycles=12):
     for _ in range(cycles):
         plant["t"] += 0.04
         plant["y"][:6] += rng.normal(size=6) * 10.0
+        attitude = rng.normal(size=4)
+        plant["y"][6:10] = attitude / np.linalg.norm(attitude)
         plant["y"][10:13] = rng.normal(size=3)
         plant["velocity_gain"] += rng.normal(size=3)
-        outputs["specific_force_B"], outputs["agl"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
+        outputs["specific_force_B"], outputs["height"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
         outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
         for name in SENSED.names:
             sensors["sensed"][name] = -77
@@ -121,7 +123,7 @@ def test_a_choice_of_sensors_that_leaves_something_unmeasured_is_refused():
     assert sensor_problems(SensorParams(carried=["perfect"])) == {
         "sensors.carried": "measures no imu_rate_B, imu_gain_B: carry imu too"
     }
-    assert "carry perfect too" in sensor_problems(SensorParams(carried=["imu"]))["sensors.carried"]
+    assert "carry perfect" in sensor_problems(SensorParams(carried=["imu"]))["sensors.carried"]
     twice = sensor_problems(SensorParams(carried=["imu", "perfect", "imu"]))
     assert twice == {"sensors.carried": "names imu twice"}
 
@@ -129,7 +131,7 @@ def test_a_choice_of_sensors_that_leaves_something_unmeasured_is_refused():
 @pytest.mark.parametrize("member", DISTRIBUTIONS.members, ids=DISTRIBUTIONS.names)
 def test_distribution_rises_with_the_unit_number_and_is_finite_at_both_ends(member):
     unit = np.concatenate([[0.0], np.linspace(1e-6, 1.0 - 1e-6, 999), [np.nextafter(1.0, 0.0)]])
-    params = member.params(kind=member.name, **GIVEN[member.name])
+    params = member.params(kind=member.name, **GIVEN.get(member.name, {}))
     values = params.values(unit, 10.0).astype(float)
     assert values.shape == unit.shape and np.all(np.isfinite(values))
     assert np.all(np.diff(values) >= 0.0) and values[0] < values[-1]
@@ -138,6 +140,6 @@ def test_distribution_rises_with_the_unit_number_and_is_finite_at_both_ends(memb
 
 @pytest.mark.parametrize("member, nominal", [*product(DISTRIBUTIONS.members, (7.0, 10.0))])
 def test_distribution_gives_each_case_its_own_value_whatever_the_others_are(member, nominal):
-    params, unit = member.params(kind=member.name, **GIVEN[member.name]), np.array([0.1, 0.5, 0.9])
+    params, unit = member.params(kind=member.name, **GIVEN.get(member.name, {})), np.array([0.1, 0.5, 0.9])
     whole = params.values(unit, nominal)
     assert [params.values(unit[k : k + 1], nominal)[0] for k in range(3)] == list(whole)

@@ -17,7 +17,7 @@ def flights():
 @pytest.mark.parametrize("name", ALLOCATORS.names)
 def test_lands_within_limits_and_tracks(flights, name):
     flight = flights[name]
-    assert flight.outcome == "landed within limits" and flight.findings == []
+    assert flight.outcome == "landed within limits" and flight.isolated_faults == []
     assert flight.metrics["max_roll_error_powered_deg"] < (0.5 if name == "least_squares" else 1.0)
     assert flight.metrics["max_attitude_error_powered_deg"] < 20.0
 
@@ -30,4 +30,4 @@ def test_least_squares_uses_no_more_propellant_than_the_table(flights):
 def test_table_lands_with_a_dead_horizontal_thruster():
     fault = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 1}}]"
     flight = edl6dof.fly("tianwen1", [fault, "flight_software.allocation.method=table"])
-    assert flight.landed and [one.thruster for one in flight.findings] == ["D7"]
+    assert flight.landed and [one.thruster for one in flight.isolated_faults] == ["D7"]

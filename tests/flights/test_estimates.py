@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+import edl6dof
+from edl6dof.fsw.estimation.registry import ESTIMATORS
+
 POWERED = ("hover_imaging", "hazard_avoidance", "slow_descent")
 
 
@@ -42,3 +45,12 @@ def test_velocity_gain_is_the_integral_of_the_measured_acceleration(nominal):
     lift = (t > 100.0) & (t < 230.0)
     felt = -(table["truth.aero_force_x_n"] + table["truth.rcs_force_x_n"])
     assert np.trapezoid(axial[lift], t[lift]) == pytest.approx(np.trapezoid(felt[lift], t[lift]), rel=5e-3)
+
+
+@pytest.mark.parametrize("name", ESTIMATORS.names)
+def test_every_estimator_holds_the_thrust_direction_in_the_hover_and_lands(name):
+    flight = edl6dof.fly("tianwen1", [f"flight_software.estimation.estimator={name}"])
+    assert flight.outcome == "landed within limits" and flight.metrics["false_alarms"] == 0.0
+    there = during(flight, "hover_imaging")
+    error = columns(flight, "control.error_pitch_deg", "control.error_yaw_deg")[:, there]
+    assert np.max(np.abs(np.mean(error, axis=1))) < 0.3  # the integral part leaves no standing error

@@ -1,4 +1,4 @@
-"""The figures of ``tools/fault_figures.py`` on a handful of dispersed flights; the tool flies 400 and
+"""The figures of ``tools/fault_figures.py`` on a few dispersed flights; the tool flies 400 and
 more.
 """
 
@@ -30,7 +30,7 @@ def plan():
 
 
 def test_dead_horizontal_thruster_is_named_and_every_flight_lands(tool, plan):
-    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.condemned))
+    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     begun = [row for row in rows if row.get("fault_s") is not None]
     assert len(begun) >= FLIGHTS - 1
     assert [row["named"] for row in begun] == [row["thruster"] for row in begun]
@@ -39,6 +39,6 @@ def test_dead_horizontal_thruster_is_named_and_every_flight_lands(tool, plan):
     assert times[len(times) // 2] < 1.0
 
 
-def test_nobody_is_condemned_without_a_fault(tool, plan):
-    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.condemned))
-    assert [row["condemned"] for row in rows] == [""] * FLIGHTS
+def test_no_thruster_is_isolated_without_a_fault(tool, plan):
+    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
+    assert [row["isolated"] for row in rows] == [""] * FLIGHTS

@@ -95,15 +95,15 @@ def test_engine_shortfall_takes_away_its_share_of_thrust():
 def test_faulty_thruster_is_named_and_the_vehicle_lands(thruster, kind, phase):
     flight = flown(f"{{thruster: {thruster}, kind: {kind}, at: {{phase: {phase}, plus_s: 1}}}}")
     assert flight.outcome == "landed within limits"
-    assert [finding.thruster for finding in flight.findings] == [thruster]
+    assert [fault.thruster for fault in flight.isolated_faults] == [thruster]
     assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] > 0.0
-    assert [event["finding"] for event in flight.events if event["key"] == "diagnosis"] == [
-        flight.findings[0].label
+    assert [event["isolated"] for event in flight.events if event["key"] == "diagnosis"] == [
+        flight.isolated_faults[0].label
     ]
 
 
-def test_nobody_is_accused_in_the_nominal_flight(nominal):
-    assert nominal.findings == [] and nominal.metrics["false_alarms"] == 0.0
+def test_no_thruster_is_isolated_in_the_nominal_flight(nominal):
+    assert nominal.isolated_faults == [] and nominal.metrics["false_alarms"] == 0.0
     assert np.all(nominal.telemetry["diagnosis.in_use"] == 2.0**22 - 1.0)
 
 

@@ -120,7 +120,7 @@ def test_cycle_out_of_range_is_named(state, path, cycle):
     assert "cycle: must be 0 .. " in complaint(replace(state, cycle=cycle), path)
 
 
-def test_finding_of_no_kind_is_named(state, path):
+def test_isolated_fault_of_no_kind_is_named(state, path):
     state.fsw["diagnosis"]["n_isolated"] = 1
     assert "fsw.diagnosis.isolated.kind[0]: must be one of 1, 2, 3 (got 0)" in complaint(state, path)
 

@@ -28,7 +28,7 @@ from campaign_run import write_drop
 
 from edl6dof.app import campaign_flight
 from edl6dof.app.campaign import CampaignOptions
-from edl6dof.app.ending import INTERRUPTED
+from edl6dof.app.exit_status import INTERRUPTED
 from edl6dof.app.report import report_of
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import CaseRunner
@@ -143,7 +143,7 @@ def read() -> dict[str, str]:
     said = {}
     for name, reader in (
         ("table", lambda: Store(RUN).table().num_rows),
-        ("report", lambda: report_of(RUN).verdict),
+        ("report", lambda: report_of(RUN).headline),
     ):
         try:
             said[name] = str(reader())

@@ -9,7 +9,7 @@ import sys
 import pytest
 from command import PROGRAM, ROOT, SHORT, called, finished
 
-from edl6dof.app import ending
+from edl6dof.app import exit_status
 
 
 def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
@@ -25,7 +25,7 @@ def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
         env={"PYTHONPATH": str(ROOT)},
         timeout=60,
     )
-    assert done.returncode == ending.DEFECT == 70
+    assert done.returncode == exit_status.DEFECT == 70
     assert "ZeroDivisionError" in done.stderr and done.stderr.rstrip().endswith(
         "please report it with these lines"
     )
@@ -34,7 +34,7 @@ def test_a_defect_of_the_program_is_status_70_and_says_so(tmp_path):
 def test_status_1_is_a_flight_outside_its_limits(tmp_path):
     assert (
         called("fly", *SHORT, "--out", tmp_path / "run", "-q", "--no-replay").returncode
-        == ending.NOT_WITHIN_LIMITS
+        == exit_status.NOT_WITHIN_LIMITS
         == 1
     )
 
@@ -52,7 +52,7 @@ def test_reader_that_stops_reading_is_no_failure(tmp_path):
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         timeout=60,
     )
-    assert piped.returncode == ending.BROKEN_PIPE == 141
+    assert piped.returncode == exit_status.BROKEN_PIPE == 141
     assert piped.stderr == ""
 
 

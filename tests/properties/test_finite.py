@@ -93,6 +93,6 @@ def test_derivatives_are_finite(drawn, seed):
         plant = records.initial_plant(loaded.truth, case)
         disturb(plant, rng)
         prepare(case, plant)
-        derivatives(case[0], tables[0], plant[0], 0.0, plant["y"][0], outputs[0], out)
+        derivatives(case[0], tables[0], plant[0], 0.0, (1.0, 0.0), plant["y"][0], outputs[0], out)
         live = STATES if plant["canopy"][0] in (1, 2) else STATES_VEHICLE
         assert np.all(np.isfinite(out[:live])), (drawn, plant["y"][0].tolist(), out.tolist())

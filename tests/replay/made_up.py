@@ -11,7 +11,7 @@ from edl6dof.scenario.schema import load_scenario
 from edl6dof.telemetry.channels import CHANNELS
 
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
-FOUND = {"thruster": "D7", "finding": "D7 stuck off"}
+FOUND = {"thruster": "D7", "isolated": "D7 stuck off"}
 RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
 
 

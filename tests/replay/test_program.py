@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from edl6dof.app.ending import UNAVAILABLE
+from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.app.replay import ReplayOptions, run_replay
 from edl6dof.replay import program, viewer
 from edl6dof.replay.program import HOST, NoViewer, ViewerFailed, free_port, running

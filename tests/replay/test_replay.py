@@ -342,11 +342,11 @@ def test_a_campaign_is_a_layer_coloured_by_how_its_cases_ended(flight, tmp_path)
     assert "2 of 4 succeed" in stored["/campaign"]["TextDocument:text"][0]
 
 
-def test_events_of_a_run_that_told_no_thruster_or_finding_can_be_replayed():
+def test_events_of_a_run_that_told_no_thruster_or_isolation_can_be_replayed():
     flight = synthetic_flight()
     diagnosis = next(event for event in flight.events if event["key"] == "diagnosis")
     assert history(flight).diagnosed["D7"].text == "D7 stuck off"
-    del diagnosis["finding"]
+    del diagnosis["isolated"]
     assert history(flight).diagnosed["D7"].text == diagnosis["name"]
     del diagnosis["thruster"]
     assert history(flight).diagnosed == {}

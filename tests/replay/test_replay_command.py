@@ -8,7 +8,7 @@ import pytest
 
 import edl6dof
 from edl6dof.app import replay as command
-from edl6dof.app.ending import UNAVAILABLE
+from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
 from edl6dof.replay import viewer

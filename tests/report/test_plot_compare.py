@@ -74,7 +74,7 @@ def test_figures_for_papers_are_painted(run, tmp_path, capsys, monkeypatch):
 
 def test_pdf_holds_tables_and_figures(run, tmp_path):
     whole = flight_report(run)
-    sections = [section for section in whole.sections if section.key in ("verdict", "events", "trajectory")]
+    sections = [section for section in whole.sections if section.key in ("limits", "events", "trajectory")]
     part = replace(whole, sections=sections)
     write_pdf(part, tmp_path / "r.pdf")
     content = (tmp_path / "r.pdf").read_bytes()

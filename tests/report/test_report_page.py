@@ -57,7 +57,7 @@ def test_page_is_small_enough_to_be_mailed(html):
     assert len(html.encode()) < 6_000_000
 
 
-def test_verdict_limits_and_published_figures_are_on_the_page(run, html):
+def test_headline_limits_and_published_figures_are_on_the_page(run, html):
     assert run.summary["outcome"] in html
     for limit in run.summary["limits"]:
         assert limit["name"] in html

@@ -168,7 +168,7 @@ def test_flight_without_flight_software_has_a_report_too(tmp_path):
     seal(tmp_path, "flight")
     report = flight_report(Run(tmp_path))
     assert {section.key for section in report.sections} >= {
-        "verdict",
+        "limits",
         "events",
         "trajectory",
         "configuration",

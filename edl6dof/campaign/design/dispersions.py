@@ -10,10 +10,10 @@ from typing import Any, get_args
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
-from edl6dof.campaign.design.distributions.base import deviates
+from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
 from edl6dof.campaign.design.params import CampaignParams, Correlated, Of
 from edl6dof.campaign.readback import value_at
-from edl6dof.config.base import Params, stated
+from edl6dof.config.base import stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document
 from edl6dof.config.document.yamltree import Path
@@ -48,7 +48,7 @@ class Draw:
     """Parameters that are drawn together from as many unit numbers."""
 
     targets: tuple[Target, ...]
-    distribution: Params
+    distribution: DistributionParams | Correlated
 
     @property
     def names(self) -> list[str]:
@@ -57,7 +57,7 @@ class Draw:
 
     def values(self, unit: np.ndarray) -> list[np.ndarray]:
         """Values of each target; ``unit`` has shape (cases, targets)."""
-        if not isinstance(self.distribution, Correlated):
+        if isinstance(self.distribution, DistributionParams):
             return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
         mean = np.array([target.nominal for target in self.targets], dtype=float)
         return list((mean + deviates(unit) @ np.linalg.cholesky(self.distribution.matrix).T).T)

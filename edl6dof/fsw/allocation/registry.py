@@ -16,13 +16,17 @@ The table fires four thrusters for a roll torque where two would do, and lets on
 
 from __future__ import annotations
 
+from typing import Any
+
 from edl6dof.config.base import param
 from edl6dof.fsw.allocation import least_squares, table
 from edl6dof.registry import Family
 
 ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
 
-_Methods = ALLOCATORS.params_model("AllocationMethods", "method", "least_squares", "Thruster allocation.")
+_Methods: Any = ALLOCATORS.params_model(
+    "AllocationMethods", "method", "least_squares", "Thruster allocation."
+)
 
 
 class AllocationParams(_Methods):

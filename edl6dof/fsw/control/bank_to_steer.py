@@ -85,7 +85,7 @@ def control(params, nav, goal, inputs, dt, memory):
     else:
         damping = p.damping_after_wing if wing_out else p.damping
         pitch = damped(p, damping, dot(rate, across), alpha_error)
-    # sideslip grows when the nose turns left: a turn to the right about z removes it
+    # sideslip grows when the nose yaws left: yaw to the right, about z, removes it
     yaw = damped(p, p.damping, dot(rate, aside), nav.beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
     torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, body_rate(nav)))

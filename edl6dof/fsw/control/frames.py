@@ -54,7 +54,7 @@ def path_rate(nav):
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
     q = attitude(nav)
-    v = take3(nav.v_I, 0)
+    v = take3(nav.v_rel_I, 0)
     acceleration = sub(from_frame(q, take3(nav.specific_force_B, 0)), scale(nav.gravity, take3(nav.up_I, 0)))
     speed2 = max(nav.speed * nav.speed, 1.0)
     return to_frame(q, scale(1.0 / speed2, cross(v, acceleration)))
@@ -73,7 +73,8 @@ def wind_attitude_error(nav, command):
 
     Both in B: error (goal minus actual, rad) and rate (actual minus goal, rad/s).
     """
-    goal = attitude_from_wind_angles(take3(nav.v_I, 0), take3(nav.up_I, 0), command.bank, command.alpha, 0.0)
+    up_I = take3(nav.up_I, 0)
+    goal = attitude_from_wind_angles(take3(nav.v_rel_I, 0), up_I, command.bank, command.alpha, 0.0)
     q = attitude(nav)
     error = rotation_vector(multiply(conjugate(q), goal))
     return error, sub(body_rate(nav), path_rate(nav))

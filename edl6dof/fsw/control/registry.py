@@ -8,6 +8,8 @@ read; ``dt`` is the control cycle (s).
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Literal
+
 import numpy as np
 
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
@@ -24,6 +26,11 @@ CONTROLLERS = Family(
         thrust_vector.MEMBER,
     ),
 )
+
+if TYPE_CHECKING:
+    ControllerName = str
+else:  # which controllers there are, plugins included, is known only when it runs
+    ControllerName = Literal[CONTROLLERS.names]
 
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 

@@ -7,7 +7,7 @@ A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it bri
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -40,7 +40,9 @@ DISTURBANCE = np.dtype(
     align=True,
 )
 
-_Estimators = ESTIMATORS.params_model("Estimators", "estimator", "first_order", "Disturbance estimation.")
+_Estimators: Any = ESTIMATORS.params_model(
+    "Estimators", "estimator", "first_order", "Disturbance estimation."
+)
 
 
 class EstimationParams(_Estimators):

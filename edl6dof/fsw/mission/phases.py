@@ -7,24 +7,25 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
-from edl6dof.fsw.control.registry import CONTROLLERS
-from edl6dof.fsw.mission.roles import NO_ROLE, ROLES
+from edl6dof.fsw.control.registry import ControllerName
+from edl6dof.fsw.mission.roles import NO_ROLE, Role
 from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_WAYS
-from edl6dof.interface.events import ACTIONS, EVENT_TABLE
-from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.interface.events import EVENT_TABLE, Action
+from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
 NEVER = 1e9
 
-GUIDANCE = ("none", "hold_bank", "entry", "powered", "hover", "avoid", "descend")
+Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"]
+GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
 G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND = range(len(GUIDANCE))
 
-QUANTITIES = (
+Quantity = Literal[
     "time_s",
     "phase_time_s",
     "mach",
@@ -37,7 +38,8 @@ QUANTITIES = (
     "time_to_go_s",
     "footpad_contact",
     "wing_open",
-)
+]
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
     Q_TIME,
     Q_PHASE_TIME,
@@ -57,7 +59,7 @@ QUANTITIES = (
 class Condition(Params):
     """A condition on one navigated quantity, in SI units."""
 
-    quantity: Literal[QUANTITIES] = param(REQUIRED, "navigated quantity that is watched")
+    quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
     goes: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
 
@@ -78,7 +80,7 @@ class Event(Params):
     }
 
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
-    action: Literal[ACTIONS] = param(REQUIRED, "what is done", record=False)
+    action: Action = param(REQUIRED, "what is done", record=False)
     thing: Key = param(
         REQUIRED,
         "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
@@ -106,12 +108,12 @@ class Phase(Params):
     """One mission phase.  Its ways out are tried in their order, then ``until``."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
-    role: Literal[ROLES] = param(
+    role: Role = param(
         NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False
     )
-    guidance: Literal[GUIDANCE] = param("none", "guidance of the phase")
-    control: Literal[CONTROLLERS.names] = param("off", "attitude controller of the phase")
-    thrusters: Annotated[list[Literal[THRUSTER_GROUPS]], Capacity(len(THRUSTER_GROUPS))] = param(
+    guidance: Guidance = param("none", "guidance of the phase")
+    control: ControllerName = param("off", "attitude controller of the phase")
+    thrusters: Annotated[list[ThrusterGroup], Capacity(len(THRUSTER_GROUPS))] = param(
         None, "thruster groups that may fire for attitude", factory=list, max_length=len(THRUSTER_GROUPS)
     )
     bandwidth: float = param(

@@ -9,13 +9,22 @@ them.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal, get_args
 
 import numpy as np
 
-ROLES = (
-    *("none", "trim", "lift", "parachute"),
-    *("powered_deceleration", "hover_imaging", "hazard_avoidance", "slow_descent", "landed"),
-)
+Role = Literal[
+    "none",
+    "trim",
+    "lift",
+    "parachute",
+    "powered_deceleration",
+    "hover_imaging",
+    "hazard_avoidance",
+    "slow_descent",
+    "landed",
+]
+ROLES: tuple[Role, ...] = get_args(Role)
 (
     NO_ROLE,
     TRIM,

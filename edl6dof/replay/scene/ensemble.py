@@ -33,7 +33,7 @@ def write_ensemble(recording: rr.RecordingStream, trajectories: Sequence[Traject
     causes = sorted(set(found) - {""}, key=lambda cause: (-found.count(cause), cause))
     lines = [
         f"## {found.count('')} of {len(found)} succeed\n",
-        "| cases | colour | ending |",
+        "| cases | colour | outcome |",
         "|--:|:--|:--|",
     ]
     for k, cause in enumerate(["", *causes]):

@@ -84,7 +84,7 @@ def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.nda
     Returns:
         lengths and shown flames of the rows kept, and the kept rows.
     """
-    active = firing.any(axis=1)
+    active: np.ndarray = np.logical_or.reduce(firing, axis=1)
     keep = np.flatnonzero(active | np.append([True], active[:-1]))
     length, shown = length[keep].copy(), firing[keep].copy()
     silent = ~active[keep]

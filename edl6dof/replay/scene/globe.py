@@ -70,9 +70,9 @@ def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
     i, j = np.meshgrid(np.arange(89), np.arange(180), indexing="ij")
     a, b = i * 180 + j, i * 180 + (j + 1) % 180
     sides = np.stack([a, a + 180, b + 180, a, b + 180, b], axis=-1).reshape(-1, 3)
-    j = np.arange(180)
+    around = np.arange(180)
     caps = [
-        np.stack([np.full(180, 16200 + k), first + j, first + (j + 1) % 180], axis=-1)
+        np.stack([np.full(180, 16200 + k), first + around, first + (around + 1) % 180], axis=-1)
         for k, first in ((0, 0), (1, 89 * 180))
     ]
     colours = np.concatenate([colours.reshape(-1, 3), colours[:1].mean(axis=1), colours[-1:].mean(axis=1)])

@@ -41,7 +41,8 @@ class Ground(Recorder):
             "site/markers/target", rr.LineStrips3D(circles, colors=TARGET, radii=rr.Radius.ui_points(1.2))
         )
         self._ellipse(landscape)
-        self.marker("target", [0.0, 0.0, float(motion.site.ground(0.0, 0.0)[1])], TARGET)
+        level = motion.site.ground(np.zeros(1), np.zeros(1))[1]
+        self.marker("target", [0.0, 0.0, float(level[0])], TARGET)
         if self.flight["truth.footpads"][-1] > 0.0:
             self.marker(
                 "touchdown", [*motion.last[:2], float(motion.last[2] - motion.height[-1])], (120, 235, 140)

@@ -142,14 +142,15 @@ def _waves(
         fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(
             60.0 * spacing / wavelength, 0.0, 1.0
         )
+        rows = np.flatnonzero(fits)  # the rings of the mesh that it fits
         for _ in range(3):
             heading, phase = random.uniform(0.0, 2.0 * pi, 2)
-            along = (east * np.cos(heading) + north * np.sin(heading)) / wavelength
-            across = (north * np.cos(heading) - east * np.sin(heading)) / wavelength
-            wave = fits * np.sin(2.0 * pi * along + phase + 2.0 * np.sin(3.1 * across + phase))
-            tone += wave
-            weight += fits**2
-            height += 0.004 * min(wavelength, 400.0) * wave
+            along = (east[rows] * np.cos(heading) + north[rows] * np.sin(heading)) / wavelength
+            across = (north[rows] * np.cos(heading) - east[rows] * np.sin(heading)) / wavelength
+            wave = fits[rows] * np.sin(2.0 * pi * along + phase + 2.0 * np.sin(3.1 * across + phase))
+            tone[rows] += wave
+            weight[rows] += fits[rows] ** 2
+            height[rows] += 0.004 * min(wavelength, 400.0) * wave
     return 0.5 + 0.17 * tone / np.sqrt(0.5 * weight), height
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from edl6dof.config.base import Vec3
 
 RGB = tuple[int, int, int]
+#: A point, m, shape (3,).
+Place = Sequence[float] | np.ndarray
 
 WHITE: RGB = (236, 234, 228)
 
@@ -83,9 +85,7 @@ def revolve(
     return mesh._replace(positions=origin + mesh.positions @ turned, normals=mesh.normals @ turned)
 
 
-def rod(
-    start: Sequence[float], end: Sequence[float], radius: float, colour: RGB, end_radius: float | None = None
-) -> Mesh:
+def rod(start: Place, end: Place, radius: float, colour: RGB, end_radius: float | None = None) -> Mesh:
     """Round rod or cone frustum between two points."""
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     length = float(np.linalg.norm(b - a))

@@ -94,7 +94,7 @@ class Track(Recorder):
         )
 
     def _shadow(self, rows: np.ndarray) -> None:
-        """Dark disc under the vehicle, for the eye to judge the height by."""
+        """Dark disc under the vehicle, by which the eye estimates the height."""
         if len(rows) == 0:
             return
         disc = revolve([(0.0, 1.3), (0.0, 1e-4)], (70, 38, 24), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))

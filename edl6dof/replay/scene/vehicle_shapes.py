@@ -24,7 +24,8 @@ ORANGE: RGB = (226, 92, 40)
 
 
 def _striped(base: RGB, every: int, factor: float) -> Callable[[int, int], RGB]:
-    darker = tuple(int(c * factor) for c in base)
+    red, green, blue = (int(c * factor) for c in base)
+    darker = red, green, blue
     return lambda i, j: darker if i % every == 0 else base
 
 

@@ -91,15 +91,15 @@ class Layout:
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
         """All pages, that named ``active`` in front."""
         rrb = self.rrb
-        pages = [
+        possible = (
             self._flight(),
             self._entry(),
             self._parachute(),
             self._powered(),
             self._control(),
             self._thrusters(),
-        ]
-        pages = [page for page in pages if page is not None]
+        )
+        pages = [page for page in possible if page is not None]
         names = [str(page.name) for page in pages]
         below = rrb.Horizontal(self._lanes(), self._events(), column_shares=[11, 8])
         return rrb.Blueprint(

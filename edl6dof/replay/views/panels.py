@@ -109,16 +109,16 @@ ERROR = Plot("attitude_error_deg", "Attitude error (deg)", _axes("control.error"
 DEMAND = Plot(
     "torque_demand_nm", "Demanded torque (N m)", _axes("control.torque", "nm", "x y z"), until="touchdown"
 )
-UNDELIVERED = Plot(
-    "torque_undelivered_nm",
-    "Undelivered torque (N m)",
-    _axes("control.undelivered", "nm", "x y z"),
+UNALLOCATED = Plot(
+    "torque_unallocated_nm",
+    "Unallocated torque (N m)",
+    _axes("control.unallocated", "nm", "x y z"),
     until="touchdown",
 )
 DIAGNOSIS = Plot(
     "diagnosis",
     "Thruster diagnosis: confidence (0 to 1), found",
-    {"diagnosis.confidence": "confidence", "diagnosis.found": "found"},
+    {"diagnosis.confidence": "confidence", "diagnosis.isolated": "isolated"},
 )
 
 
@@ -144,7 +144,7 @@ PAGES: dict[str, tuple[Plot, ...]] = {
     "Entry": (BANK, AIR_ANGLES, DRAG, HEAT, RANGE, CROSSRANGE, RATES, LOAD),
     "Parachute": (ALTITUDE, MACH, TENSION, PRESSURE, TOTAL_ALPHA, RATES),
     "Powered descent": (HEIGHT, VELOCITY, THRUST, TILT, OFFSET, PROPELLANT, TO_GO, MASS),
-    "Control": (ERROR, RATES, *TORQUES, FORCE, DEMAND, UNDELIVERED),
+    "Control": (ERROR, RATES, *TORQUES, FORCE, DEMAND, UNALLOCATED),
     "Thrusters": (DIAGNOSIS, PROPELLANT),
 }
 PLOTS = tuple({plot.entity: plot for page in PAGES.values() for plot in page}.values())

@@ -30,10 +30,11 @@ def campaign_report(folder: Path) -> Report:
         ),
     ]
     identity = results.store.info.identity
+    success = results.success
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
-        verdict=f"{results.success.successes} of {results.success.trials} flights succeed: {results.success}",
+        headline=f"{success.successes} of {success.trials} flights succeed: {success}",
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],

@@ -9,7 +9,7 @@ import numpy as np
 from edl6dof.campaign.statistics import Driver, drivers
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Table, Text
+from edl6dof.report.document import Block, Cell, Row, Table, Text
 from edl6dof.report.figure import BLUE, ORANGE, Axis, Figure, Panel, Trace
 
 #: Where a flight landed.
@@ -43,7 +43,7 @@ def blocks(results: Results) -> Iterator[Block]:
 
 def ranking(label: str, found: list[Driver], explained: float) -> Table:
     """The strongest drivers of one figure."""
-    rows = [
+    rows: list[Row] = [
         [
             driver.name,
             f"{driver.rank_correlation:+.2f}",

@@ -9,12 +9,12 @@ import numpy as np
 from edl6dof.campaign.statistics import ellipse
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Table
-from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
 
 #: Points of each kind that carry the number of their case.
 _NAMED = 4
 
-_DASHES = {1: "solid", 2: "dash", 3: "dot"}
+_DASHES: dict[int, Dash] = {1: "solid", 2: "dash", 3: "dot"}
 
 
 def blocks(results: Results) -> Iterator[Block]:

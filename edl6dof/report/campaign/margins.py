@@ -9,7 +9,7 @@ import numpy as np
 from edl6dof.campaign.statistics import Proportion, quantiles
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Table, Text
+from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
 from edl6dof.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.numbers import significant
 
@@ -23,12 +23,12 @@ _HEADS = ("0.13 %>", "1 %>", "50 %>", "99 %>", "99.87 %>")
 
 def limit_quantiles(results: Results) -> Table:
     """Quantiles of every figure that has a limit, beside it."""
-    rows = []
+    rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         missed = int(np.sum(values > limit))
         spread = quantiles(values)
-        mood = "bad" if missed else "good"
+        mood: Mood = "bad" if missed else "good"
         cells = [significant(value) for value in spread]
         rows.append(
             [
@@ -46,7 +46,7 @@ def limit_quantiles(results: Results) -> Table:
 
 def other_quantiles(results: Results) -> Table:
     """Quantiles of other figures."""
-    rows = [
+    rows: list[Row] = [
         [
             figure.meaning,
             figure.unit.label,
@@ -63,7 +63,7 @@ def causes(results: Results) -> Block:
     if not results.causes:
         low, _ = results.success.interval
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low:.2%}.")
-    rows = []
+    rows: list[Row] = []
     for cause, number in results.causes:
         share = Proportion(number, len(results.cases))
         first = results.cases[[text == cause for text in results.table["cause"].to_pylist()]][:3]
@@ -119,7 +119,7 @@ def propellant(results: Results) -> Iterator[Block]:
 
 def worst(results: Results, count: int = 3) -> Table:
     """The cases nearest to each limit, or furthest beyond it, with the command that flies them again."""
-    rows = []
+    rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         finite = np.flatnonzero(np.isfinite(values))

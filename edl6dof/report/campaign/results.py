@@ -75,7 +75,7 @@ class Results:
 
     @cached_property
     def limits(self) -> list[tuple[str, str, float, str]]:
-        """(figure, label, limit, unit) of every limit by which a case was judged."""
+        """(figure, label, limit, unit) of every limit that was applied to a case."""
         given = self.document["limits"]
         return [
             (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)

@@ -105,7 +105,7 @@ def torque(run: Run) -> Figure:
     for axis, name in zip("xyz", ("roll", "pitch", "yaw"), strict=True):
         curves = [
             Curve(f"control.torque_{axis}_nm", "demanded", colour=BLUE),
-            Curve(f"control.undelivered_{axis}_nm", "not delivered", colour=VERMILION),
+            Curve(f"control.unallocated_{axis}_nm", "unallocated", colour=VERMILION),
         ]
         panels.append(over_time(run, f"{name} (N m)", curves, rows))
     return stacked("torque", "Control torque", panels, "In body axes.", 160)

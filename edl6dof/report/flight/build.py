@@ -21,7 +21,7 @@ from edl6dof.runs.run import Run
 def flight_report(run: Run) -> Report:
     """The review of a run; a section about what the flight did not have is left out."""
     sections = [
-        Section("verdict", "Verdict and limits", list(words.judged(run))),
+        Section("limits", "Limits and published flight", list(words.limits_and_published(run))),
         Section("events", "Timeline", [words.timeline(run)]),
         Section("trajectory", "Trajectory", list(trajectory.figures(run))),
         Section("guidance", "Entry guidance", list(guidance.figures(run))),
@@ -39,7 +39,7 @@ def flight_report(run: Run) -> Report:
     return Report(
         title=run.name,
         subtitle=words.subtitle(run),
-        verdict=words.verdict(run),
+        headline=words.headline(run),
         mood=words.mood(run.summary),
         facts=words.facts(run),
         sections=[section for section in sections if section.blocks],

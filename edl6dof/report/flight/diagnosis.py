@@ -26,8 +26,8 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Residual torque, confidence of the best hypothesis, thruster under probe, and faults found, for some
-    rows (bool).
+    """Residual torque, confidence of the best hypothesis, thruster under probe, and thrusters isolated, for
+    some rows (bool).
     """
     t = run.t[rows]
     marks = event_marks(run, t)
@@ -45,7 +45,7 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         run, "confidence (1)", [Curve("diagnosis.confidence", colour=BLUE)], rows, (0.0, 1.18)
     )
     threshold = float(run.scenario["flight_software"]["diagnosis"]["confidence"])
-    found = Trace(t, run["diagnosis.found"][rows], kind="steps", colour=BAD, width=2.0)
+    isolated = Trace(t, run["diagnosis.isolated"][rows], kind="steps", colour=BAD, width=2.0)
     panels = [
         Panel(Axis(TIME), Axis("torque residual\n(N m)"), residual, marks=marks),
         Panel(
@@ -54,8 +54,8 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         probes(run, rows),
         Panel(
             Axis(TIME),
-            Axis("faults found (1)", (-0.1, max(float(found.y.max()), 1.0) + 0.1)),
-            [found],
+            Axis("isolated (1)", (-0.1, max(float(isolated.y.max()), 1.0) + 0.1)),
+            [isolated],
             marks=marks,
         ),
     ]

@@ -5,15 +5,15 @@ one over the other.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Block, Cell, Report, Section, Table, Text
+from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
 from edl6dof.report.figure import Figure, Panel, Trace
 from edl6dof.report.flight.build import flight_report
-from edl6dof.report.flight.words import mood, verdict
+from edl6dof.report.flight.words import headline, mood
 from edl6dof.runs.run import Run
 
 #: Brightness of the second flight's dashed curves, which lie over the first's full ones.
@@ -44,7 +44,7 @@ def comparison_report(first: Run, second: Run) -> Report:
         f"{second.summary['scenario_sha256']}"
     )
     worst = max((mood(run.summary) for run in (first, second)), key=("good", "warn", "bad").index)
-    words = f"1: {verdict(first)}; 2: {verdict(second)}"
+    words = f"1: {headline(first)}; 2: {headline(second)}"
     return Report(f"{names[0]} and {names[1]}", words, worst, "Two flights compared", (), sections, footer)
 
 
@@ -56,7 +56,7 @@ def labels(first: Run, second: Run) -> tuple[str, str]:
 
 def outcomes(first: Run, second: Run) -> Table:
     """How both ended."""
-    rows = [
+    rows: list[Row] = [
         [
             name,
             Cell(str(run.summary["outcome"]), mood(run.summary)),
@@ -71,7 +71,7 @@ def outcomes(first: Run, second: Run) -> Table:
 def figures_table(first: Run, second: Run) -> Table:
     """Every figure of either flight, and the difference."""
     one, two = first.summary["figures"], second.summary["figures"]
-    rows = []
+    rows: list[Row] = []
     for name in dict.fromkeys([*one, *two]):
         figure = figure_of_merit(name)
         rows.append([figure.meaning, figure.unit.label, *_numbers(one.get(name), two.get(name))])
@@ -81,7 +81,7 @@ def figures_table(first: Run, second: Run) -> Table:
 def events_table(first: Run, second: Run) -> Table:
     """When the same things happened; of repeated events the first, second, ... are compared."""
     one, two = _numbered(first.events), _numbered(second.events)
-    rows = []
+    rows: list[Row] = []
     for key in sorted(
         {**one, **two}, key=lambda key: min(events[key][0] for events in (one, two) if key in events)
     ):
@@ -93,7 +93,7 @@ def events_table(first: Run, second: Run) -> Table:
 def differences_table(first: Run, second: Run) -> Table | Text:
     """Dotted paths whose values differ."""
     one, two = dict(_leaves(first.scenario)), dict(_leaves(second.scenario))
-    rows = [
+    rows: list[Row] = [
         [path, *(_shown(values[path]) if path in values else "-" for values in (one, two))]
         for path in dict.fromkeys([*one, *two])
         if one.get(path, _leaves) != two.get(path, _leaves)
@@ -166,7 +166,7 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
     return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]
 
 
-def _numbered(events: list[dict[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:
+def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:
     found: dict[tuple[str, int], tuple[float, str]] = {}
     for event in events:
         count = sum(key == event["key"] for key, _ in found)

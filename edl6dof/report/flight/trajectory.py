@@ -276,7 +276,7 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
             width=2.2,
         )
     )
-    names = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
+    names: dict[str, str] = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
     traces.append(placed(run, "truth.airspeed_m_s", "truth.altitude_m", names, (1e-3, 1e-3)))
     widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
     top = float(run["truth.altitude_m"][rows].max()) / 1e3

@@ -1,4 +1,4 @@
-"""The words of a review: verdict, figures at a glance, limits, the published flight, timeline, configuration
+"""The words of a review: headline, figures at a glance, limits, the published flight, timeline, configuration
 and software.
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.yamltree import parse_yaml
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Table, Text
+from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
 from edl6dof.report.terminal import aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -42,7 +42,7 @@ def mood(summary: Mapping[str, Any]) -> Mood:
     return "warn" if summary.get("reached_goal") else "bad"
 
 
-def verdict(run: Run) -> str:
+def headline(run: Run) -> str:
     """How the flight ended."""
     return f"{run.summary['outcome']} at t = {run.summary['time_s']:.1f} s"
 
@@ -62,17 +62,17 @@ def facts(run: Run) -> list[Fact]:
     ]
 
 
-def judged(run: Run) -> Iterator[Block]:
+def limits_and_published(run: Run) -> Iterator[Block]:
     """Limits and published figures, as far as there are any."""
     of_limits, of_published = limits(run), published(run)
-    yield of_limits if of_limits.rows else Text("The flight reached no point that a limit judges.")
+    yield of_limits if of_limits.rows else Text("The flight reached no point to which a limit applies.")
     if of_published.rows:
         yield of_published
 
 
 def limits(run: Run) -> Table:
     """Each limit with the share of it that was used."""
-    rows = []
+    rows: list[Row] = []
     for limit in run.summary["limits"]:
         value = math.nan if limit["value"] is None else float(limit["value"])
         shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
@@ -92,13 +92,13 @@ def limits(run: Run) -> Table:
                 Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad"))),
             ]
         )
-    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "verdict"], rows, "Limits")
+    return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
 
 
 def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     found = comparison(run.summary["figures"], run.summary["published"])
-    rows = [
+    rows: list[Row] = [
         [row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
         for row in found
     ]
@@ -120,7 +120,7 @@ def subtitle(run: Run) -> str:
 
 def timeline(run: Run) -> Table:
     """Events in order of time."""
-    rows = []
+    rows: list[Row] = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
         name = event["phase"].replace("_", " ") if "phase" in event else f"\u2003{event['name']}"
@@ -165,7 +165,7 @@ def software(run: Run) -> Table:
     """What flew it and what wrote this."""
     from edl6dof import __version__
 
-    rows = [
+    rows: list[Row] = [
         ["flown by", f"edl6dof {run.summary['edl6dof_version']}"],
         ["report by", f"edl6dof {__version__}, Python {platform.python_version()}"],
         ["scenario", f"{run.name}, seed {run.summary['seed']}"],

@@ -134,7 +134,6 @@ def hung_like(state: State, entry: Entry) -> State:
     )
     rate = np.radians(entry.rate_deg_s)
     plant["y"][0, RATE : RATE + 3] = rate
-    plant["fresh"] = 0
     sensors["imu"]["rate"][:] = rate
     fsw["estimation"]["rate"] = rate
     return replace(state, plant=plant, sensors=sensors, fsw=fsw)

@@ -13,8 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.integrate import advance, refresh
+from edl6dof.vehicle.integrate import advance
 from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
+from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 
@@ -52,7 +53,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     case, start = records.build_case(loaded.truth, tables), state_of(loaded)
     plant, rng = start.plant, np.random.default_rng(11)
     flown = (case[0], tables[0], plant[0], np.zeros(1, OUTPUTS)[0], np.zeros(1, WORKSPACE)[0])
-    refresh(*flown)
+    evaluate(*flown)
     lengths = rng.uniform(0.001, 0.06, CYCLES)
     delivered, speed, v0 = [], [], plant["y"][0, 3:6].copy()
     for k, length in enumerate(lengths):

@@ -38,7 +38,7 @@ def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
     ]
 
 
-def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):
+def test_table_has_a_row_for_each_flight_with_fault_and_isolation(flown):
     rows = pq.read_table(flown[3] / "faults.parquet").to_pylist()
     assert {(row["thruster"], row["kind"]) for row in rows} == {
         (t, k) for t in ("D7", "P1") for k in ("stuck_off", "stuck_on", "degraded")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from cli_run import environment
 
-from edl6dof.app.without import without
+from edl6dof.app.blocked_imports import blocked_imports
 
 LINUX = Path("/proc/self/status").exists()
 BUDGET_B = 400e6
@@ -39,7 +39,7 @@ def test_a_flight_with_all_its_files_keeps_within_the_memory_budget(nominal, tmp
 
 def test_a_module_is_missing_inside_the_block_only(monkeypatch):
     monkeypatch.delitem(sys.modules, "colorsys", raising=False)
-    with pytest.raises(ModuleNotFoundError, match="colorsys"), without("colorsys", "json"):
+    with pytest.raises(ModuleNotFoundError, match="colorsys"), blocked_imports("colorsys", "json"):
         import json  # imported before, and so still there
 
         assert json.dumps(1) == "1"

@@ -153,6 +153,43 @@ def test_kernel_that_does_not_fit_is_refused_before_the_simulator_is_compiled(tm
     assert re.search(message, error)
 
 
+ESTIMATOR = """
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+class NoneParams(Params):
+    "No estimate."
+
+@kernel
+def estimate(params, measured, dt, memory, out):
+    "Estimate nothing."
+    out.pole = 1.0 / dt
+
+FAMILY = "estimator"
+MEMBER = Member("blind", NoneParams, {"estimate": estimate}, "null member")
+"""
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ("", "", ""),
+        ("out.pole = 1.0 / dt", "return out.pole", "estimate: must return nothing"),
+        ("measured, dt, memory, out", "dt, memory, out", "must define estimate.params, measured, dt, memory"),
+        ("out.pole", "measured.bonk", "estimate: uses a field that its records do not have: .bonk"),
+    ],
+)
+def test_estimator_of_a_plugin_is_chosen_by_name_and_tried_alone(tmp_path, old, new, message):
+    (tmp_path / "law.py").write_text(ESTIMATOR.replace(old, new))
+    file = tmp_path / "mine.yaml"
+    chosen = "flight_software: {estimation: {estimator: blind}}"
+    file.write_text(f"extends: tianwen1\nname: mine\nplugins: [law.py]\n{chosen}\n")
+    status, _, error = cli("check", file)
+    assert status == (2 if message else 0), error
+    assert re.search(message, error)
+
+
 # ---- cache -------------------------------------------------------------------------------------------------
 
 

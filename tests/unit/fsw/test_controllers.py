@@ -55,7 +55,13 @@ def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
     path = Quaternion(axis=X, degrees=bank_deg)
     q = path * Quaternion(axis=Z, degrees=-beta_deg) * Quaternion(axis=Y, degrees=alpha_deg)
     nav["q_I2B"], nav["w_B"], nav["imu_rate_B"] = q.elements, rate, rate
-    nav["v_I"], nav["speed"], nav["up_I"], nav["north_I"], nav["east_I"] = 3000.0 * X, 3000.0, UP, NORTH, EAST
+    nav["v_rel_I"], nav["speed"], nav["up_I"], nav["north_I"], nav["east_I"] = (
+        3000.0 * X,
+        3000.0,
+        UP,
+        NORTH,
+        EAST,
+    )
     nav["alpha"], nav["beta"], nav["bank"] = radians(alpha_deg), radians(beta_deg), radians(bank_deg)
     nav["wing_open"] = 1
     return nav

@@ -130,7 +130,7 @@ def state(rng, speed=3000.0):
     up = unit(rng.normal(size=3))
     v = speed * unit(rng.normal(size=3))
     nav, guide = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
-    nav["up_I"], nav["v_I"], nav["speed"], nav["gravity"] = up, v, speed, 3.7
+    nav["up_I"], nav["v_rel_I"], nav["speed"], nav["gravity"] = up, v, speed, 3.7
     return up, v, nav, guide
 
 
@@ -204,7 +204,7 @@ def test_path_rate_is_the_turning_of_an_integrated_velocity():
         behind = solve_ivp(motion, (0, -h), np.concatenate([r, v]), rtol=1e-12, atol=1e-9).y[3:, -1]
         turning = np.cross(unit(v), (unit(ahead) - unit(behind)) / (2 * h))
         nav = np.zeros(1, NAV)[0]
-        nav["up_I"], nav["v_I"], nav["speed"] = unit(r), v, np.linalg.norm(v)
+        nav["up_I"], nav["v_rel_I"], nav["speed"] = unit(r), v, np.linalg.norm(v)
         nav["gravity"], nav["specific_force_B"] = mu / (r @ r), force_B
         set_attitude(nav, q)
         assert q.rotate(np.array(path_rate(nav))) == pytest.approx(turning, abs=1e-6)

@@ -81,7 +81,7 @@ def test_flight_angles_are_those_the_state_was_built_from(onboard):
         nav = nav_of(onboard, sensed)
         for name, value in given.items():
             assert nav[name] == pytest.approx(value, abs=1e-3 if name == "altitude" else 1e-7, rel=1e-9), name
-        assert nav["v_I"] == pytest.approx(v, abs=1e-6)
+        assert nav["v_rel_I"] == pytest.approx(v, abs=1e-6)
         assert nav["total_alpha"] == pytest.approx(acos(cos(given["alpha"]) * cos(given["beta"])), abs=1e-7)
         assert nav["tilt"] == pytest.approx(acos(np.clip(-(q.rotate(X) @ nav["up_I"]), -1, 1)), abs=1e-7)
         frame = np.column_stack([nav["north_I"], nav["east_I"], -nav["up_I"]])

@@ -16,7 +16,7 @@ from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
 from edl6dof.metrics.figures import FIGURES, figure_of_merit
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.report.flight.words import mood
-from edl6dof.report.terminal import comparison, published_table, verdict
+from edl6dof.report.terminal import comparison, headline, published_table
 from edl6dof.runs.results import summary
 from edl6dof.scenario.schema import LimitParams
 
@@ -48,7 +48,7 @@ def test_figures_come_from_where_the_table_says(nominal, faulty):
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
     assert (
-        diagnosis_figures(faulty.findings, faulty.loaded.truth.faults, faulty.plant[0]).keys()
+        diagnosis_figures(faulty.isolated_faults, faulty.loaded.truth.faults, faulty.plant[0]).keys()
         == by_source["diagnosis"]
     )
 
@@ -102,7 +102,7 @@ def test_a_goal_reached_outside_limits_is_a_warning_whatever_the_words_say(nomin
     outside = edl6dof.fly("msl", ["limits.parachute_mach_max=0.5"])
     short = edl6dof.fly("msl", ["simulation.time_limit_s=20"])
     assert [mood(summary(flight)) for flight in (nominal, outside, short)] == ["good", "warn", "bad"]
-    assert [str(verdict(flight).style) for flight in (nominal, outside, short)] == [
+    assert [str(headline(flight).style) for flight in (nominal, outside, short)] == [
         "bold green",
         "bold yellow",
         "bold red",

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 from scipy.special import ndtri
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Params, param, stated
 
 #: Unit numbers are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
 _EDGE = 1e-12
@@ -63,4 +63,4 @@ class Spread(DistributionParams):
             return self.sigma
         if self.three_sigma is not None:
             return self.three_sigma / 3.0
-        return abs(nominal) * self.three_sigma_pct / 300.0
+        return abs(nominal) * stated(self.three_sigma_pct) / 300.0

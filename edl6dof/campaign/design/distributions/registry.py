@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Literal, Union, get_args, get_origin
 
 from pydantic import Field
 
@@ -31,7 +31,10 @@ def _params(member: Member) -> type[DistributionParams]:
     return member.params
 
 
-Distribution = Annotated[
-    Union[tuple(_params(member) for member in DISTRIBUTIONS.members)],  # noqa: UP007  as many as there are
-    Field(discriminator="kind"),
-]
+if TYPE_CHECKING:
+    Distribution = DistributionParams
+else:  # which members there are, plugins included, is known only when it runs
+    Distribution = Annotated[
+        Union[tuple(_params(member) for member in DISTRIBUTIONS.members)],  # noqa: UP007  as many as there are
+        Field(discriminator="kind"),
+    ]

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.campaign.design.distributions.base import DistributionParams
-from edl6dof.config.base import REQUIRED, param
+from edl6dof.config.base import REQUIRED, param, stated
 from edl6dof.registry import Member
 
 
@@ -30,17 +30,16 @@ class Uniform(DistributionParams):
         given = (self.low is not None, self.high is not None, self.half_width is not None)
         if given not in ((True, True, False), (False, False, True)):
             raise ValueError("must give low and high, or half_width")
-        if self.low is not None and self.low >= self.high:
+        if self.low is not None and self.high is not None and self.low >= self.high:
             raise ValueError(f"low must be below high (got {self.low:g} and {self.high:g})")
         return self
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
         """Values of unit numbers."""
-        low, high = (
-            (self.low, self.high)
-            if self.half_width is None
-            else (nominal - self.half_width, nominal + self.half_width)
-        )
+        if self.half_width is None:
+            low, high = stated(self.low), stated(self.high)
+        else:
+            low, high = nominal - self.half_width, nominal + self.half_width
         return low + unit * (high - low)
 
 

@@ -9,6 +9,7 @@ heading error; last the lift is levelled for the parachute.
 from __future__ import annotations
 
 from math import atan2
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,11 @@ from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.spatial.vector import clamp
 
-ReversalParams = REVERSALS.params_model("ReversalParams", "logic", "crossrange_corridor", "Bank reversals.")
+_Logics: Any = REVERSALS.params_model("ReversalLogics", "logic", "crossrange_corridor", "Bank reversals.")
+
+
+class ReversalParams(_Logics):
+    """Bank reversals."""
 
 
 class HeadingAlignmentParams(Params):

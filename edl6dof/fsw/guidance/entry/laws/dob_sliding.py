@@ -97,8 +97,8 @@ def observe(p, memory, dt, error, error_rate, applied):
         memory.started = 1
         memory.surface = error_rate + p.error_gain * error - memory.virtual
         return
-    kept = exp(-memory.decay * dt)
-    memory.virtual = kept * memory.virtual + (1.0 - kept) / memory.decay * memory.authority * (
+    decayed = exp(-memory.decay * dt)
+    memory.virtual = decayed * memory.virtual + (1.0 - decayed) / memory.decay * memory.authority * (
         applied - memory.input
     )
     surface = error_rate + p.error_gain * error - memory.virtual

@@ -1,7 +1,7 @@
 """Entry terminal point control: linear range control about a reference trajectory, the law of Apollo's final
 phase and of MSL.
 
-Range to go is predicted from the reference and the departures of measured drag and altitude rate from it,
+Range to go is predicted from the reference and the deviations of measured drag and altitude rate from it,
 weighed with influence coefficients at the same speed; the vertical lift-to-drag ratio is changed by the
 predicted miss over its own coefficient, times an overcontrol gain:
 

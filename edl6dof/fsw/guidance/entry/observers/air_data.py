@@ -25,7 +25,7 @@ class AirDataParams(Params):
 
     time_constant_s: float = param(8.0, "memory of the filters", gt=0.0, le=1000.0)
     least_drag_m_s2: float = param(0.5, "drag below which nothing is learnt", gt=0.0)
-    limit: float = param(0.5, "largest departure of a ratio from one", gt=0.0, lt=1.0)
+    limit: float = param(0.5, "largest deviation of a ratio from one", gt=0.0, lt=1.0)
 
 
 AIR_DATA = np.dtype([("drag", "f8"), ("lift", "f8"), ("t", "f8")], align=True)

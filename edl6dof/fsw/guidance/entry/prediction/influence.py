@@ -54,8 +54,8 @@ def rates(onboard, h, v, gamma, shift, more_lift):
     """
     a = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
     # below the alignment speed lift is no longer controlled
-    turn = more_lift * a[4] / v if v > onboard.guidance.entry.align_speed else 0.0
-    return a[0], a[1], a[2] + turn, a[3]
+    more_path_rate = more_lift * a[4] / v if v > onboard.guidance.entry.align_speed else 0.0
+    return a[0], a[1], a[2] + more_path_rate, a[3]
 
 
 @kernel
@@ -150,12 +150,12 @@ def fill_influence(onboard: np.ndarray, entry: tuple[float, float, float], table
     for i, v in enumerate(speeds):
         h, gamma = (float(np.interp(v, states[::-1, 1], states[::-1, k])) for k in (0, 2))
         bank = reference_bank(record, shift, v)
-        _, _, turn, _, drag = point_mass(record, h, v, gamma, bank)
-        level_turn = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
+        _, _, path_rate, _, drag = point_mass(record, h, v, gamma, bank)
+        without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
         _, _, scale_height = model_atmosphere(record["atmosphere"], h)
         to_go, by_altitude, by_path, by_lift = coefficients(record, h, v, gamma, shift)
         table["range"][i], table["drag"][i], table["climb"][i] = to_go, drag, v * sin(gamma)
-        table["lift"][i] = (turn - level_turn) * v / drag
+        table["lift"][i] = (path_rate - without_lift) * v / drag
         table["by_drag"][i] = -by_altitude * scale_height / drag
         table["by_climb"][i] = by_path / (v * cos(gamma))
         table["by_lift"][i] = by_lift

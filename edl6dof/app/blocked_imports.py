@@ -22,7 +22,7 @@ class _NotInstalled(MetaPathFinder):
 
 
 @contextmanager
-def without(*modules: str) -> Iterator[None]:
+def blocked_imports(*modules: str) -> Iterator[None]:
     """Inside the block these modules are as if they were not installed, unless they have been imported
     before.
     """

@@ -1,0 +1,49 @@
+"""The command line.  Heavy imports happen inside the commands, so that ``--help`` is quick."""
+
+from __future__ import annotations
+
+import sys
+
+from edl6dof.cli.campaigns import campaign, faults, refly
+from edl6dof.cli.evidence import study, verify
+from edl6dof.cli.group import app
+from edl6dof.cli.results import compare, export, plot, replay, report
+from edl6dof.cli.scenarios import check, fly, params, schema
+
+
+def version() -> None:
+    """Print the version."""
+    from edl6dof import __version__
+
+    print(__version__)
+
+
+#: In the order of the help.
+COMMANDS = (
+    *(fly, check, params, schema, replay, report, plot, compare, export),
+    *(verify, study, campaign, refly, faults, version),
+)
+for command in COMMANDS:
+    app.command()(command)
+
+
+def main() -> None:
+    """Entry point; what no command has foreseen is a defect of the program, and has an exit status of its
+    own.
+    """
+    try:
+        app(prog_name="edl6dof")
+    except Exception:
+        import traceback
+
+        from edl6dof.app.exit_status import DEFECT
+
+        traceback.print_exc()
+        print(
+            (
+                "edl6dof: this is a defect of the program, not of what you gave it; please report it with "
+                "these lines"
+            ),
+            file=sys.stderr,
+        )
+        sys.exit(DEFECT)

@@ -1,0 +1,149 @@
+"""Commands that fly many flights of one scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from edl6dof.cli.options import Sets, Trust, load_plugins
+
+
+def campaign(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="CAMPAIGN", help=("Campaign file or name; with --resume, the folder of a campaign.")
+        ),
+    ] = None,
+    sets: Sets = None,
+    cases: Annotated[
+        int | None,
+        typer.Option("-n", "--cases", metavar="N", min=1, help="Flights (at each point of a sweep)."),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
+    engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
+    cluster: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, max=1024, help=("Threads, or worker processes; all cores if not given.")
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/<name> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing campaign.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a campaign that was interrupted.")
+    ] = False,
+    until: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Stop early, such as 'p_success +- 0.5%'.")
+    ] = None,
+    compare: Annotated[
+        tuple[Path, Path] | None,
+        typer.Option("--compare", metavar="A B", help="Compare two finished campaigns instead."),
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print the success probability only.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Fly many dispersed flights, or a grid of them.
+
+    Afterwards: edl6dof report FOLDER, edl6dof refly FOLDER CASE.
+
+    Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+    """
+    if compare is None:
+        load_plugins(scenario, trust=trust)
+    from edl6dof.app.campaign import CampaignOptions, run_campaign, run_compare
+
+    if compare is not None:
+        raise typer.Exit(run_compare(*compare, as_json))
+    options = CampaignOptions(
+        scenario,
+        tuple(sets or ()),
+        cases,
+        seed,
+        engine,
+        cluster,
+        workers,
+        out,
+        force,
+        resume,
+        until,
+        quiet,
+        as_json,
+    )
+    raise typer.Exit(run_campaign(options))
+
+
+def refly(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder of a campaign.")],
+    case: Annotated[int, typer.Argument(metavar="CASE", help="Number of the case, as the report names it.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", help=("Run folder; runs/<name>_case<number> if not given.")),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing run folder.")] = False,
+    replay: Annotated[bool, typer.Option("--replay/--no-replay", help="Write the 3D replay.")] = True,
+    trust: Trust = False,
+) -> None:
+    """Fly one case of a campaign again, with all its telemetry.
+
+    Exit status: 0 identical to its row, 1 not, 2 bad input.
+    """
+    if folder.is_dir():
+        load_plugins(folder, trust=trust)
+    from edl6dof.app.campaign import run_refly
+
+    raise typer.Exit(run_refly(folder, case, out, force, replay))
+
+
+def faults(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+    ] = "tianwen1",
+    kinds: Annotated[
+        str, typer.Option(metavar="LIST", help=("Kinds, with commas: stuck_off, stuck_on, degraded, or all."))
+    ] = "stuck_off",
+    phases: Annotated[
+        str,
+        typer.Option(
+            metavar="LIST", help=("Phases, with commas; if not given, one of each kind of control.")
+        ),
+    ] = "",
+    thrusters: Annotated[
+        str, typer.Option(metavar="LIST", help="Thrusters, with commas; all if not given.")
+    ] = "",
+    after: Annotated[
+        float, typer.Option(metavar="S", help="Time from the start of the phase to the fault.")
+    ] = 1.0,
+    sets: Sets = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, max=1024, help="Threads; as many as there are cores if not given."),
+    ] = None,
+    trust: Trust = False,
+) -> None:
+    """Fail every thruster in every phase, one flight each.
+
+    The matrix tells which flights survive, which faults are found out, and how fast.
+
+    Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.faults import FaultOptions, run_faults
+
+    options = FaultOptions(
+        scenario, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers
+    )
+    raise typer.Exit(run_faults(options))

@@ -1,0 +1,55 @@
+"""Commands that compare the simulator with closed forms and with papers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from edl6dof.cli.options import load_plugins
+
+
+def verify(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="NAME", help="Check cases; all if none is named.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    plots: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Write a PNG for each case that has a history.")
+    ] = None,
+) -> None:
+    """Check the simulator against closed forms and published tables.
+
+    Everything is computed on this machine, and conservation laws are checked too.
+
+    Exit status: 0 all within tolerance, 1 not, 2 bad input.
+    """
+    from edl6dof.app.verify import run_verify
+
+    raise typer.Exit(run_verify(names or [], as_json, plots))
+
+
+def study(
+    name: Annotated[
+        str | None, typer.Argument(metavar="NAME", help="Study; without one, they are listed.")
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option("-n", "--runs", metavar="N", help="Flights; as many as published if not given."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/study-<name> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fly few runs, to see that it works.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
+) -> None:
+    """Repeat a paper's experiment: computed beside published.
+
+    Exit status: 0 every published bound is kept, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins()
+    from edl6dof.app.study import StudyOptions, run_study
+
+    raise typer.Exit(run_study(StudyOptions(name, runs, out, force, quick, as_json)))

@@ -1,0 +1,63 @@
+"""The group of all commands, and what they have in common: exit status, version, and no traceback."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+
+class Commands(TyperGroup):
+    """All commands: bad input ends with status 2 and one line for each problem, Ctrl-C with 130, never with a
+    traceback.
+    """
+
+    def invoke(self, ctx: Any) -> object:
+        """Run the command that was asked for."""
+        from edl6dof.app import exit_status
+        from edl6dof.config.errors import ConfigError
+
+        try:
+            return super().invoke(ctx)
+        except ConfigError as error:
+            print(error, file=sys.stderr)
+            raise typer.Exit(exit_status.BAD_INPUT) from None
+        except KeyboardInterrupt:
+            print("interrupted; nothing was written", file=sys.stderr)
+            raise typer.Exit(exit_status.INTERRUPTED) from None
+        except BrokenPipeError:
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115  what is still in the buffer has nowhere to go
+            raise typer.Exit(exit_status.BROKEN_PIPE) from None
+
+
+EXIT_STATUS = """Exit status: 0 done, and within all limits; 1 not within limits; 2 bad input; 69 something is
+missing on this machine; 70 a defect of the program; 130 interrupted."""
+
+app = typer.Typer(
+    cls=Commands,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    epilog=EXIT_STATUS,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from edl6dof import __version__
+
+        print(f"edl6dof {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print name and version.")
+    ] = False,
+) -> None:
+    """Six-degree-of-freedom Mars entry, descent and landing."""

@@ -1,0 +1,134 @@
+"""Events of the state: what happens when a function of the state falls to zero, found inside the step.
+
+An event function is positive until its event; the event is its first value that is not.  It is a pure
+function of the state and its outputs.  A new event is a function, an action, and a line in ``STATE_EVENTS``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isnan, sqrt
+from typing import Any, NamedTuple
+
+from edl6dof.jit import kernel
+from edl6dof.registry import switch
+from edl6dof.spatial.frames import ned_to_fixed, rotate_z
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, norm, sub, take3
+from edl6dof.vehicle.landing_gear import lowest_point
+from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.plant import CANOPY_POSITION, POSITION, PROPELLANT, STATES
+from edl6dof.vehicle.runge_kutta import NEAR_GROUND, take_attitude
+from edl6dof.vehicle.surroundings import planet_rotation
+
+#: Value of an event function while its event cannot happen.
+NOT_ARMED = 1e99
+
+
+class StateEvent(NamedTuple):
+    """One event of the state.
+
+    Attributes:
+        name: what happens.
+        value: kernel ``(case, plant, outputs) -> float``: positive before the event, at or below zero from it
+            on, ``NOT_ARMED`` while it cannot happen.
+        action: kernel ``(plant)`` that carries the event out at ``plant.t``, and so disarms it.
+    """
+
+    name: str
+    value: Callable[..., Any]
+    action: Callable[..., Any]
+
+
+@kernel
+def slack(case, plant, outputs):
+    """Length of line still to be paid out before line stretch, m."""
+    if plant.canopy != EXTRACTING:
+        return NOT_ARMED
+    chute = case.vehicle.parachutes[plant.parachute]
+    arm = sub(take3(chute.confluence, 0), take3(outputs.centre, 0))
+    confluence = add(take3(plant.y, POSITION), from_frame(take_attitude(plant.y), arm))
+    return chute.line_length - norm(sub(take3(plant.y, CANOPY_POSITION), confluence))
+
+
+@kernel
+def stretch(plant):
+    """Line stretch: the canopy begins to fill."""
+    plant.canopy = INFLATING
+    plant.line_stretch_time[plant.parachute] = plant.t
+
+
+@kernel
+def clearance(case, plant, outputs):
+    """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground, m;
+    far above it, of the centre of mass and straight down.
+    """
+    if plant.touched != 0:
+        return NOT_ARMED
+    out, inputs = outputs, plant.inputs
+    height = out.altitude - inputs.ground_elevation
+    if height >= NEAR_GROUND:
+        return height
+    slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]
+    inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
+    normal_N = (-slope_n * inverse, -slope_e * inverse, -inverse)
+    normal_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, normal_N)
+    c, s = planet_rotation(case.planet, plant.t)
+    normal_B = to_frame(take_attitude(plant.y), rotate_z(c, -s, normal_F))
+    centre = take3(out.centre, 0)
+    if plant.legs != 0:
+        return height * inverse + lowest_point(case.vehicle.landing_gear, centre, normal_B)
+    return height * inverse - (centre[0] * normal_B[0] + centre[1] * normal_B[1] + centre[2] * normal_B[2])
+
+
+@kernel
+def touch_down(plant):
+    """First contact with the ground: from now on it carries the vehicle."""
+    plant.touched = 1
+    plant.touchdown_time = plant.t
+    for i in range(STATES):
+        plant.touchdown[i] = plant.y[i]
+
+
+@kernel
+def propellant_left(case, plant, outputs):
+    """Propellant left, kg."""
+    if case.vehicle.mass.propellant.mass > 0.0 and isnan(plant.exhausted_time):
+        return plant.y[PROPELLANT]
+    return NOT_ARMED
+
+
+@kernel
+def run_dry(plant):
+    """The tank is empty: engine and thrusters go out."""
+    plant.exhausted_time = plant.t
+    plant.y[PROPELLANT] = 0.0
+
+
+#: In the order in which those of one moment are carried out.
+STATE_EVENTS = (
+    StateEvent("propellant exhausted", propellant_left, run_dry),
+    StateEvent("line stretch", slack, stretch),
+    StateEvent("touchdown", clearance, touch_down),
+)
+
+_value = switch([event.value for event in STATE_EVENTS], "case", "plant", "outputs")
+_carry_out = switch([event.action for event in STATE_EVENTS], "plant")
+_COUNT = len(STATE_EVENTS)
+
+
+@kernel
+def until_event(case, plant, outputs):
+    """Smallest of the event functions: positive until the first event, whichever it is."""
+    least = NOT_ARMED
+    for event in range(_COUNT):
+        least = min(least, _value(event, case, plant, outputs))
+    return least
+
+
+@kernel
+def carry_out_state_events(case, plant, outputs):
+    """Carry out every event of the state that has come."""
+    for event in range(_COUNT):
+        if _value(event, case, plant, outputs) <= 0.0:
+            _carry_out(event, plant)

@@ -1,0 +1,51 @@
+"""Types, lint rules and layout of the sources, asked of the developers' tools as pyproject.toml sets them."""
+
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from source_rules import modules, untyped
+
+ROOT = Path(__file__).parents[2]
+EVERYTHING = modules()
+
+
+def asked(*words: str) -> subprocess.CompletedProcess[str]:
+    """A tool asked in the root of the sources."""
+    if find_spec(words[0]) is None:
+        pytest.skip(f"{words[0]} is not installed; the extra named test brings it")
+    return subprocess.run([sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize(
+    "words", [("mypy",), ("ruff", "check", "."), ("ruff", "format", "--check", ".")], ids=" ".join
+)
+def test_the_sources_are_clean(words):
+    answer = asked(*words)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+def test_a_wrong_type_is_found(tmp_path):
+    planted = tmp_path / "planted.py"
+    planted.write_text("def f(x):\n    y: int = 'one'\n    return y\n")
+    answer = asked("mypy", str(planted))
+    assert answer.returncode == 1 and "[assignment]" in answer.stdout, answer.stdout + answer.stderr
+
+
+@pytest.mark.parametrize("name, source", EVERYTHING, ids=[name for name, _ in EVERYTHING])
+def test_every_function_but_a_kernel_names_its_types(name, source):
+    assert untyped(source) == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    ["def f(x) -> int: ...", "def f(x: int): ...", "def f(*x) -> int: ...", "def f(*, x) -> int: ..."],
+)
+def test_planted_functions_without_types_are_found(planted):
+    assert untyped(planted)
+
+
+def test_a_kernel_and_an_object_itself_need_no_types():
+    assert not untyped("@kernel\ndef f(x): ...\n\nclass A:\n    def __init__(self, x: int): ...")

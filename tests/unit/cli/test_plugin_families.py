@@ -1,0 +1,64 @@
+"""A file of the package, under another name, is a plugin: one for each family of the world is accepted, and
+each mistake is named in one line.
+"""
+
+from pathlib import Path
+
+import pytest
+from test_plugins import cli
+
+import edl6dof
+
+PACKAGE = Path(edl6dof.__file__).parent
+AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200.0}"
+
+#: FAMILY, the file of a member, its name there and as a plugin, the lines of a scenario that choose it.
+FAMILIES = [
+    ("sensor", "sensors/imu.py", '"imu"', '"imu_b"', "sensors: {carried: [perfect, imu, imu_b]}"),
+    (
+        *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
+        f"atmosphere: {{model: isothermal, {AIR}}}",
+    ),
+    (
+        *("wind", "environment/winds/shear.py", "shear", "gradient"),
+        "wind: {model: gradient, gradient: {east_m_s: 3.0}}",
+    ),
+    (
+        *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
+        "campaign:\n  cases: 5\n  truth:\n    wind.scale: {kind: level, half_width: 0.2}",
+    ),
+]
+
+
+def checked(folder, family, member, old, new, lines):
+    text = (PACKAGE / member).read_text(encoding="utf-8").replace(old, new)
+    (folder / "mine.py").write_text(f'{text}\nFAMILY = "{family}"\n', encoding="utf-8")
+    scenario = folder / "mine.yaml"
+    scenario.write_text(f"extends: tianwen1\nname: mine\nplugins: [mine.py]\n{lines}\n", encoding="utf-8")
+    return cli("check", scenario)
+
+
+@pytest.mark.parametrize("family, member, old, new, lines", FAMILIES, ids=[family for family, *_ in FAMILIES])
+def test_member_outside_the_package_is_chosen_by_its_name(tmp_path, family, member, old, new, lines):
+    status, out, error = checked(tmp_path, family, member, old, new, lines)
+    assert (status, error) == (0, "")
+    assert "mine.yaml: ok" in out
+
+
+def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path):
+    family, member, *_ = FAMILIES[0]
+    source = PACKAGE / member
+    text = source.read_text(encoding="utf-8").replace('"imu"', '"imu_b"')
+    wrong = text.replace("sensed.imu_gain_B", "sensed.gain_B")
+    assert wrong != text
+    status, _, error = checked(tmp_path, family, member, source.read_text(encoding="utf-8"), wrong, "")
+    assert status == 2
+    assert "uses a field that its records do not have" in error and len(error.strip().splitlines()) == 1
+
+
+def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
+    family, member, _, _, lines = FAMILIES[3]
+    names = '    "uniform",\n', '    "level",\n'
+    status, _, error = checked(tmp_path, family, member, *names, lines)
+    assert status == 2
+    assert "with kind: Literal['level']" in error and len(error.strip().splitlines()) == 1

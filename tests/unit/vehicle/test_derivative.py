@@ -1,0 +1,68 @@
+"""The derivative is a function: whatever was evaluated before, the same time, state and inputs give the same
+bits.
+"""
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.config.dtype import duplicate
+from edl6dof.scenario import records
+from edl6dof.sim.flight import fly
+from edl6dof.vehicle.body import derivatives
+from edl6dof.vehicle.plant import OUTPUTS, STATES, WORKSPACE
+from edl6dof.vehicle.runge_kutta import evaluate, step
+from edl6dof.vehicle.surroundings import planet_rotation
+
+#: Coasting, in lift, while the parachute inflates, below it, under power, on the ground.
+MOMENTS = (20.0, 150.0, 278.5, 300.0, 440.0, 524.0)
+
+
+@pytest.fixture(scope="module")
+def points():
+    """Case, tables, plant, time and state of points on six stretches of flight, some of them millimetres
+    apart, and of a point mass.
+    """
+    rng = np.random.default_rng(1)
+    found = []
+    for name, times in (("tianwen1", MOMENTS), ("zheng2015", (60.0,))):
+        loaded = edl6dof.load(name, ["wind.gust.enabled=true"])
+        case, tables, _ = records.build_records(loaded)
+        for t in times:
+            plant = fly(loaded, save_at_s=t).saved.plant
+            for apart in (0.0, 1e-3, 1.0, 1e4):
+                y = plant["y"][0].copy()
+                y[:3] += apart * rng.normal(size=3)
+                found.append((case[0], tables[0], plant, t + apart, y))
+    return found
+
+
+def evaluated(point, outputs):
+    case, tables, plant, t, y = point
+    before = plant.tobytes(), y.tobytes()
+    dy = np.zeros(STATES)
+    derivatives(case, tables, plant[0], t, planet_rotation(case["planet"], t), y, outputs[0], dy)
+    assert (plant.tobytes(), y.tobytes()) == before
+    return dy.tobytes(), outputs.tobytes()
+
+
+def test_any_order_any_number_of_times_same_bits(points):
+    first = [evaluated(point, np.zeros(1, OUTPUTS)) for point in points]
+    assert len({dy for dy, _ in first}) == len(points)
+    rng, shared = np.random.default_rng(2), np.zeros(1, OUTPUTS)
+    for k in (*rng.permutation(len(points)), *rng.permutation(len(points))):
+        assert evaluated(points[k], shared)[0] == first[k][0]
+        assert evaluated(points[k], shared)[0] == first[k][0]
+
+
+def test_step_starts_from_the_state_and_from_nothing_in_the_workspace(points):
+    for case, tables, plant, _, _ in points[::4]:
+        ends = []
+        for scribble in (0.0, np.nan):
+            one, outputs, work = duplicate(plant), np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
+            for name in WORKSPACE.names:
+                work[name] = scribble
+            evaluate(case, tables, one[0], outputs[0], work[0])
+            step(case, tables, one[0], outputs[0], work[0], float(plant["t"][0]) + 0.01)
+            ends.append((one.tobytes(), outputs.tobytes()))
+        assert ends[0] == ends[1]
