@@ -175,10 +175,10 @@ class MissionParams(Params):
 _TABLE = dtype_of(MissionParams)
 MISSION = np.dtype(
     [
-        *[(name, _TABLE.fields[name][0]) for name in _TABLE.names],
+        *[(name, _TABLE[name]) for name in _TABLE.names or ()],
         ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
         ("follows", "i8", (MAX_PHASES, MAX_WAYS)),  # phase that each way out of each phase leads to
-        *[(name, EVENT_TABLE.fields[name][0]) for name in EVENT_TABLE.names],
+        *[(name, EVENT_TABLE[name]) for name in EVENT_TABLE.names or ()],
     ],
     align=True,
 )
