@@ -48,7 +48,7 @@ def test_two_flights_compared_are_painted(run, tmp_path):
         assert share(seen.pixels, colour) * seen.pixels.shape[0] * seen.pixels.shape[1] > 600, colour
 
 
-def test_verdict_curves_and_phases_are_painted(shown):
+def test_headline_curves_and_phases_are_painted(shown):
     assert share(shown.pixels[:400], GOOD) > 0.01, "the green headline"
     for colour in (BLUE, VERMILION, GREEN, PURPLE):
         assert share(shown.pixels, colour) * shown.pixels.shape[0] * shown.pixels.shape[1] > 600, colour
