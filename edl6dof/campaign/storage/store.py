@@ -25,12 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
+from filelock import FileLock, Timeout
 
 from edl6dof.campaign.storage.documents import Info, Summary
 from edl6dof.campaign.storage.files import content, file_sha256, read_sealed, refused, sha256, write_sealed
 from edl6dof.campaign.storage.parts import NAMES, Parts, open_parquet
 from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
-from filelock import FileLock, Timeout
 
 #: Name of a file that a killed program was writing, with the name that it was to get.
 _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
