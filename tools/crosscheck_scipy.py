@@ -31,6 +31,7 @@ from edl6dof.fsw.mission.roles import (
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
@@ -42,7 +43,7 @@ LONGEST = {POWERED_DECELERATION: 8.0, HOVER_IMAGING: 5.0, HAZARD_AVOIDANCE: 5.0,
 #: What is compared: name and place in the state.
 PARTS = {
     "position m": slice(0, 3), "velocity m/s": slice(3, 6), "attitude": slice(6, 10),
-    "rate rad/s": slice(10, 13), "canopy m": slice(16, 19)
+    "rate rad/s": slice(10, 13), "canopy m": slice(CANOPY_POSITION, CANOPY_VELOCITY)
 }  # fmt: skip
 
 

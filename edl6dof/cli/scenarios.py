@@ -79,7 +79,7 @@ def params(
     path: Annotated[
         str,
         typer.Argument(
-            metavar="PATH", help=("Dotted path to begin at, such as vehicle.parachute, or part of a name.")
+            metavar="PATH", help=("Dotted path to begin at, such as vehicle.parachutes, or part of a name.")
         ),
     ] = "",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,

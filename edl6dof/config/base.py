@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -113,6 +113,8 @@ class Params(BaseModel):
 
     #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.
     moved: ClassVar[Mapping[str, str]] = {}
+    #: Keys of an older form, and how what they said is written now.
+    former: ClassVar[Mapping[str, str]] = {}
     #: Largest magnitude by printed unit, where numbers of this model are smaller than the unit allows.
     largest: ClassVar[Mapping[str, float]] = {}
 
@@ -181,6 +183,30 @@ def param(
 def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
     """Declare a sub-model that may be left out of the file when every one of its parameters has a default."""
     return Field(default_factory=model, description=meaning, json_schema_extra={"record": record})
+
+
+def unit_vector(value: Vec3) -> Vec3:
+    """A direction, brought to unit length.
+
+    Raises:
+        ValueError: its length is not one within 1e-3.
+    """
+    length = sqrt(sum(component * component for component in value))
+    if abs(length - 1.0) > 1e-3:
+        raise ValueError(f"must be a unit vector, its length is {length:.4f}")
+    return (value[0] / length, value[1] / length, value[2] / length)
+
+
+def unique_names(items: list[Any]) -> list[Any]:
+    """The items of a list, whose names must differ.
+
+    Raises:
+        ValueError: a name is given twice.
+    """
+    names = [item.name for item in items]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"names must be unique; given twice: {', '.join(twice)}")
+    return items
 
 
 def stated(value: Value | None) -> Value:

@@ -32,6 +32,8 @@ def unknown_key(key: str, inside: Slot | None) -> str:
     if inside is not None and key in inside.moved:
         paths = inside.moved[key].split(" or ")
         return f"has moved: it is now {inside.moved[key]} (in YAML {' or '.join(map(_nested, paths))})"
+    if inside is not None and key in inside.former:
+        return f"is of an older form; now it is {inside.former[key]}"
     same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
     if same:
         return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"

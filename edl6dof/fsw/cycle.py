@@ -22,19 +22,19 @@ from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_pair
 from edl6dof.fsw.navigation import navigate
-from edl6dof.fsw.vehicle_state import count_propellant, follow_events
+from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.engine import ENGINE_OFF
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import take3
 
 
 @kernel
-def command_angles_and_engine(goal, state, command):
+def command_angles_and_engine(engine, goal, state, command):
     """Tell the effectors the angles and the thrust that guidance wants."""
     command.steering, command.bank = 1, goal.bank
     command.alpha = 0.0 if state.wing_commanded != 0 else goal.alpha
-    command.thrust = goal.thrust
     command.engine_mode = goal.engine_mode if state.ignited != 0 else ENGINE_OFF
+    share_thrust(engine, goal.thrust, state.burning, command.thrust)
 
 
 @kernel
@@ -62,8 +62,8 @@ def run(onboard, sensed, k, fsw):
     before = fsw.mission.phase
     sequence(onboard.mission, nav, goal, fsw.mission, command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
-    follow_events(vehicle, nav.t, command.request, state)
-    switch_engine(vehicle.engine, command.request, goal)
+    follow_events(vehicle, onboard.mission, nav.t, command.request, state)
+    switch_engine(vehicle.engine, onboard.mission, command.request, state.ignited, goal)
     count_propellant(vehicle, goal.thrust, command, dt, control_dt, state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
@@ -71,7 +71,7 @@ def run(onboard, sensed, k, fsw):
 
     # guidance
     guide(onboard, phase.guidance, k, fsw.mission.phase != before, nav, state, fsw.guidance, goal)
-    command_angles_and_engine(goal, state, command)
+    command_angles_and_engine(vehicle.engine, goal, state, command)
     if k % rates.control_every != 0:
         return
 

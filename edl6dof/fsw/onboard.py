@@ -38,9 +38,8 @@ from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
 from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
-from edl6dof.interface.parts import CONFIGURATIONS
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -205,7 +204,9 @@ ONBOARD = np.dtype(
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
                     ("airframe", AIRFRAME),
-                    ("configuration", CONFIGURATION, (len(CONFIGURATIONS),)),
+                    # by the set of the parts that are gone, a bit for each
+                    ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
+                    ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
                     (
                         "engine",
                         np.dtype(
@@ -214,7 +215,8 @@ ONBOARD = np.dtype(
                                 ("throttle_min", "f8"),
                                 ("throttle_max", "f8"),
                                 ("specific_impulse", "f8"),
-                                ("ignition_delay", "f8"),
+                                ("full_thrust_of", "f8", (MAX_ENGINES,)),
+                                ("count", "i8"),
                             ],
                             align=True,
                         ),

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.events import BACKSHELL_OFF, CUT_OFF, HEAT_SHIELD_OFF, IGNITION, TRIM_WING
-from edl6dof.interface.parts import ENTRY, LANDER, UNDER_CHUTE
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARTS
+from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
 
@@ -15,11 +15,13 @@ G0 = 9.80665
 
 VEHICLE_STATE = np.dtype(
     [
-        ("configuration", whole(ENTRY, LANDER)),
+        ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
+        ("packs", whole(0, 2**MAX_PARTS - 1)),  # parachutes ejected since the last jettison
         ("mass", "f8"),  # kg
         ("wing_commanded", FLAG),  # the trim wing was commanded open
         ("wing_time", "f8"),  # s, flight time: when
-        ("ignited", FLAG),  # the engine was commanded to start, and not to stop
+        ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
+        ("ignited", FLAG),  # one of them at least
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],
     align=True,
@@ -27,29 +29,65 @@ VEHICLE_STATE = np.dtype(
 
 
 @kernel
-def follow_events(vehicle, t, request, state):
+def take_off(vehicle, part, state):
+    """Believe that a part is gone."""
+    before = state.configuration
+    state.configuration = before | (1 << part) | state.packs
+    state.packs = 0
+    state.mass += vehicle.configuration[state.configuration].mass - vehicle.configuration[before].mass
+
+
+@kernel
+def follow_events(vehicle, mission, t, request, state):
     """What the events requested in this cycle do to the vehicle.
 
     Args:
         vehicle: believed vehicle.
+        mission: ``MISSION`` record: what each event does.
         t: flight time, s.
         request: one flag for each event.
         state: ``VEHICLE_STATE`` record, updated.
     """
-    if request[TRIM_WING] != 0:
-        state.wing_commanded = 1
-        state.wing_time = t
-    if request[HEAT_SHIELD_OFF] != 0:
-        state.configuration = UNDER_CHUTE
-        state.mass += vehicle.configuration[UNDER_CHUTE].mass - vehicle.configuration[ENTRY].mass
-    if request[BACKSHELL_OFF] != 0:
-        state.mass += vehicle.configuration[LANDER].mass - vehicle.configuration[state.configuration].mass
-        state.configuration = LANDER
-    if request[IGNITION] != 0:
-        state.ignited = 1
-        state.ignition_time = t + vehicle.engine.ignition_delay
-    if request[CUT_OFF] != 0:
-        state.ignited = 0
+    for i in range(mission.n_events):
+        if request[i] == 0:
+            continue
+        event = mission.events[i]
+        if event.action == JETTISON:
+            take_off(vehicle, event.thing, state)
+        elif event.action == DEPLOY:
+            if vehicle.pack[event.thing] >= 0:
+                state.packs |= 1 << vehicle.pack[event.thing]
+        elif event.action == EXTEND and event.thing != LANDING_GEAR:
+            state.wing_commanded = 1
+            state.wing_time = t
+        elif event.action == IGNITE:
+            state.burning[event.thing] = 1
+            state.ignition_time = t + event.delay
+        elif event.action == CUT_OFF:
+            state.burning[event.thing] = 0
+    count = 0
+    for i in range(vehicle.engine.count):
+        count += state.burning[i]
+    state.ignited = 1 if count > 0 else 0
+
+
+@kernel
+def share_thrust(engine, thrust, burning, command):
+    """Command each engine that burns its share of the thrust (N), in proportion to what it can give.
+
+    Args:
+        engine: believed engines.
+        thrust: of all together, N.
+        burning: one flag for each engine.
+        command: thrust of each engine, N, written.
+    """
+    total = 0.0
+    for i in range(engine.count):
+        if burning[i] != 0:
+            total += engine.full_thrust_of[i]
+    for i in range(engine.count):
+        full = engine.full_thrust_of[i]
+        command[i] = min(thrust * (full / total), full) if burning[i] != 0 else 0.0
 
 
 @kernel

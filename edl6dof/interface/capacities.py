@@ -4,7 +4,20 @@ from __future__ import annotations
 
 #: Thrusters of a vehicle.
 MAX_THRUSTERS = 32
+#: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
+MAX_PARTS = 8
+#: Engines, and deployable surfaces, of a vehicle.
+MAX_ENGINES = 4
+MAX_SURFACES = 4
+#: Parachutes of a vehicle.
+MAX_PARACHUTES = 4
 #: Phases of a mission.
 MAX_PHASES = 16
+#: Events of a mission, and those of one phase.
+MAX_EVENTS = 24
+MAX_PHASE_EVENTS = 8
+#: Ways out of a phase, and conditions of one.
+MAX_WAYS = 4
+MAX_CONDITIONS = 4
 #: Faults of a flight.
 MAX_FAULTS = 16

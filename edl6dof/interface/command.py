@@ -6,18 +6,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_PHASES, MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PHASES, MAX_THRUSTERS
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
-from edl6dof.interface.events import EVENTS
 from edl6dof.records import FLAG, whole
 
 COMMAND = np.dtype(
     [
         ("opens", "f8", (MAX_THRUSTERS,)),  # s, flight time: when the valve of each thruster opens
         ("closes", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; not after it opens for no pulse
-        ("request", FLAG, (len(EVENTS),)),  # events requested in this cycle, in the order of EVENTS
-        ("thrust", "f8"),  # N, of the main engine, along -x of B
-        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # as numbered in edl6dof.interface.engine
+        ("request", FLAG, (MAX_EVENTS,)),  # events requested in this cycle, by their numbers
+        ("thrust", "f8", (MAX_ENGINES,)),  # N, of each engine
+        ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # of edl6dof.interface.engine, of all engines
         # what a vehicle without attitude dynamics follows
         ("steering", FLAG),  # whether it is to follow the angles below
         ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right

@@ -1,10 +1,38 @@
-"""Events: what the flight software requests and the vehicle then does, each at most once."""
+"""Events: what the flight software requests and the vehicle then does, each at most once.
+
+Their names belong to the scenario.  Both sides number them as the scenario first names them, and know of each
+what is done, to which thing, and how long it takes from the command.
+"""
 
 from __future__ import annotations
 
 from typing import Literal, get_args
 
-#: Names in YAML, in telemetry and in the timeline, in the order of the flight; records carry the index.
-EventName = Literal["trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off"]
-EVENTS: tuple[EventName, ...] = get_args(EventName)
-TRIM_WING, MORTAR, HEAT_SHIELD_OFF, LEGS_OUT, BACKSHELL_OFF, IGNITION, CUT_OFF = range(len(EVENTS))
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_EVENTS
+
+#: What an event does; records carry the index.  Jettison a part; deploy or release a parachute; extend a
+#: surface or the landing gear; ignite or cut off an engine.
+Action = Literal["jettison", "deploy", "release", "extend", "ignite", "cut_off"]
+ACTIONS: tuple[Action, ...] = get_args(Action)
+JETTISON, DEPLOY, RELEASE, EXTEND, IGNITE, CUT_OFF = range(len(ACTIONS))
+
+#: The thing of an event that extends the landing gear; all other things have their index in their list.
+LANDING_GEAR = -1
+
+EVENT = np.dtype(
+    [
+        ("action", "i8"),  # index in ACTIONS
+        ("thing", "i8"),  # index of the part, parachute, surface or engine in its list; LANDING_GEAR
+        ("delay", "f8"),  # s, from the command to what is done
+    ],
+    align=True,
+)
+EVENT_TABLE = np.dtype(
+    [
+        ("events", EVENT, (MAX_EVENTS,)),  # in the order of their numbers
+        ("n_events", "i8"),  # how many the mission has
+    ],
+    align=True,
+)

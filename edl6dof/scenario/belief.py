@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, radians, sin
 
 import numpy as np
@@ -12,16 +13,18 @@ from edl6dof.environment.gas import GAS
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.onboard import NODES, ONBOARD
-from edl6dof.interface.parts import CONFIGURATIONS, PARTS
+from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
+from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.scenario.believed_aero import fill_airframe
+from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
 from edl6dof.spatial.frames import great_circle
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
-from edl6dof.vehicle.mass import lander_dry
-from edl6dof.vehicle.vehicle import VehicleParams
+from edl6dof.vehicle.mass import MassParams, Part, loaded
+from edl6dof.vehicle.parachute import SUSPENSION
+from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Mach number at which the one believed drag and lift coefficient are taken.
 BELIEF_MACH = 15.0
@@ -46,7 +49,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
         fill(record[name], getattr(software, name))
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
-    fill(record["mission"], scenario.mission)
+    fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
     if any(phase.guidance == "entry" for phase in scenario.mission.phases):
         _plan_entry(onboard, scenario)
@@ -108,12 +111,18 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
             vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
         )
         record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
-    for index, gone in enumerate(CONFIGURATIONS):
-        _believe_configuration(record["configuration"][index], scenario, gone)
-    engine, believed = vehicle.engine, record["engine"]
-    believed["full_thrust"], believed["throttle_min"] = engine.full_thrust_n, engine.throttle_min_n
-    believed["throttle_max"], believed["ignition_delay"] = engine.throttle_max_n, engine.ignition_delay_s
-    believed["specific_impulse"] = engine.full_specific_impulse_s
+    record["configuration"] = _configurations(mass, tuple(vehicle.parts))
+    hung = np.zeros(len(record["pack"]), SUSPENSION)
+    fill_suspension(hung, vehicle)
+    record["pack"] = hung["pack"]
+    believed, engines = record["engine"], vehicle.engines
+    believed["count"] = len(engines)
+    for name in ("full_thrust", "throttle_min", "throttle_max"):
+        believed[name] = sum(getattr(engine, f"{name}_n") for engine in engines)
+    believed["full_thrust_of"][: len(engines)] = [engine.full_thrust_n for engine in engines]
+    if engines:  # the mean that uses the propellant that all use together
+        flow = sum(engine.full_thrust_n / engine.full_specific_impulse_s for engine in engines)
+        believed["specific_impulse"] = believed["full_thrust"] / flow
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction
@@ -122,22 +131,15 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         slot["group"] = THRUSTER_GROUPS.index(jet.group)
 
 
-def _believe_configuration(record: np.void, scenario: Scenario, gone: tuple[str, ...]) -> None:
-    """Mass, centre and principal inertia of the loaded vehicle without the parts that are gone."""
-    mass = scenario.vehicle.mass
-    total, _, centre = lander_dry(mass)
-    bodies = [(total, np.asarray(centre), lander_dry(mass)[1])]
-    for name in (*PARTS, "propellant"):
-        part = getattr(mass, name)
-        if name not in gone:
-            bodies.append((part.mass_kg, np.asarray(part.centre_m), np.diag(part.inertia_kg_m2)))
-    whole = sum(m for m, _, _ in bodies)
-    middle = sum(m * c for m, c, _ in bodies) / whole
-    inertia = sum(
-        j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle))
-        for m, c, j in bodies
-    )
-    record["mass"], record["centre"], record["inertia"] = whole, middle, np.diag(inertia)
+@lru_cache(maxsize=16)
+def _configurations(mass: MassParams, parts: tuple[Part, ...]) -> np.ndarray:
+    """Mass, centre and principal inertia of the loaded vehicle by the set of the parts that are gone."""
+    table = np.zeros(2**MAX_PARTS, CONFIGURATION)
+    for gone, record in enumerate(table[: 2 ** len(parts)]):
+        attached = tuple(part for bit, part in enumerate(parts) if not gone >> bit & 1)
+        record["mass"], record["centre"], inertia = loaded(mass, parts, attached)
+        record["inertia"] = np.diag(inertia)
+    return table
 
 
 def _set_site(record: np.void, scenario: Scenario) -> None:

@@ -14,7 +14,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics import capsule_aero
-from edl6dof.vehicle.trim_wing import wing_force
+from edl6dof.vehicle.surfaces import wing_force
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Density (kg/m3) dense enough for continuum flow.
@@ -45,7 +45,12 @@ def _wing_mach(scenario: Scenario) -> float:
     """Mach number at which the mission table opens the trim wing; 0 when it does not, or not by Mach
     number.
     """
-    events = [event for phase in scenario.mission.phases for event in phase.events if event.do == "trim_wing"]
+    events = [
+        event
+        for phase in scenario.mission.phases
+        for event in phase.events
+        if event.action == "extend" and event.thing != "landing_gear"
+    ]
     return next((event.when.value for event in events if event.when.quantity == "mach"), 0.0)
 
 
@@ -102,8 +107,10 @@ def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
     fx, _, fz, _, my, _ = capsule_aero(
         vehicle.aero, table, gas, 1.0, mach, CONTINUUM, u, 0.0, w, 0.0, 0.0, 0.0
     )
-    gx, _, gz, _, ny, _ = wing_force(vehicle.trim_wing, wing, 1.0, u, 0.0, w)
     cg_x, cg_z = vehicle.mass.entry_centre[0], vehicle.mass.entry_centre[2]
     my += (0.0 - cg_z) * fx - (table.moment_reference_x - cg_x) * fz
-    ny += -cg_z * gx + cg_x * gz
-    return fx + gx, fz + gz, my + ny
+    for i in range(vehicle.n_surfaces):
+        gx, _, gz, _, ny, _ = wing_force(vehicle.surfaces[i], wing, 1.0, u, 0.0, w)
+        ny += -cg_z * gx + cg_x * gz
+        fx, fz, my = fx + gx, fz + gz, my + ny
+    return fx, fz, my

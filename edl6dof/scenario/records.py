@@ -20,7 +20,10 @@ from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fil
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
+from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.scenario.belief import believe
+from edl6dof.scenario.events import fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, LoadedScenario, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
@@ -36,9 +39,10 @@ from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.faults import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
+from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
-from edl6dof.vehicle.vehicle import VehicleParams
+from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(
     [
@@ -49,6 +53,9 @@ CASE = np.dtype(
         ("site", LOCAL_FRAME),
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
+        ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
+        ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
+        ("events", EVENT_TABLE),
         ("dynamics", "i8"),
         ("ends_at_deployment", "i8"),
         ("point_mass", dtype_of(PointMassParams)),
@@ -121,7 +128,10 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     fill_wind(case["wind"], s.wind, table["atmosphere"], s.seed, s.profile)
     fill_terrain(case["terrain"], s.terrain, table["terrain"], s.planet.mean_radius_m)
     fill_site(case["site"], s)
-    fill_lander(case["lander"], s.vehicle.mass)
+    fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts))
+    fill_suspension(case["suspension"], s.vehicle)
+    case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
+    fill_events(case["events"], s.mission, s.vehicle)
     fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
     case["dynamics"] = DYNAMICS.index(s.dynamics)
     case["ends_at_deployment"] = s.mission.goal == "deployment"
@@ -199,7 +209,7 @@ def _new_plant() -> np.ndarray:
     record["done"][:] = np.nan
     record["wing_start"] = 1e99
     record["phase_seen"][:] = record["fault_since"][:] = NOT_BEGUN
-    record["line_stretch_time"] = 1e99
+    record["line_stretch_time"] = np.nan
     record["touchdown_time"] = record["exhausted_time"] = np.nan
     return plant
 

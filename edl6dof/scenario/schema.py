@@ -28,6 +28,7 @@ from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.metrics.figures import published_problems
 from edl6dof.plugins import require
 from edl6dof.scenario.data_files import file_problems
+from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.sensors.registry import SensorParams, sensor_problems
@@ -180,11 +181,11 @@ class Scenario(Params):
         """Dotted path to message of values of different sections that do not fit together."""
         return {
             **self._cycle_problems(),
-            **self._engine_problems(),
             **sensor_problems(self.sensors),
             **self._delay_problems(),
             **self._goal_problems(),
-            **self._phase_problems(),
+            **way_problems(self.mission),
+            **event_problems(self.mission, self.vehicle),
             **self._entry_problems(),
             **published_problems(self.published),
             **check_out_problems(self.flight_software.check_out, self.thruster_names),
@@ -201,20 +202,6 @@ class Scenario(Params):
             f"{self.simulation.step_s:g})"
         )
         return {"simulation.step_s": message}
-
-    def _engine_problems(self) -> dict[str, str]:
-        engine = self.vehicle.engine
-        if engine.throttle_min_n > engine.throttle_max_n:
-            message = (
-                f"must not be above throttle_max_n {engine.throttle_max_n:g} (got {engine.throttle_min_n:g})"
-            )
-            return {"vehicle.engine.throttle_min_n": message}
-        if engine.throttle_max_n > engine.full_thrust_n:
-            message = (
-                f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {engine.throttle_max_n:g})"
-            )
-            return {"vehicle.engine.throttle_max_n": message}
-        return {}
 
     def _delay_problems(self) -> dict[str, str]:
         """The flight computer keeps its valve commands for the age of a reading."""
@@ -233,21 +220,6 @@ class Scenario(Params):
                 "'landing')"
             )
         }
-
-    def _phase_problems(self) -> dict[str, str]:
-        problems: dict[str, str] = {}
-        for index, phase in enumerate(self.mission.phases):
-            here = f"mission.phases.{index}"
-            if phase.until is None and phase is not self.mission.phases[-1]:
-                problems[here] = f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
-            triggers = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
-            for below, trigger in {**triggers, "until": phase.until}.items():
-                if trigger is not None and trigger.latest_s < trigger.earliest_s:
-                    message = (
-                        f"must not lie before earliest_s {trigger.earliest_s:g} (got {trigger.latest_s:g})"
-                    )
-                    problems[f"{here}.{below}.latest_s"] = message
-        return problems
 
     def _entry_problems(self) -> dict[str, str]:
         """Entry guidance plans from the initial state down to its final speed: there must be something to

@@ -5,10 +5,9 @@ cause count together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, isfinite
+from math import hypot, inf, isfinite
 from typing import TYPE_CHECKING
 
-from edl6dof.interface.events import CUT_OFF
 from edl6dof.sim.outcome import CRASHED, DEPLOYED, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
 
 if TYPE_CHECKING:
@@ -99,7 +98,9 @@ def _circumstances(flight: Flight) -> tuple[str, str]:
     if isfinite(t := float(plant["exhausted_time"])):
         plain.append("the propellant was exhausted")
         told.append(f"{plain[-1]} at t = {t:.1f} s")
-    cut_off, met = float(plant["done"][CUT_OFF]), float(plant["touchdown_time"])
+    events, met = flight.scenario.mission.events.values(), float(plant["touchdown_time"])
+    done = zip(events, plant["done"], strict=False)
+    cut_off = float(min((t for event, t in done if event.action == "cut_off" and isfinite(t)), default=inf))
     if isfinite(cut_off) and not cut_off >= met:
         plain.append("the engine was cut off above the ground")
         (height,) = flight.telemetry.at(cut_off, "truth.height_m")

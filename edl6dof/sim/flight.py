@@ -116,8 +116,8 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        phases, others = self.scenario.mission.phases, [*self._wing, *self._faults]
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], phases, self.outcome, others)
+        mission, others = self.scenario.mission, [*self._wing, *self._faults]
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, self.outcome, others)
 
     @cached_property
     def isolated_faults(self) -> list[IsolatedFault]:
@@ -127,7 +127,8 @@ class Flight:
     @property
     def _wing(self) -> list[Moment]:
         """The trim wing at the end of its way, unless a fault stopped it before."""
-        opened = float(self.plant["wing_start"][0]) + self.loaded.truth.vehicle.trim_wing.deploy_time_s
+        starts = zip(self.plant["wing_start"][0], self.loaded.truth.vehicle.surfaces, strict=False)
+        opened = max((float(t) + one.deploy_time_s for t, one in starts if t < NOT_BEGUN), default=np.inf)
         begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
         stopped = any(fault.kind in _WING_FAULTS and since < opened for fault, since in begun)
         return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
@@ -147,7 +148,7 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission.phases))
+        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission))
         # a flight that goes on from a saved state has no telemetry of what happened before
         when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not

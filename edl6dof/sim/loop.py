@@ -13,7 +13,7 @@ from edl6dof.telemetry.sample import record, record_brief
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.debris import step_debris
 from edl6dof.vehicle.integrate import advance
-from edl6dof.vehicle.mass import compose_dry
+from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.peaks import update_peaks
 from edl6dof.vehicle.runge_kutta import evaluate, retrace, survey, undo
 
@@ -22,7 +22,7 @@ from edl6dof.vehicle.runge_kutta import evaluate, retrace, survey, undo
 def prepare(cases, plants):
     """Make the mass properties of a plant those of the parts it has."""
     case, plant = cases[0], plants[0]
-    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
 
 
 @kernel
@@ -31,7 +31,7 @@ def take_up(cases, plants, memories):
     have changed since.
     """
     case, plant = cases[0], plants[0]
-    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
     memories[0].effectiveness.of = 0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import acos, cos, isfinite, sqrt
 
-from edl6dof.interface.events import MORTAR
+from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.body import tilt
@@ -36,11 +36,29 @@ def contact_speed(spin, y):
 
 
 @kernel
+def deployed(case, plant):
+    """Whether a parachute has been deployed."""
+    for i in range(case.events.n_events):
+        if case.events.events[i].action == DEPLOY and isfinite(plant.done[i]):
+            return True
+    return False
+
+
+@kernel
+def burning(plant):
+    """Whether an engine is on."""
+    count = 0
+    for i in range(plant.running.shape[0]):
+        count += plant.running[i]
+    return count > 0
+
+
+@kernel
 def outcome_of(case, plant, outputs):
     """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
     limits, out, y = case.limits, outputs, plant.y
     t = plant.t
-    if case.ends_at_deployment != 0 and isfinite(plant.done[MORTAR]):
+    if case.ends_at_deployment != 0 and deployed(case, plant):
         return DEPLOYED
     if plant.touched != 0:
         if plant.legs == 0 or contact_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
@@ -57,7 +75,7 @@ def outcome_of(case, plant, outputs):
         v = take3(out.v_air_B, 0)
         if acos(clamp(v[0] / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), -1.0, 1.0)) > limits.total_alpha:
             return LOST_ATTITUDE
-    if plant.running != 0:
+    if burning(plant):
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
         if cos(tilt(case, t, q, out)) < 0.0:
             return LOST_ATTITUDE

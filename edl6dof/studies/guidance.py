@@ -52,7 +52,7 @@ _ABSOLUTE = {
     "vehicle.aero.capsule.normal_factor": 0.1,
     "vehicle.aero.capsule.moment_bias": 0.0025,
     "vehicle.aero.capsule.damping_factor": 0.75,
-    "vehicle.trim_wing.moment_factor": 0.15,
+    "vehicle.surfaces.trim_wing.moment_factor": 0.15,
     "atmosphere.density_factor": 0.2,
     "wind.scale": 1.5,
 }

@@ -16,6 +16,8 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, take3
+from edl6dof.vehicle.aerodynamics import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -27,7 +29,6 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.surroundings import planet_rotation
-from edl6dof.vehicle.trim_wing import wing_opening
 
 
 @kernel
@@ -56,8 +57,9 @@ def record_brief(case, plant, outputs, fsw, tick):
     truth.propellant = y[PROPELLANT]
     truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
     truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
-    if plant.debris[1].active != 0:
-        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[1].r_I, 0)))
+    shell = showing(case.vehicle.parts, case.vehicle.n_parts, CONFIG_BACKSHELL)
+    if shell >= 0 and plant.debris[shell].active != 0:
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shell].r_I, 0)))
         truth.backshell_east, truth.backshell_north, truth.backshell_up = place
     guide.phase, guide.bank = fsw.mission.phase, fsw.guide.bank
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
@@ -71,7 +73,6 @@ def record(case, plant, outputs, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
     c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
-    t = plant.t
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     up = rotate_z(c, -s, ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, (0.0, 0.0, -1.0)))
     x, y_axis, z = axes(q)
@@ -102,10 +103,11 @@ def record(case, plant, outputs, fsw, tick):
     else:
         truth.canopy_east = truth.canopy_north = truth.canopy_up = nan
     truth.heat_shield_east = truth.heat_shield_north = truth.heat_shield_up = nan
-    if plant.debris[0].active != 0:
-        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[0].r_I, 0)))
+    shield = showing(case.vehicle.parts, case.vehicle.n_parts, CONFIG_CAPSULE)
+    if shield >= 0 and plant.debris[shield].active != 0:
+        place = to_local(case.site, rotate_z(c, s, take3(plant.debris[shield].r_I, 0)))
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
-    truth.trim_wing = min(wing_opening(case.vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
+    truth.trim_wing = out.wing_opening
 
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta

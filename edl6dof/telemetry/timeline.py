@@ -8,21 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.fsw.mission.phases import Phase
+from edl6dof.fsw.mission.phases import Event, MissionParams
 from edl6dof.fsw.mission.roles import NO_ROLE, begun
-from edl6dof.interface.events import EVENTS
 
-#: Plain names of what the vehicle does once, or is told to do: that the wing opens is another event.  In the
-#: order of ``edl6dof.interface.events.EVENTS``.
-DEPLOYMENTS = (
-    "trim wing commanded",
-    "mortar fires",
-    "heat shield jettisoned",
-    "landing legs out",
-    "backshell released",
-    "engine ignition",
-    "engine cut-off",
-)
+#: What an action did to its thing, in plain words; of what is extended, the command: that it is open is
+#: another event.
+DONE = {
+    "jettison": "{} jettisoned",
+    "deploy": "{} parachute deployed",
+    "release": "{} parachute released",
+    "extend": "{} commanded",
+    "ignite": "{} engine ignition",
+    "cut_off": "{} engine cut-off",
+}
 
 #: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and
 #: ``role`` or ``thruster``.
@@ -33,7 +31,7 @@ def timeline(
     telemetry: Mapping[str, np.ndarray],
     plant: np.void,
     fsw: np.void,
-    phases: Sequence[Phase],
+    mission: MissionParams,
     outcome: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
@@ -44,7 +42,7 @@ def timeline(
     reversals = [
         moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
     ]
-    found = [*others, *moments(plant, fsw, phases), *reversals, moment(plant["t"], "end", outcome)]
+    found = [*others, *moments(plant, fsw, mission), *reversals, moment(plant["t"], "end", outcome)]
     return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
 
@@ -53,20 +51,27 @@ def moment(t: float, key: str, name: str, **about: Any) -> Moment:
     return {"t_s": float(t), "key": key, "name": name, **about}
 
 
-def moments(plant: np.void, fsw: np.void, phases: Sequence[Phase]) -> list[Moment]:
+def moments(plant: np.void, fsw: np.void, mission: MissionParams) -> list[Moment]:
     """What plant and flight computer note themselves when it happens, each at most once; no telemetry is
     needed for it.
     """
     found = [
         moment(t, f"phase.{phase.name}", f"phase {phase.name}", phase=phase.name, role=phase.role)
-        for phase, t in zip(phases, fsw["mission"]["entered"], strict=False)
+        for phase, t in zip(mission.phases, fsw["mission"]["entered"], strict=False)
     ]
-    found += [moment(t, key, name) for key, name, t in zip(EVENTS, DEPLOYMENTS, plant["done"], strict=True)]
-    if plant["line_stretch_time"] < 1e9:
-        found.append(moment(plant["line_stretch_time"], "line_stretch", "line stretch, inflation begins"))
+    found += [
+        moment(t, event.name, in_words(event))
+        for event, t in zip(mission.events.values(), plant["done"], strict=False)
+    ]
+    found += [moment(t, "line_stretch", "line stretch, inflation begins") for t in plant["line_stretch_time"]]
     found.append(moment(plant["exhausted_time"], "propellant_exhausted", "propellant exhausted"))
     found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first footpad"))
     return [one for one in found if isfinite(one["t_s"])]
+
+
+def in_words(event: Event) -> str:
+    """What an event did: ``heat shield jettisoned``."""
+    return DONE[event.action].format(event.thing.replace("_", " "))
 
 
 def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from edl6dof.interface.engine import ENGINE_FULL
-from edl6dof.interface.events import BACKSHELL_OFF, EVENTS, HEAT_SHIELD_OFF, IGNITION, MORTAR
 from edl6dof.jit import kernel
 from edl6dof.vehicle.faults import inflict
 from edl6dof.vehicle.point_mass import POINT_MASS, command_bank
-
-N_EVENTS = len(EVENTS)
 
 
 @kernel
@@ -24,18 +21,12 @@ def actuate(case, command, plant):
         plant.valves.closes[i] = command.closes[i]
     if case.dynamics == POINT_MASS and command.steering != 0:
         command_bank(case, plant, command.bank, command.alpha)
-    plant.thrust_command = command.thrust
+    for i in range(vehicle.n_engines):
+        plant.thrust_command[i] = command.thrust[i]
     plant.starting = 1 if command.engine_mode == ENGINE_FULL else 0
-    for event in range(N_EVENTS):
-        if command.request[event] != 0:
-            delay = 0.0
-            if event == MORTAR:
-                delay = vehicle.parachute.mortar_delay
-            elif event == IGNITION:
-                delay = vehicle.engine.ignition_delay
-            elif event == HEAT_SHIELD_OFF or event == BACKSHELL_OFF:
-                delay = vehicle.staging.pyro_delay
-            plant.due[event] = plant.t + delay
+    for i in range(case.events.n_events):
+        if command.request[i] != 0:
+            plant.due[i] = plant.t + case.events.events[i].delay
     inflict(case, command, plant)
     for i in range(vehicle.rcs.n_thrusters):
         # the isolation valve lies upstream of whatever the thruster's own valve does

@@ -30,8 +30,10 @@ PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
 
 MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
-#: What flies: the whole capsule; backshell with the lander inside, heat shield gone; the bare lander.
-CONFIG_CAPSULE, CONFIG_BACKSHELL, CONFIG_LANDER = 0, 1, 2
+#: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
+#: the open backshell with the lander inside.
+SHAPES = ("none", "capsule", "backshell")
+CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL = range(len(SHAPES))
 
 DEG_PER_RAD = 180.0 / pi
 MIN_SPEED = 1e-9

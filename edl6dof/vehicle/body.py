@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from edl6dof.environment.gas import stagnation_heat_flux
-from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD
+from edl6dof.interface.capacities import MAX_ENGINES
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
@@ -52,8 +52,8 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
+from edl6dof.vehicle.surfaces import extension, wing_force
 from edl6dof.vehicle.surroundings import gravity, surroundings
-from edl6dof.vehicle.trim_wing import wing_force, wing_opening
 
 
 @kernel
@@ -74,21 +74,19 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
 
 @kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
-    """Aerodynamic force and moment about the centre of mass (two tuples, B), trim wing included; also Mach
-    number, dynamic pressure and opening of the wing.
+    """Aerodynamic force and moment about the centre of mass (two tuples, B), surfaces included; also Mach
+    number, dynamic pressure and least opening of the surfaces.
     """
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
     speed = norm(v_air)
     mach = speed / sound if sound > 0.0 else 0.0
     qbar = 0.5 * density * speed * speed
-    # capsule, open backshell, lander: 0, 1, 2 as parts leave
-    shape = 2 - plant.attached[BACKSHELL] - plant.attached[HEAT_SHIELD] * plant.attached[BACKSHELL]
     wrench = aerodynamic_wrench(
         vehicle.aero,
         tables.aero,
         case.planet.gas,
-        shape,
+        plant.shape,
         qbar,
         mach,
         density,
@@ -102,13 +100,17 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
-    extension = min(wing_opening(vehicle.trim_wing, t - plant.wing_start), 1.0 - plant.wing_lost)
-    if extension > 0.0 and plant.attached[BACKSHELL] != 0:
-        wing = wing_force(vehicle.trim_wing, extension, qbar, v_air[0], v_air[1], v_air[2])
-        wing_f = (wing[0], wing[1], wing[2])
-        force = add(force, wing_f)
-        moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
-    return force, moment, mach, qbar, extension
+    least = 2.0  # more than open: none was to open yet
+    for i in range(vehicle.n_surfaces):
+        opening, carrier = extension(case, plant, i, t), case.carrier[i]
+        if plant.wing_start[i] <= t:
+            least = min(least, opening)
+        if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
+            wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air[0], v_air[1], v_air[2])
+            wing_f = (wing[0], wing[1], wing[2])
+            force = add(force, wing_f)
+            moment = add(moment, sub((wing[3], wing[4], wing[5]), cross(centre, wing_f)))
+    return force, moment, mach, qbar, least if least <= 1.0 else 0.0
 
 
 @kernel
@@ -116,7 +118,7 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     """Pull of the riser: force and moment about the centre of mass (B), tension (N); and of the canopy, its
     acceleration without gravitation (I) and the share of gravitation that its apparent mass leaves it.
     """
-    chute = case.vehicle.parachute
+    chute = case.vehicle.parachutes[plant.parachute]
     arm = sub(take3(chute.confluence, 0), centre)
     confluence_r = add(take3(y, POSITION), from_frame(q, arm))
     confluence_v = add(take3(y, VELOCITY), from_frame(q, cross(w, arm)))
@@ -124,9 +126,11 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     distance = max(norm(line), 1e-6)
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
-    packed = case.vehicle.mass.parachute.mass
+    packed = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
     tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
-    fraction = inflation(chute, t - plant.line_stretch_time) if plant.canopy == INFLATING else 0.0
+    fraction = 0.0
+    if plant.canopy == INFLATING:
+        fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
@@ -210,26 +214,49 @@ def loads(case, tables, plant, t, rotation, y, outputs):
 
 
 @kernel
+def propulsion(case, plant, y, centre, dy):
+    """Force and moment about the centre of mass (B) of the engines, sum of the thrusts delivered (N) and
+    propellant flow (kg/s); writes the rates of the thrusts into ``dy``.
+    """
+    force = moment = (0.0, 0.0, 0.0)
+    delivered = flow = 0.0
+    for i in range(MAX_ENGINES):
+        dy[THRUST + i] = 0.0
+    for i in range(case.vehicle.n_engines):
+        engine, level = case.vehicle.engines[i], y[THRUST + i]
+        thrust = level * (1.0 - plant.thrust_lost[i])
+        own_force, own_moment = thrust_wrench(engine, thrust)
+        force = add(force, own_force)
+        moment = add(moment, sub(own_moment, cross(centre, own_force)))
+        delivered += thrust * engine.thrust_factor
+        flow += propellant_flow(engine, thrust)
+        running = plant.running[i] != 0
+        command = plant.thrust_command[i] if running and plant.inputs.fuelled != 0 else 0.0
+        if command != 0.0 or level != 0.0:
+            dy[THRUST + i] = thrust_rate(engine, level, command, plant.starting != 0 or not running)
+    return force, moment, delivered, flow
+
+
+@kernel
 def motion(case, plant, y, outputs, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engine and the thrusters.
+    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engines and the thrusters.
 
     Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
     """
-    out, inputs, engine = outputs, plant.inputs, case.vehicle.engine
+    out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    thrust = y[THRUST] * (1.0 - plant.thrust_lost)
-    engine_force, engine_moment = thrust_wrench(engine, thrust)
+    engine_force, engine_moment, delivered, flow = propulsion(case, plant, y, centre, dy)
     rcs_force = take3(inputs.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
-    disturbance = add(take3(out.load_moment_B, 0), sub(engine_moment, cross(centre, engine_force)))
+    disturbance = add(take3(out.load_moment_B, 0), engine_moment)
     moment = add(disturbance, sub(take3(inputs.rcs_moment, 0), cross(centre, rcs_force)))
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)
-    out.engine_thrust = thrust * engine.thrust_factor
+    out.engine_thrust = delivered
 
     put3(dy, POSITION, take3(y, VELOCITY))
     g = gravity(case.planet.gravity, inputs, take3(y, POSITION))
@@ -241,11 +268,7 @@ def motion(case, plant, y, outputs, dy):
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     dy[PROPELLANT] = 0.0
     if inputs.fuelled != 0:
-        dy[PROPELLANT] = -propellant_flow(engine, thrust) - inputs.rcs_flow
-    command = plant.thrust_command if plant.running != 0 and inputs.fuelled != 0 else 0.0
-    dy[THRUST] = 0.0
-    if command != 0.0 or y[THRUST] != 0.0:
-        dy[THRUST] = thrust_rate(engine, y[THRUST], command, plant.starting != 0 or plant.running == 0)
+        dy[PROPELLANT] = -flow - inputs.rcs_flow
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, add(take3(out.canopy_acceleration_I, 0), scale(out.canopy_weight, g)))

@@ -1,12 +1,15 @@
-"""Main landing engine: start at full level, throttle band, first-order valve with a rate limit, specific
+"""Landing engines: start at full level, throttle band, first-order valve with a rate limit, specific
 impulse by throttle.
 """
 
 from __future__ import annotations
 
 from math import cos, sin
+from typing import ClassVar
 
-from edl6dof.config.base import Hardware, Vec3, param
+from pydantic import field_validator
+
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, cross
@@ -15,9 +18,12 @@ G0 = 9.80665
 
 
 class EngineParams(Hardware):
-    """A throttled engine whose thrust points along -x of B (up when landed)."""
+    """A throttled engine."""
 
-    full_thrust_n: float = param(0.0, "thrust at the full level used at the start; 0 for no engine", ge=0.0)
+    former: ClassVar = {"ignition_delay_s": "delay_s of the event that ignites the engine"}
+
+    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    full_thrust_n: float = param(REQUIRED, "thrust at the full level used at the start", gt=0.0)
     throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
     throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
     full_specific_impulse_s: float = param(
@@ -33,12 +39,17 @@ class EngineParams(Hardware):
     start_rate_n_s: float = param(
         25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0
     )
-    ignition_delay_s: float = param(0.15, "time from command to first thrust", status="estimate", ge=0.0)
     nozzle_m: Vec3 = param((0.0, 0.0, 0.0), "point of thrust application in B")
+    direction: Vec3 = param((-1.0, 0.0, 0.0), "unit vector of the thrust in B; -x is up when landed")
     misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
     misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)
     thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
     specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)
+
+    @field_validator("direction")
+    @classmethod
+    def _unit_length(cls, value: Vec3) -> Vec3:
+        return unit_vector(value)
 
 
 ENGINE = dtype_of(EngineParams)
@@ -60,12 +71,11 @@ def thrust_wrench(engine, thrust):
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     delivered = thrust * engine.thrust_factor
     ty, tz = engine.misalignment_y, engine.misalignment_z
-    # -x turned about y by ty, then about z by tz
-    force = (
-        -delivered * cos(ty) * cos(tz),
-        -delivered * cos(ty) * sin(tz),
-        delivered * sin(ty),
-    )
+    d = engine.direction
+    x, y, z = d[0] * delivered, d[1] * delivered, d[2] * delivered
+    # turned about y by ty, then about z by tz
+    x, z = x * cos(ty) + z * sin(ty), z * cos(ty) - x * sin(ty)
+    force = (x * cos(tz) - y * sin(tz), x * sin(tz) + y * cos(tz), z)
     n = engine.nozzle
     return force, cross((n[0], n[1], n[2]), force)
 

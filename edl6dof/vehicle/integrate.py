@@ -8,7 +8,6 @@ levels are integrated in closed form over whatever length the step has.
 
 from __future__ import annotations
 
-from edl6dof.interface.events import EVENTS
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.plant import STATES
@@ -17,14 +16,13 @@ from edl6dof.vehicle.staging import carry_out
 from edl6dof.vehicle.state_events import carry_out_state_events, until_event
 
 TIME_TOLERANCE = 1e-9
-N_EVENTS = len(EVENTS)
 
 
 @kernel
-def next_scheduled(plant, t_end):
+def next_scheduled(case, plant, t_end):
     """Index and time of the next scheduled event up to ``t_end``; -1 and ``t_end`` when there is none."""
     event, due = -1, t_end
-    for i in range(N_EVENTS):
+    for i in range(case.events.n_events):
         if plant.due[i] <= due:
             event, due = i, plant.due[i]
     return event, due
@@ -94,7 +92,7 @@ def advance(case, tables, plant, outputs, work, t_end):
     ``outputs`` belong to the present state, before and after.
     """
     while True:
-        event, due = next_scheduled(plant, t_end)
+        event, due = next_scheduled(case, plant, t_end)
         if due - plant.t > TIME_TOLERANCE:
             come, succeeded = step_to_event(case, tables, plant, outputs, work, due)
             if not succeeded:

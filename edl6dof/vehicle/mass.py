@@ -2,58 +2,91 @@
 
 The file gives the whole entry vehicle and the parts that leave it; the dry lander is what remains.
 Composition and decomposition use the parallel-axis theorem, so the parts always add up to the entry vehicle.
-Stations are in B (origin at the nose, x forward).
+The lander's inertia may be given itself instead of the whole vehicle's.  Stations are in B (origin at the
+nose, x forward).
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Vec3, group, param
-from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param
 from edl6dof.jit import kernel
+from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, SHAPES
 
 
-class Part(Hardware):
-    """A rigid part that can leave the vehicle, or the propellant load."""
+class Body(Hardware):
+    """A rigid body inside the vehicle."""
 
     mass_kg: float = param(0.0, "mass", ge=0.0)
     centre_m: Vec3 = param((0.0, 0.0, 0.0), "centre of mass in B")
     inertia_kg_m2: Vec3 = param((0.0, 0.0, 0.0), "Ixx, Iyy, Izz about its own centre of mass")
 
 
+class Part(Body):
+    """A rigid part that can be jettisoned."""
+
+    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    shape: Literal[SHAPES] = param(
+        "none", "what meets the air while this is the first part of the list that shows anything"
+    )
+    separation_velocity_m_s: Vec3 = param(
+        (0.0, 0.0, 0.0), "velocity at which springs part it from the rest, in B", status="estimate"
+    )
+    drag_area_m2: float = param(0.0, "drag area once it falls alone", status="estimate", ge=0.0)
+
+
+#: How a part is written.
+PART_FORM = (
+    "vehicle.parts, a list: {name: NAME, mass_kg: ..., centre_m: [...], inertia_kg_m2: [...], "
+    "shape: none, separation_velocity_m_s: [...], drag_area_m2: ...}"
+)
+
+
 class MassParams(Hardware):
-    """Mass properties of the entry vehicle and of its parts."""
+    """Mass properties of the entry vehicle and of its propellant."""
+
+    former: ClassVar = {
+        name: PART_FORM.replace("NAME", name) for name in ("heat_shield", "backshell", "parachute")
+    }
 
     entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)
     entry_centre_m: Vec3 = param(
         REQUIRED, ("centre of mass at entry interface in B; the radial offset sets the trim angle")
     )
-    entry_inertia_kg_m2: Vec3 = param(REQUIRED, "Ixx, Iyy, Izz about the centre of mass at entry interface")
-    heat_shield: Part = group(Part, "heat shield, jettisoned under the parachute")
-    backshell: Part = group(Part, "backshell, leaves with the parachute")
-    parachute: Part = group(Part, "packed parachute, leaves at mortar fire")
-    propellant: Part = group(Part, "propellant loaded at entry interface")
+    entry_inertia_kg_m2: Vec3 | None = param(
+        None, "Ixx, Iyy, Izz about the centre of mass at entry interface", record=False
+    )
+    lander_inertia_kg_m2: Vec3 | None = param(
+        None,
+        "Ixx, Iyy, Izz of the dry lander without any part about its own centre, in place of those at entry",
+        record=False,
+    )
+    propellant: Body = group(Body, "propellant loaded at entry interface")
 
     @model_validator(mode="after")
-    def _lander_is_physical(self) -> MassParams:
-        dry = lander_dry(self)
-        inertia = dry[1] if dry[0] > 0.0 else np.diag([-1.0] * 3)
-        principal = np.linalg.eigvalsh(inertia)
-        if dry[0] <= 0.0:
-            raise ValueError(
-                f"the parts weigh {self.entry_kg - dry[0]:.1f} kg together, more than entry_kg "
-                f"{self.entry_kg:g}"
-            )
-        if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
-            raise ValueError(
-                "what is left for the dry lander has impossible principal inertias "
-                f"{np.round(principal, 3).tolist()} kg m2 (each positive, none above the sum of the others)"
-            )
+    def _one_inertia(self) -> MassParams:
+        if (self.entry_inertia_kg_m2 is None) == (self.lander_inertia_kg_m2 is None):
+            raise ValueError("must give either entry_inertia_kg_m2 or lander_inertia_kg_m2")
         return self
+
+
+def lander_problem(mass: MassParams, parts: tuple[Part, ...]) -> str:
+    """Why the lander that the parts leave over cannot be; empty for one that can."""
+    dry, inertia, _ = lander_dry(mass, parts)
+    if dry <= 0.0:
+        return f"the parts weigh {mass.entry_kg - dry:.1f} kg together, more than entry_kg {mass.entry_kg:g}"
+    principal = np.linalg.eigvalsh(inertia)
+    if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
+        return (
+            "what is left for the dry lander has impossible principal inertias "
+            f"{np.round(principal, 3).tolist()} kg m2 (each positive, none above the sum of the others)"
+        )
+    return ""
 
 
 #: Rigid body: mass, centre of mass in B, inertia tensor elements (xx, yy, zz, xy, xz, yz) about it.
@@ -70,28 +103,49 @@ def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def lander_dry(params: MassParams) -> tuple[float, np.ndarray, np.ndarray]:
+def lander_dry(params: MassParams, parts: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without
     propellant.
     """
-    parts = (params.heat_shield, params.backshell, params.parachute, params.propellant)
-    mass = params.entry_kg - sum(part.mass_kg for part in parts)
+    others = (*parts, params.propellant)
+    mass = params.entry_kg - sum(part.mass_kg for part in others)
     if mass <= 0.0:
         return mass, np.zeros((3, 3)), np.zeros(3)
     whole = np.asarray(params.entry_centre_m)
-    moment = params.entry_kg * whole - sum(part.mass_kg * np.asarray(part.centre_m) for part in parts)
+    moment = params.entry_kg * whole - sum(part.mass_kg * np.asarray(part.centre_m) for part in others)
     centre = moment / mass
+    if params.lander_inertia_kg_m2 is not None:
+        return mass, _tensor(params.lander_inertia_kg_m2), centre
     inertia = _tensor(params.entry_inertia_kg_m2) - _shift(mass, centre - whole)
-    for part in parts:
+    for part in others:
         inertia = (
             inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
         )
     return mass, inertia, centre
 
 
-def fill_lander(record: np.ndarray | np.void, params: MassParams) -> None:
+def loaded(
+    params: MassParams, parts: tuple[Part, ...], attached: tuple[Part, ...]
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with all its
+    propellant and the ``attached`` ones of its ``parts``.
+    """
+    mass, tensor, centre = lander_dry(params, parts)
+    bodies = [(mass, np.asarray(centre), tensor)]
+    for body in (*attached, params.propellant):
+        bodies.append((body.mass_kg, np.asarray(body.centre_m), np.diag(body.inertia_kg_m2)))
+    whole = sum(m for m, _, _ in bodies)
+    middle = sum(m * c for m, c, _ in bodies) / whole
+    inertia = sum(
+        j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle))
+        for m, c, j in bodies
+    )
+    return whole, middle, inertia
+
+
+def fill_lander(record: np.ndarray | np.void, params: MassParams, parts: tuple[Part, ...]) -> None:
     """Fill a ``BODY`` record with the dry lander that the parts leave over."""
-    record["mass"], inertia, record["centre"] = lander_dry(params)
+    record["mass"], inertia, record["centre"] = lander_dry(params, parts)
     record["inertia"] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
@@ -125,28 +179,51 @@ def body_of(record):
 
 @kernel
 def part_of(part):
-    """A ``Part`` record as (mass, centre, inertia) tuples."""
+    """A ``Part`` or ``Body`` record as (mass, centre, inertia) tuples."""
     c, i = part.centre, part.inertia
     return part.mass, (c[0], c[1], c[2]), (i[0], i[1], i[2], 0.0, 0.0, 0.0)
 
 
 @kernel
-def compose_dry(mass, lander, attached, dry):
-    """Write into ``dry`` the mass properties, without propellant, of the lander and of the parts still
-    attached.
+def compose_dry(parts, count, lander, attached, dry):
+    """Write into ``dry`` the mass properties, without propellant, of the lander and of those of its
+    ``count`` ``parts`` that are still attached.
     """
     body = body_of(lander)
-    if attached[HEAT_SHIELD] != 0:
-        body = join(body, part_of(mass.heat_shield))
-    if attached[BACKSHELL] != 0:
-        body = join(body, part_of(mass.backshell))
-    if attached[PARACHUTE] != 0:
-        body = join(body, part_of(mass.parachute))
+    for i in range(count):
+        if attached[i] != 0:
+            body = join(body, part_of(parts[i]))
     dry.mass = body[0]
     for k in range(3):
         dry.centre[k] = body[1][k]
     for k in range(6):
         dry.inertia[k] = body[2][k]
+
+
+@kernel
+def shape_of(parts, count, attached):
+    """Shape of the first part still attached that shows one to the air, else ``CONFIG_LANDER``."""
+    for i in range(count):
+        if attached[i] != 0 and parts[i].shape != CONFIG_LANDER:
+            return parts[i].shape
+    return CONFIG_LANDER
+
+
+@kernel
+def compose(case, plant):
+    """Bring mass properties and shape of the plant up to date with the parts that are attached."""
+    vehicle = case.vehicle
+    compose_dry(vehicle.parts, vehicle.n_parts, case.lander, plant.attached, plant.dry)
+    plant.shape = shape_of(vehicle.parts, vehicle.n_parts, plant.attached)
+
+
+@kernel
+def showing(parts, count, shape):
+    """Index of the first part that shows ``shape``; -1 where there is none."""
+    for i in range(count):
+        if parts[i].shape == shape:
+            return i
+    return -1
 
 
 @kernel

@@ -11,8 +11,11 @@ canopy attitude of its own.
 from __future__ import annotations
 
 from math import pi, sin, sqrt
+from typing import ClassVar
 
-from edl6dof.config.base import Hardware, Vec3, param
+import numpy as np
+
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
@@ -21,9 +24,12 @@ PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 
 class ParachuteParams(Hardware):
-    """Geometry, inflation, aerodynamics and suspension of the parachute; a zero diameter means none."""
+    """Geometry, inflation, aerodynamics and suspension of a parachute, of which one flies at a time."""
 
-    diameter_m: float = param(0.0, "nominal diameter; the reference area is pi/4 of its square", ge=0.0)
+    former: ClassVar = {"mortar_delay_s": "delay_s of the event that deploys the parachute"}
+
+    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    diameter_m: float = param(1.0, "nominal diameter; the reference area is pi/4 of its square", gt=0.0)
     drag_coefficient: float = param(
         0.62,
         "axial force coefficient at low Mach number, on the nominal area",
@@ -34,7 +40,6 @@ class ParachuteParams(Hardware):
     mortar_speed_m_s: float = param(
         30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0
     )
-    mortar_delay_s: float = param(0.015, "time from command to mortar fire", status="estimate", ge=0.0)
     pack_drag_area_m2: float = param(
         0.3, "drag area of the pack before line stretch", status="estimate", ge=0.0
     )
@@ -72,12 +77,18 @@ class ParachuteParams(Hardware):
         8.0, "canopy angle of attack at which the normal force vanishes", status="estimate", ge=0.0, le=30.0
     )
     drag_factor: float = param(1.0, "drag over its table value", gt=0.0)
-    backshell_drag_area_m2: float = param(
-        0.0, ("drag area of backshell and canopy after release; 0: the canopy's own"), ge=0.0
+    pack: str | None = param(
+        None, "part that is the packed parachute; none: its deployment is only noted", record=False
+    )
+    carried_by: str | None = param(
+        None, "part that it hangs from: it goes where that part goes", record=False
     )
 
 
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)
+
+#: Indices of the parts that a parachute is packed as and hangs from; -1 for none.
+SUSPENSION = np.dtype([("pack", "i8"), ("carrier", "i8")], align=True)
 
 
 @kernel

@@ -8,9 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_FAULTS, MAX_THRUSTERS
-from edl6dof.interface.events import EVENTS
-from edl6dof.interface.parts import PARTS
+from edl6dof.interface.capacities import (
+    MAX_ENGINES,
+    MAX_EVENTS,
+    MAX_FAULTS,
+    MAX_PARACHUTES,
+    MAX_PARTS,
+    MAX_SURFACES,
+    MAX_THRUSTERS,
+)
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
@@ -18,31 +24,23 @@ from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachute import PACKED, RELEASED
 
 #: Layout of the integrated state ``y``.
-POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, THRUST, HEAT, CANOPY_POSITION, CANOPY_VELOCITY = (
-    0,
-    3,
-    6,
-    10,
-    13,
-    14,
-    15,
-    16,
-    19,
-)
-STATES = 22
+POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, HEAT, THRUST = 0, 3, 6, 10, 13, 14, 15
+#: Components that exist without a free canopy: thrust of each engine last.
+STATES_VEHICLE = THRUST + MAX_ENGINES
+CANOPY_POSITION = STATES_VEHICLE
+CANOPY_VELOCITY = CANOPY_POSITION + 3
+STATES = CANOPY_VELOCITY + 3
 STATE_NAMES = (
     *(f"position {c} (I)" for c in "xyz"),
     *(f"velocity {c} (I)" for c in "xyz"),
     *(f"attitude quaternion {c}" for c in "wxyz"),
     *(f"body rate {c}" for c in "pqr"),
     "propellant mass",
-    "engine thrust",
     "heat load",
+    *(f"thrust of engine {k}" for k in range(MAX_ENGINES)),
     *(f"canopy position {c} (I)" for c in "xyz"),
     *(f"canopy velocity {c} (I)" for c in "xyz"),
 )
-#: Components that exist without a free canopy.
-STATES_VEHICLE = 16
 
 #: The time at which a fault began that has not yet begun.
 NOT_BEGUN = 1e99
@@ -86,7 +84,7 @@ OUTPUTS = np.dtype(
         ("mach", "f8"),
         ("dynamic_pressure", "f8"),
         ("heat_flux", "f8"),
-        ("wing_opening", "f8"),
+        ("wing_opening", "f8"),  # of the least open surface that was to open
         ("aero_force_B", "f8", (3,)),
         ("aero_moment_B", "f8", (3,)),
         ("riser_tension", "f8"),
@@ -145,35 +143,37 @@ STATE = np.dtype(
     [
         ("t", "f8"),
         ("y", "f8", (STATES,)),  # what is integrated
-        ("attached", FLAG, (len(PARTS),)),
-        ("canopy", whole(PACKED, RELEASED)),
+        ("attached", FLAG, (MAX_PARTS,)),
+        ("parachute", whole(0, MAX_PARACHUTES - 1)),  # the one deployed last
+        ("canopy", whole(PACKED, RELEASED)),  # what became of it
         ("legs", FLAG),
-        ("running", FLAG),
+        ("running", FLAG, (MAX_ENGINES,)),
         ("starting", FLAG),
         ("touched", FLAG),
-        ("thrust_command", "f8"),
+        ("thrust_command", "f8", (MAX_ENGINES,)),
         # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
         ("bank", "f8"),
         ("bank_time", "f8"),
         ("bank_command", "f8"),
         ("alpha", "f8"),
-        ("line_stretch_time", "f8"),
-        ("wing_start", "f8"),
-        ("wing_lost", "f8"),  # share of the opening that a fault takes away
-        ("thrust_lost", "f8"),  # share of the engine's thrust that a fault takes away
-        ("thrust_held", "f8"),  # level at which a fault holds the throttle, N
+        ("line_stretch_time", TIME_IF_EVER, (MAX_PARACHUTES,)),
+        ("wing_start", "f8", (MAX_SURFACES,)),
+        ("wing_lost", "f8", (MAX_SURFACES,)),  # share of the opening that a fault takes away
+        ("thrust_lost", "f8", (MAX_ENGINES,)),  # share of the thrust that a fault takes away
+        ("thrust_held", "f8", (MAX_ENGINES,)),  # level at which a fault holds the throttle, N
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
         ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
-        ("due", "f8", (len(EVENTS),)),  # when each event is to happen
-        ("done", TIME_IF_EVER, (len(EVENTS),)),  # when it did
-        ("dry", BODY),
+        ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
+        ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
+        ("dry", BODY),  # of the parts that are attached
+        ("shape", "i8"),  # that they show to the air
         ("valves", VALVES),
         ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("touchdown", "f8", (STATES,)),
-        ("debris", DEBRIS, (2,)),
+        ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
     ],
     align=True,
 )

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 from pydantic import field_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param
+from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
@@ -45,11 +44,7 @@ class Thruster(Hardware):
     @field_validator("direction")
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
-        length = float(np.linalg.norm(value))
-        if abs(length - 1.0) > 1e-3:
-            raise ValueError(f"must be a unit vector, its length is {length:.4f}")
-        x, y, z = (float(component) / length for component in value)
-        return x, y, z
+        return unit_vector(value)
 
 
 class RcsParams(Hardware):
@@ -68,11 +63,7 @@ class RcsParams(Hardware):
     @field_validator("thrusters")
     @classmethod
     def _unique_names(cls, value: list[Thruster]) -> list[Thruster]:
-        names = [thruster.name for thruster in value]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ValueError(f"thruster names must be unique; given twice: {', '.join(twice)}")
-        return value
+        return unique_names(value)
 
 
 RCS = dtype_of(RcsParams)

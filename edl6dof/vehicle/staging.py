@@ -1,26 +1,21 @@
-"""What happens at each event: deployments, jettisons and ignition, with momentum conserved at every
-separation.
-"""
+"""What happens at each event: an action on a thing, with momentum conserved at every separation."""
 
 from __future__ import annotations
 
-from edl6dof.config.base import Hardware, param
-from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.events import (
-    BACKSHELL_OFF,
     CUT_OFF,
-    HEAT_SHIELD_OFF,
-    IGNITION,
-    LEGS_OUT,
-    MORTAR,
-    TRIM_WING,
+    DEPLOY,
+    EXTEND,
+    IGNITE,
+    JETTISON,
+    LANDING_GEAR,
+    RELEASE,
 )
-from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.debris import LOOSE
-from edl6dof.vehicle.mass import compose_dry, with_propellant
+from edl6dof.vehicle.mass import compose, with_propellant
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -34,64 +29,39 @@ from edl6dof.vehicle.plant import (
 from edl6dof.vehicle.point_mass import POINT_MASS
 
 
-class StagingParams(Hardware):
-    """Separation springs and pyrotechnic delays."""
-
-    pyro_delay_s: float = param(0.013, "time from command to separation", status="estimate", ge=0.0, le=1.0)
-    heat_shield_speed_m_s: float = param(
-        1.5, "speed at which springs push the heat shield off, forward", status="estimate", ge=0.0
-    )
-    heat_shield_drag_area_m2: float = param(
-        9.0, "drag area of the falling heat shield", status="estimate", ge=0.0
-    )
-    backshell_speed_m_s: float = param(
-        0.5, "speed at which springs push the backshell off, aft", status="estimate", ge=0.0
-    )
-    backshell_drag_area_m2: float = param(
-        9.0, "drag area of the backshell without its canopy", status="estimate", ge=0.0
-    )
-
-
-STAGING = dtype_of(StagingParams)
-
-
 @kernel
-def separate(case, plant, part, index, speed, debris, drag_area):
-    """Take ``part`` off the vehicle and push it along +x of B at ``speed`` relative to what stays; momentum
-    is conserved.
+def separate(case, plant, index, velocity):
+    """Take part ``index`` off the vehicle and push it at ``velocity`` (m/s, in B) relative to what stays;
+    momentum is conserved.
 
     The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the
-    rigid-body velocity of their own centre, then share the spring's impulse, which acts along x of B through
-    the part's centre and turns what stays behind.
-
-    Args:
-        case: true parameters.
-        plant: true state.
-        part: mass record of the part (mass, centre).
-        index: index in ``plant.attached``.
-        speed: relative separation speed along +x of B, m/s.
-        debris: record that takes the part, or the canopy's; its position and velocity are written.
-        drag_area: drag area of the part from now on, m2.
+    rigid-body velocity of their own centre, then share the spring's impulse, which acts through the part's
+    centre and turns what stays behind.  The part goes to ``plant.debris[index]``.
     """
-    y = plant.y
+    y, vehicle = plant.y, case.vehicle
+    part, debris = vehicle.parts[index], plant.debris[index]
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
-    load = case.vehicle.mass.propellant
+    load = vehicle.mass.propellant
     _, old, _ = with_propellant(plant.dry, load, y[PROPELLANT])
     plant.attached[index] = 0
-    compose_dry(case.vehicle.mass, case.lander, plant.attached, plant.dry)
+    compose(case, plant)
     mass, new, inertia = with_propellant(plant.dry, load, y[PROPELLANT])
     part_arm = sub(take3(part.centre, 0), old)
     remaining_arm = sub(new, old)
-    push = from_frame(q, (speed, 0.0, 0.0))
+    push = from_frame(q, velocity)
     total = mass + part.mass
     v_part = add(add(v, from_frame(q, cross(w, part_arm))), scale(mass / total, push))
     v_remaining = sub(add(v, from_frame(q, cross(w, remaining_arm))), scale(part.mass / total, push))
-    impulse = (speed * mass * part.mass / total, 0.0, 0.0)
+    impulse = (
+        velocity[0] * mass * part.mass / total,
+        velocity[1] * mass * part.mass / total,
+        velocity[2] * mass * part.mass / total,
+    )
     put3(y, RATE, sub(w, inertia_solve(inertia, cross(sub(part_arm, remaining_arm), impulse))))
     debris.active = LOOSE
     debris.mass = part.mass
-    debris.drag_area = drag_area
+    debris.drag_area = part.drag_area
     put3(debris.r_I, 0, add(r, from_frame(q, part_arm)))
     put3(debris.v_I, 0, v_part)
     put3(y, POSITION, add(r, from_frame(q, remaining_arm)))
@@ -99,58 +69,80 @@ def separate(case, plant, part, index, speed, debris, drag_area):
 
 
 @kernel
-def fire_mortar(case, plant):
-    """Eject the parachute pack aft; it becomes the canopy body."""
-    chute = case.vehicle.parachute
-    pack = plant.debris[1]
-    separate(case, plant, case.vehicle.mass.parachute, PARACHUTE, -chute.mortar_speed, pack, 0.0)
-    pack.active = 0
-    put3(plant.y, CANOPY_POSITION, take3(pack.r_I, 0))
-    put3(plant.y, CANOPY_VELOCITY, take3(pack.v_I, 0))
+def deploy(case, plant, index):
+    """Eject the pack of parachute ``index`` aft; it becomes the canopy body.  One that still flies goes
+    first.
+    """
+    chute, pack = case.vehicle.parachutes[index], case.suspension[index].pack
+    if case.dynamics == POINT_MASS or pack < 0 or plant.attached[pack] == 0:
+        return
+    if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
+        release(case, plant, plant.parachute)
+    separate(case, plant, pack, (-chute.mortar_speed, 0.0, 0.0))
+    thrown = plant.debris[pack]
+    thrown.active = 0
+    put3(plant.y, CANOPY_POSITION, take3(thrown.r_I, 0))
+    put3(plant.y, CANOPY_VELOCITY, take3(thrown.v_I, 0))
+    plant.parachute = index
     plant.canopy = EXTRACTING
 
 
 @kernel
-def release_backshell(case, plant):
-    """Release the backshell; an open canopy goes with it and decides its drag."""
-    staging, chute = case.vehicle.staging, case.vehicle.parachute
-    area = staging.backshell_drag_area
-    shell = plant.debris[1]
-    separate(case, plant, case.vehicle.mass.backshell, BACKSHELL, -staging.backshell_speed, shell, area)
-    if plant.canopy == INFLATING:
-        shell.drag_area = area + nominal_area(chute) * chute.drag_coefficient * chute.drag_factor
-        # shell and canopy go on together: their common momentum
-        canopy = case.vehicle.mass.parachute.mass
-        share = canopy / (shell.mass + canopy)
-        v_canopy, v_shell = take3(plant.y, CANOPY_VELOCITY), take3(shell.v_I, 0)
-        put3(shell.v_I, 0, add(scale(share, v_canopy), scale(1.0 - share, v_shell)))
-        shell.mass += canopy
+def canopy_area(chute):
+    """Drag area of a canopy that flies without its load, m2."""
+    return nominal_area(chute) * chute.drag_coefficient * chute.drag_factor
+
+
+@kernel
+def release(case, plant, index):
+    """Cut parachute ``index`` loose if it is the one that flies: its canopy goes on alone."""
+    if plant.parachute != index or not (plant.canopy == EXTRACTING or plant.canopy == INFLATING):
+        return
+    chute, canopy = case.vehicle.parachutes[index], plant.debris[case.suspension[index].pack]
+    canopy.active = LOOSE
+    canopy.drag_area = canopy_area(chute) if plant.canopy == INFLATING else chute.pack_drag_area
+    put3(canopy.r_I, 0, take3(plant.y, CANOPY_POSITION))
+    put3(canopy.v_I, 0, take3(plant.y, CANOPY_VELOCITY))
     plant.canopy = RELEASED
 
 
 @kernel
-def carry_out(case, plant, event):
-    """Change the vehicle as ``event`` demands, at ``plant.t``."""
-    if event == TRIM_WING:
-        plant.wing_start = plant.t
-    elif event == MORTAR:
-        if (
-            plant.attached[PARACHUTE] != 0
-            and case.vehicle.parachute.diameter > 0.0
-            and case.dynamics != POINT_MASS
-        ):
-            fire_mortar(case, plant)
-    elif event == HEAT_SHIELD_OFF:
-        if plant.attached[HEAT_SHIELD] != 0:
-            staging = case.vehicle.staging
-            speed, area = staging.heat_shield_speed, staging.heat_shield_drag_area
-            separate(case, plant, case.vehicle.mass.heat_shield, HEAT_SHIELD, speed, plant.debris[0], area)
-    elif event == LEGS_OUT:
-        plant.legs = 1
-    elif event == BACKSHELL_OFF:
-        if plant.attached[BACKSHELL] != 0:
-            release_backshell(case, plant)
-    elif event == IGNITION:
-        plant.running = 1
-    elif event == CUT_OFF:
-        plant.running = 0
+def jettison(case, plant, index):
+    """Push a part off; a canopy that hangs from it goes with it and adds its drag."""
+    if plant.attached[index] == 0:
+        return
+    v, part = case.vehicle.parts[index].separation_velocity, plant.debris[index]
+    separate(case, plant, index, (v[0], v[1], v[2]))
+    if case.suspension[plant.parachute].carrier != index:
+        return
+    if plant.canopy == INFLATING:
+        part.drag_area += canopy_area(case.vehicle.parachutes[plant.parachute])
+        # part and canopy go on together: their common momentum
+        canopy = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
+        share = canopy / (part.mass + canopy)
+        v_canopy, v_part = take3(plant.y, CANOPY_VELOCITY), take3(part.v_I, 0)
+        put3(part.v_I, 0, add(scale(share, v_canopy), scale(1.0 - share, v_part)))
+        part.mass += canopy
+    plant.canopy = RELEASED
+
+
+@kernel
+def carry_out(case, plant, number):
+    """Change the vehicle as event ``number`` demands, at ``plant.t``."""
+    event = case.events.events[number]
+    action, thing = event.action, event.thing
+    if action == JETTISON:
+        jettison(case, plant, thing)
+    elif action == DEPLOY:
+        deploy(case, plant, thing)
+    elif action == RELEASE:
+        release(case, plant, thing)
+    elif action == EXTEND:
+        if thing == LANDING_GEAR:
+            plant.legs = 1
+        else:
+            plant.wing_start[thing] = plant.t
+    elif action == IGNITE:
+        plant.running[thing] = 1
+    elif action == CUT_OFF:
+        plant.running[thing] = 0

@@ -45,7 +45,7 @@ def slack(case, plant, outputs):
     """Length of line still to be paid out before line stretch, m."""
     if plant.canopy != EXTRACTING:
         return NOT_ARMED
-    chute = case.vehicle.parachute
+    chute = case.vehicle.parachutes[plant.parachute]
     arm = sub(take3(chute.confluence, 0), take3(outputs.centre, 0))
     confluence = add(take3(plant.y, POSITION), from_frame(take_attitude(plant.y), arm))
     return chute.line_length - norm(sub(take3(plant.y, CANOPY_POSITION), confluence))
@@ -55,7 +55,7 @@ def slack(case, plant, outputs):
 def stretch(plant):
     """Line stretch: the canopy begins to fill."""
     plant.canopy = INFLATING
-    plant.line_stretch_time = plant.t
+    plant.line_stretch_time[plant.parachute] = plant.t
 
 
 @kernel

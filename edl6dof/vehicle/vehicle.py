@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, ClassVar
 
-from pydantic import ConfigDict
+import numpy as np
+from pydantic import ConfigDict, field_validator, model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Title, group, param, section
+from edl6dof.config.base import (
+    REQUIRED,
+    Capacity,
+    Hardware,
+    Title,
+    group,
+    param,
+    section,
+    unique_names,
+)
+from edl6dof.config.errors import Inconsistent
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
-from edl6dof.vehicle.mass import MassParams
+from edl6dof.vehicle.mass import MassParams, Part, lander_problem
 from edl6dof.vehicle.parachute import ParachuteParams
 from edl6dof.vehicle.rcs import RcsParams
-from edl6dof.vehicle.staging import StagingParams
-from edl6dof.vehicle.trim_wing import TrimWingParams
+from edl6dof.vehicle.surfaces import SurfaceParams
 
 
 def _or_daveml(schema: dict[str, Any]) -> None:
@@ -31,6 +42,13 @@ class VehicleParams(Hardware):
 
     model_config = ConfigDict(json_schema_extra=_or_daveml)
 
+    former: ClassVar = {
+        "engine": "vehicle.engines, a list: {name: main, full_thrust_n: ..., nozzle_m: [...], ...}",
+        "trim_wing": "vehicle.surfaces, a list: {name: trim_wing, carried_by: backshell, area_m2: ..., ...}",
+        "parachute": "vehicle.parachutes, a list: {name: main, pack: parachute, carried_by: backshell, ...}",
+        "staging": "separation_velocity_m_s and drag_area_m2 of each of vehicle.parts, and delay_s of events",
+    }
+
     name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(
         None,
@@ -42,10 +60,72 @@ class VehicleParams(Hardware):
         0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0
     )
     mass: MassParams = section("mass properties")
+    parts: Annotated[list[Part], Capacity(MAX_PARTS)] = param(
+        None, "parts that can be jettisoned, the outermost first", factory=list, max_length=MAX_PARTS
+    )
     aero: AeroParams = section("aerodynamics")
-    trim_wing: TrimWingParams = group(TrimWingParams, "trim wing")
+    surfaces: Annotated[list[SurfaceParams], Capacity(MAX_SURFACES)] = param(
+        None, "surfaces that unfold, such as a trim wing", factory=list, max_length=MAX_SURFACES
+    )
     rcs: RcsParams = group(RcsParams, "reaction-control thrusters")
-    engine: EngineParams = group(EngineParams, "main landing engine")
-    parachute: ParachuteParams = group(ParachuteParams, "parachute")
-    staging: StagingParams = group(StagingParams, "separations")
+    engines: Annotated[list[EngineParams], Capacity(MAX_ENGINES)] = param(
+        None, "landing engines, throttled together", factory=list, max_length=MAX_ENGINES
+    )
+    parachutes: Annotated[list[ParachuteParams], Capacity(MAX_PARACHUTES)] = param(
+        None, "parachutes, flown one after the other", factory=list, max_length=MAX_PARACHUTES
+    )
     landing_gear: LandingGearParams = group(LandingGearParams, "landing legs")
+
+    @field_validator("parts", "surfaces", "engines", "parachutes")
+    @classmethod
+    def _names_differ(cls, value: list[Any]) -> list[Any]:
+        return unique_names(value)
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> VehicleParams:
+        problems = {}
+        if words := lander_problem(self.mass, tuple(self.parts)):
+            problems["mass"] = words
+        if self.aero.model == "capsule" and self.showing("capsule") is None:
+            problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
+        names = [part.name for part in self.parts]
+        named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(self.parachutes)}
+        for key, things in (("parachutes", self.parachutes), ("surfaces", self.surfaces)):
+            named |= {f"{key}.{k}.carried_by": one.carried_by for k, one in enumerate(things)}
+        for place, part in named.items():
+            if part is not None and part not in names:
+                problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"
+        for k, engine in enumerate(self.engines):
+            low, high = engine.throttle_min_n, engine.throttle_max_n
+            if low > high:
+                words = f"must not be above throttle_max_n {high:g} (got {low:g})"
+                problems[f"engines.{k}.throttle_min_n"] = words
+            elif high > engine.full_thrust_n:
+                words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
+                problems[f"engines.{k}.throttle_max_n"] = words
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    def showing(self, shape: str) -> Part | None:
+        """The first part that shows ``shape`` to the air."""
+        return next((part for part in self.parts if part.shape == shape), None)
+
+    @property
+    def main_parachute(self) -> ParachuteParams:
+        """The parachute flown last; one of the smallest size where there is none."""
+        return self.parachutes[-1] if self.parachutes else ParachuteParams(name="none")
+
+
+def carriers(vehicle: VehicleParams) -> list[int]:
+    """Index of the part that each surface goes with; -1 where it stays."""
+    index = {None: -1} | {part.name: number for number, part in enumerate(vehicle.parts)}
+    return [index[surface.carried_by] for surface in vehicle.surfaces]
+
+
+def fill_suspension(record: np.ndarray, vehicle: VehicleParams) -> None:
+    """Fill the ``SUSPENSION`` records of a vehicle's parachutes, shape (MAX_PARACHUTES,)."""
+    index = {None: -1} | {part.name: number for number, part in enumerate(vehicle.parts)}
+    record["pack"] = record["carrier"] = -1
+    for slot, chute in zip(record, vehicle.parachutes, strict=False):
+        slot["pack"], slot["carrier"] = index[chute.pack], index[chute.carried_by]

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.verify.scene import BARE, ENDLESS, FLAT, ONE_BODY, UNIFORM, scenes, state_of, to_the_end, vectors
 
 GRAVITY = 3.72
@@ -29,10 +30,12 @@ SCENE = (
     *ENDLESS,
     f"vehicle.mass.entry_centre_m=[{CENTRE}, 0, 0]",
     "vehicle.mass.entry_kg=1100",
-    "vehicle.mass.parachute={mass_kg: 38, centre_m: [-1, 0, 0], inertia_kg_m2: [0, 0, 0]}",
-    "vehicle.parachute.confluence_m=[-3.9, 0, 0]",
-    "vehicle.parachute.trim_angle_deg=0",
-    "vehicle.parachute.pack_drag_area_m2=0",
+    "vehicle.parts.parachute_pack.mass_kg=38",
+    "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
+    "vehicle.parts.parachute_pack.inertia_kg_m2=[0, 0, 0]",
+    "vehicle.parachutes.main.confluence_m=[-3.9, 0, 0]",
+    "vehicle.parachutes.main.trim_angle_deg=0",
+    "vehicle.parachutes.main.pack_drag_area_m2=0",
     "initial.latitude_deg=0",
     "initial.longitude_deg=0",
     "initial.altitude_m=20000",
@@ -43,10 +46,10 @@ class Planar:
     """Two bodies in a vertical plane."""
 
     def __init__(self, scenario: Scenario) -> None:
-        vehicle, chute = scenario.vehicle, scenario.vehicle.parachute
+        vehicle, chute = scenario.vehicle, scenario.vehicle.main_parachute
         self.bluff, self.chute = vehicle.aero.backshell, chute
         self.rho = stated(scenario.atmosphere.exponential).density_kg_m3
-        self.packed = vehicle.mass.parachute.mass_kg
+        self.packed = next(part.mass_kg for part in vehicle.parts if part.name == chute.pack)
         self.mass, self.inertia = vehicle.mass.entry_kg - self.packed, vehicle.mass.entry_inertia_kg_m2[1]
         self.canopy_mass = (
             self.packed
@@ -132,9 +135,10 @@ def descend(
         y[3:6] = state[3] * east + state[4] * down
         y[6:10] = Rotation.from_matrix(axes).as_quat(scalar_first=True)
         y[10:13] = (0.0, state[5], 0.0)
-        y[16:19] = origin + state[6] * east + state[7] * down
-        y[19:22] = state[8] * east + state[9] * down
-        plant["attached"][:] = (0, 1, 0)
+        y[CANOPY_POSITION : CANOPY_POSITION + 3] = origin + state[6] * east + state[7] * down
+        y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] = state[8] * east + state[9] * down
+        plant["attached"][:] = 0
+        plant["attached"][1] = 1  # the backshell
         plant["canopy"], plant["line_stretch_time"] = 2, -1e3
 
     flight = to_the_end(loaded, state_of(loaded, place))

@@ -34,12 +34,23 @@ UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_
 #: No part ever leaves and no propellant: the vehicle is one rigid body with the mass properties of the entry
 #: vehicle.
 ONE_BODY = tuple(
-    f"vehicle.mass.{part}.{value}"
-    for part in ("heat_shield", "backshell", "parachute", "propellant")
+    f"vehicle.{body}.{value}"
+    for body in ("parts.heat_shield", "parts.backshell", "parts.parachute_pack", "mass.propellant")
     for value in ("mass_kg=0", "inertia_kg_m2=[0, 0, 0]")
 )
 #: Nothing ends the flight but the time limit.
 ENDLESS = ("limits.body_rate_deg_s=1e6", "limits.total_alpha_deg=181")
+
+
+def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
+    """Overrides: a mission that does nothing but some events (action, thing, flight time in s)."""
+    rows = (
+        f"{{name: event_{k}, action: {action}, thing: {thing}, "
+        f"when: {{quantity: time_s, goes: above, value: {t - 1e-6!r}}}}}"
+        for k, (action, thing, t) in enumerate(events)
+    )
+    phases = f"mission.phases=[{{name: events, events: [{', '.join(rows)}]}}]"
+    return phases, "flight_software.check_out.thrusters=[]"
 
 
 class CutShortError(RuntimeError):

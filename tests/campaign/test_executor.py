@@ -16,7 +16,7 @@ GUSTY = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true", "seed
 CASES = [
     Case(0, truth={"vehicle.mass.entry_kg": 1290.0}, profile=0),
     Case(1, truth={"vehicle.mass.entry_kg": 1280.0}, profile=1),
-    Case(2, truth={"vehicle.parachute.drag_factor": 0.05}, profile=2, label={"what": "canopy torn"}),
+    Case(2, truth={"vehicle.parachutes.main.drag_factor": 0.05}, profile=2, label={"what": "canopy torn"}),
     Case(3, truth={"vehicle.mass.entry_kg": 10.0}),
     Case(4, truth={"initial.flight_path_angle_deg": -9.0}, profile=4),
     Case(5, belief={"vehicle.mass.entry_kg": 1290.0}, profile=5),
@@ -144,7 +144,7 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
         truth={
             "vehicle.rcs.thrusters.D3.thrust_n": 240.0,
             "vehicle.mass.entry_centre_m.2": -0.035,
-            "vehicle.engine.misalignment_y_deg": 0.1,
+            "vehicle.engines.main.misalignment_y_deg": 0.1,
         },
     )
     variant, places = CaseRunner(loaded).variants.build(case), {}
@@ -154,7 +154,7 @@ def test_readback_reaches_list_elements_in_their_units(loaded):
         }
     record = variant.parts.case[0]["vehicle"]
     assert record["rcs"]["thrusters"][2]["thrust"] == 240.0
-    assert record["engine"]["misalignment_y"] == pytest.approx(np.radians(0.1))
+    assert record["engines"][0]["misalignment_y"] == pytest.approx(np.radians(0.1))
     record["rcs"]["thrusters"][2]["thrust"] = 250.0
     with pytest.raises(NotApplied, match="D3"):
         applied(variant, case.truth, {}, places)

@@ -50,7 +50,7 @@ def test_plan_written_out_gives_the_same_cases(tmp_path):
     body = """\
   sampling: sobol
   truth: {vehicle.mass.entry_kg: {kind: normal, three_sigma: 15.0}, wind.scale: {kind: discrete, choices: [1.0, 2.0]}}
-  belief: {vehicle.parachute.drag_coefficient: {kind: uniform, half_width: 0.05}}
+  belief: {vehicle.parachutes.main.drag_coefficient: {kind: uniform, half_width: 0.05}}
   faults: [{chance: 0.5, later_s: 20.0, one_of: [{kind: stuck_off, thruster: D7, at: {phase: lift}}]}]
 sweep:
   axes: [{path: simulation.step_s, values: [0.01, 0.02]}]

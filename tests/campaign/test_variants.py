@@ -35,7 +35,7 @@ CASES = {
     },
     "whole list": {"truth": {"vehicle.mass.entry_inertia_kg_m2": [1160.0, 905.0, 955.0]}},
     "default not in the file": {
-        "truth": {"vehicle.engine.thrust_factor": 0.98, "wind.gust.scale_length_m": 350.0}
+        "truth": {"vehicle.engines.main.thrust_factor": 0.98, "wind.gust.scale_length_m": 350.0}
     },
     "random profiles": {
         "truth": {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True},

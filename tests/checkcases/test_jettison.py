@@ -13,8 +13,8 @@ import pytest
 from edl6dof.verify.cases import jettison
 
 PLANTED = [
-    pytest.param(["vehicle.mass.heat_shield.mass_kg=150.00001"], "heat shield", id="mass"),
-    pytest.param(["vehicle.mass.backshell.inertia_kg_m2=[190.001, 115, 115]"], "backshell", id="inertia"),
+    pytest.param(["vehicle.parts.heat_shield.mass_kg=150.00001"], "heat shield", id="mass"),
+    pytest.param(["vehicle.parts.backshell.inertia_kg_m2=[190.001, 115, 115]"], "backshell", id="inertia"),
     pytest.param(["planet.gravity.model=central", "planet.gravity.mu_m3_s2=100"], "mortar", id="gravity"),
 ]
 

@@ -13,9 +13,9 @@ import pytest
 from edl6dof.verify.cases import rocket_equation
 
 PLANTED = [
-    pytest.param(["vehicle.engine.full_specific_impulse_s=300.001"], "speed", id="isp"),
-    pytest.param(["vehicle.engine.misalignment_y_deg=0.001"], "speed", id="tilt"),
-    pytest.param(["vehicle.engine.specific_impulse_factor=1.0001"], "mass", id="factor"),
+    pytest.param(["vehicle.engines.main.full_specific_impulse_s=300.001"], "speed", id="isp"),
+    pytest.param(["vehicle.engines.main.misalignment_y_deg=0.001"], "speed", id="tilt"),
+    pytest.param(["vehicle.engines.main.specific_impulse_factor=1.0001"], "mass", id="factor"),
 ]
 
 

@@ -12,10 +12,10 @@ import pytest
 from edl6dof.verify.cases import terminal_velocity
 
 PLANTED = [
-    pytest.param(["vehicle.parachute.drag_factor=1.001"], "speed", id="drag"),
+    pytest.param(["vehicle.parachutes.main.drag_factor=1.001"], "speed", id="drag"),
     pytest.param(
         [
-            "vehicle.mass.parachute={mass_kg: 38.2, centre_m: [-1, 0, 0], inertia_kg_m2: [0, 0, 0]}",
+            "vehicle.parts.parachute_pack.mass_kg=38.2",
             "vehicle.mass.entry_kg=1100.2",
         ],
         "speed",

@@ -20,7 +20,6 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
-    "edl6dof.interface.parts": {"parachute"},  # what is jettisoned
     "edl6dof.scenario.belief": {"lift"},
     "edl6dof.scenario.believed_aero": {"lift"},
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
@@ -31,9 +30,9 @@ OTHER_MEANINGS = {
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
     "edl6dof.studies.hu2022.rows": {"landed"},
-    "edl6dof.vehicle.vehicle": {"parachute"},  # a part of the vehicle, as in the next ones
-    "edl6dof.verify.cases.jettison": {"parachute"},
-    "edl6dof.verify.scene": {"parachute"},
+    "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle
+    "edl6dof.vehicle.plant": {"parachute"},  # field of a record
+    "edl6dof.vehicle.vehicle": {"parachute"},
 }
 #: The list of roles, which takes its words from what phases are usually called.
 ROLES = "edl6dof.fsw.mission.roles"

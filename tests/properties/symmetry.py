@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.events import HEAT_SHIELD_OFF, MORTAR, TRIM_WING
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
-from edl6dof.verify.scene import state_of
+from edl6dof.vehicle.plant import HEAT
+from edl6dof.verify.scene import doing
 
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.
 SCENE = (
-    "mission.phases=[]",
     "planet.gravity.model=j2",
     "terrain.model=none",
     "wind.model=constant",
@@ -25,11 +24,9 @@ def end_state(overrides, parachute=True):
     """State after 12 s, with the trim wing at 1 s, the mortar at 2 s (if ``parachute``) and the heat shield
     off at 9 s.
     """
-    loaded = load_scenario("tianwen1", [*SCENE, *overrides])
-    start = state_of(loaded)
-    for event, t in ((TRIM_WING, 1.0), (MORTAR, 2.003 if parachute else 1e99), (HEAT_SHIELD_OFF, 9.0)):
-        start.plant["due"][0, event] = t
-    flight = fly(loaded, start=start)
+    deployment = [("deploy", "main", 2.0)] if parachute else []
+    events = doing(("extend", "trim_wing", 1.0), *deployment, ("jettison", "heat_shield", 9.0))
+    flight = fly(load_scenario("tianwen1", [*SCENE, *events, *overrides]))
     assert flight.outcome == "time limit" and flight.plant["canopy"][0] == (2 if parachute else 0), (
         flight.outcome
     )
@@ -41,9 +38,9 @@ def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7
     left and right.
     """
     parts = {
-        "heat_shield": (-0.30, 0.01, -0.035),
-        "backshell": (-1.70, -0.0687, -0.284),
-        "propellant": (-0.80, 0.047, 0.0),
+        "parts.heat_shield": (-0.30, 0.01, -0.035),
+        "parts.backshell": (-1.70, -0.0687, -0.284),
+        "mass.propellant": (-0.80, 0.047, 0.0),
     }
     return [
         f"initial.latitude_deg={latitude}",
@@ -60,8 +57,8 @@ def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7
         "wind.constant.north_m_s=7",
         f"planet.rotation_rate_rad_s={side * spin}",
         f"vehicle.mass.entry_centre_m=[-0.85, {side * 0.004}, -0.034]",
-        *(f"vehicle.mass.{name}.centre_m=[{x}, {side * y}, {z}]" for name, (x, y, z) in parts.items()),
-        f"vehicle.parachute.confluence_m=[-3.9, {side * 0.02}, -0.034]",
+        *(f"vehicle.{name}.centre_m=[{x}, {side * y}, {z}]" for name, (x, y, z) in parts.items()),
+        f"vehicle.parachutes.main.confluence_m=[-3.9, {side * 0.02}, -0.034]",
     ]
 
 
@@ -70,5 +67,5 @@ def apart(a, b):
     quaternion with either sign.
     """
     q = min(np.abs(a[6:10] - b[6:10]).max(), np.abs(a[6:10] + b[6:10]).max())
-    others = np.abs(np.delete(a - b, [6, 7, 8, 9, 15])).max()
+    others = np.abs(np.delete(a - b, [6, 7, 8, 9, HEAT])).max()
     return max(float(q), float(others))

@@ -16,7 +16,15 @@ from edl6dof.scenario import records
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.loop import prepare
 from edl6dof.vehicle.body import derivatives
-from edl6dof.vehicle.plant import OUTPUTS
+from edl6dof.vehicle.plant import (
+    CANOPY_POSITION,
+    CANOPY_VELOCITY,
+    OUTPUTS,
+    PROPELLANT,
+    STATES,
+    STATES_VEHICLE,
+    THRUST,
+)
 
 LIMITS = settings(max_examples=25, deadline=None, derandomize=True)
 STATES_EACH = 20
@@ -34,12 +42,12 @@ VEHICLE = st.fixed_dictionaries(
         "vehicle.aero.capsule.moment_factor": number(-10.0, 10.0),
         "vehicle.aero.capsule.damping_factor": number(-10.0, 10.0),
         "vehicle.aero.constant.drag_coefficient": number(0.0, 10.0),
-        "vehicle.parachute.diameter_m": number(0.1, 60.0),
-        "vehicle.parachute.trim_angle_deg": number(0.0, 30.0),
-        "vehicle.parachute.inflation_exponent": number(0.1, 10.0),
-        "vehicle.parachute.apparent_mass_factor": number(0.0, 5.0),
-        "vehicle.engine.misalignment_y_deg": number(-5.0, 5.0),
-        "vehicle.trim_wing.normal_tilt_deg": number(-89.0, 89.0),
+        "vehicle.parachutes.main.diameter_m": number(0.1, 60.0),
+        "vehicle.parachutes.main.trim_angle_deg": number(0.0, 30.0),
+        "vehicle.parachutes.main.inflation_exponent": number(0.1, 10.0),
+        "vehicle.parachutes.main.apparent_mass_factor": number(0.0, 5.0),
+        "vehicle.engines.main.misalignment_y_deg": number(-5.0, 5.0),
+        "vehicle.surfaces.trim_wing.normal_tilt_deg": number(-89.0, 89.0),
         "atmosphere.model": st.sampled_from(["table", "exponential", "us76", "none"]),
         "planet.gravity.model": st.sampled_from(["harmonics", "j2", "central", "none"]),
         "wind.model": st.sampled_from(["table", "constant", "none"]),
@@ -57,16 +65,16 @@ def disturb(plant, rng):
     q = rng.normal(size=4)
     y[6:10] = q / np.linalg.norm(q)
     y[10:13] = rng.normal(size=3) * rng.choice([0.0, 0.1, 20.0])
-    y[13], y[14] = rng.choice([0.0, 1e-12, 50.0, 190.0]), rng.choice([0.0, 1500.0, 7500.0])
-    y[16:19] = y[0:3] + rng.normal(size=3) * rng.choice([0.0, 1.0, 30.0, 1e4])
-    y[19:22] = y[3:6] + rng.normal(size=3) * rng.choice([0.0, 30.0])
-    plant["attached"][0] = rng.integers(0, 2, 3)
+    y[PROPELLANT], y[THRUST] = rng.choice([0.0, 1e-12, 50.0, 190.0]), rng.choice([0.0, 1500.0, 7500.0])
+    y[CANOPY_POSITION : CANOPY_POSITION + 3] = y[0:3] + rng.normal(size=3) * rng.choice([0.0, 1.0, 30.0, 1e4])
+    y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] = y[3:6] + rng.normal(size=3) * rng.choice([0.0, 30.0])
+    plant["attached"][0] = rng.integers(0, 2, plant["attached"].shape[1])
     plant["canopy"], plant["running"], plant["legs"], plant["touched"] = (
         rng.integers(0, 4),
         *rng.integers(0, 2, 3),
     )
     plant["line_stretch_time"], plant["wing_start"] = (
-        rng.choice([-100.0, -0.1, 0.0, 1e99]),
+        rng.choice([-100.0, -0.1, 0.0, np.nan]),
         rng.choice([-5.0, -0.3, 1e99]),
     )
 
@@ -80,11 +88,11 @@ def test_derivatives_are_finite(drawn, seed):
         assume(False)
     tables = records.build_tables(loaded.truth)
     case, rng = records.build_case(loaded.truth, tables), np.random.default_rng(seed)
-    outputs, out = np.zeros(1, OUTPUTS), np.zeros(22)
+    outputs, out = np.zeros(1, OUTPUTS), np.zeros(STATES)
     for _ in range(STATES_EACH):
         plant = records.initial_plant(loaded.truth, case)
         disturb(plant, rng)
         prepare(case, plant)
         derivatives(case[0], tables[0], plant[0], 0.0, (1.0, 0.0), plant["y"][0], outputs[0], out)
-        live = 22 if plant["canopy"][0] in (1, 2) else 16
+        live = STATES if plant["canopy"][0] in (1, 2) else STATES_VEHICLE
         assert np.all(np.isfinite(out[:live])), (drawn, plant["y"][0].tolist(), out.tolist())

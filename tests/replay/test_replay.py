@@ -217,7 +217,7 @@ def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(rep
 def test_trim_wing_swings_out_to_the_vehicle_files_place_and_square_to_the_axis(flight, replay):
     times, columns = read(replay, "/site/vehicle/trim_wing")
     wing, rows = (
-        flight.scenario.vehicle.trim_wing,
+        flight.scenario.vehicle.surfaces[0],
         [i for i, q in enumerate(columns["Transform3D:quaternion"]) if q],
     )
     poses = [Quaternion(*np.roll(columns["Transform3D:quaternion"][i][0], 1)) for i in rows]

@@ -111,9 +111,9 @@ def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
         assert np.min(np.linalg.norm(feet - pad, axis=1)) < 0.01
     canopy, lines = shapes.canopy(vehicle)
     assert np.hypot(canopy.positions[:, 1], canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
-        0.68 * vehicle.parachute.diameter_m, rel=0.01
+        0.68 * vehicle.main_parachute.diameter_m, rel=0.01
     )
-    assert lines[..., 0].max() >= vehicle.parachute.line_length_m
+    assert lines[..., 0].max() >= vehicle.main_parachute.line_length_m
 
 
 def test_zone_lines_are_those_that_the_control_law_steers_for():

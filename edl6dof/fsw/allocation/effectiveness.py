@@ -9,8 +9,7 @@ from math import copysign
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.parts import CONFIGURATIONS
+from edl6dof.interface.capacities import MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import FINE
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
@@ -24,7 +23,7 @@ EFFECTIVENESS = np.dtype(
         # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
         ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
         # configuration that it belongs to, plus one; 0 before the first
-        ("of", whole(0, len(CONFIGURATIONS))),
+        ("of", whole(0, 2**MAX_PARTS)),
         ("changed", FLAG),  # since the last allocation
     ],
     align=True,

@@ -17,7 +17,7 @@ from edl6dof.fsw.guidance.powered.terminal import (
 )
 from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
-from edl6dof.interface.events import CUT_OFF, IGNITION
+from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
 
 GUIDANCE = np.dtype(
@@ -26,14 +26,18 @@ GUIDANCE = np.dtype(
 
 
 @kernel
-def switch_engine(engine, request, goal):
-    """Full level at ignition, nothing after cut-off."""
-    if request[IGNITION] != 0:
-        goal.engine_mode = ENGINE_FULL
-        goal.thrust = engine.full_thrust
-    if request[CUT_OFF] != 0:
-        goal.engine_mode = ENGINE_OFF
-        goal.thrust = 0.0
+def switch_engine(engine, mission, request, ignited, goal):
+    """Full level when an engine is ignited, nothing after the last one that was ``ignited`` is cut off."""
+    for i in range(mission.n_events):
+        if request[i] == 0:
+            continue
+        action = mission.events[i].action
+        if action == IGNITE:
+            goal.engine_mode = ENGINE_FULL
+            goal.thrust = engine.full_thrust
+        elif action == CUT_OFF and ignited == 0:
+            goal.engine_mode = ENGINE_OFF
+            goal.thrust = 0.0
 
 
 @kernel

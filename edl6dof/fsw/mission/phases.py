@@ -7,18 +7,18 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
+
+import numpy as np
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
 from edl6dof.fsw.mission.roles import NO_ROLE, Role
-from edl6dof.interface.capacities import MAX_PHASES
-from edl6dof.interface.events import EventName
+from edl6dof.interface.capacities import MAX_CONDITIONS, MAX_PHASE_EVENTS, MAX_PHASES, MAX_WAYS
+from edl6dof.interface.events import EVENT_TABLE, Action
 from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
-#: Events of a phase.
-MAX_EVENTS = 6
 NEVER = 1e9
 
 Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"]
@@ -37,6 +37,7 @@ Quantity = Literal[
     "descent_rate_m_s",
     "time_to_go_s",
     "footpad_contact",
+    "wing_open",
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -51,28 +52,60 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_DESCENT_RATE,
     Q_TIME_TO_GO,
     Q_CONTACT,
+    Q_WING_OPEN,
 ) = range(len(QUANTITIES))
 
 
-class Trigger(Params):
-    """A condition on one navigated quantity, in SI units, inside a time window of the phase."""
+class Condition(Params):
+    """A condition on one navigated quantity, in SI units."""
 
     quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
-    goes: Literal["below", "above"] = param(REQUIRED, "which side of the value fires the trigger")
+    goes: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
+
+
+class Trigger(Condition):
+    """A condition inside a time window of the phase."""
+
     earliest_s: float = param(0.0, "phase time before which the trigger cannot fire", ge=0.0)
     latest_s: float = param(NEVER, "phase time at which it fires whatever the quantity", gt=0.0)
 
 
 class Event(Params):
-    """Something that is done once inside a phase."""
+    """Something that is done once inside a phase; two phases may hold the same one, as on branches."""
 
-    do: EventName = param(REQUIRED, "what is commanded")
+    former: ClassVar = {
+        "do": "name, action and thing: {name: heat_shield, action: jettison, thing: heat_shield, "
+        "delay_s: 0.013, when: {...}}"
+    }
+
+    name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
+    action: Action = param(REQUIRED, "what is done", record=False)
+    thing: Key = param(
+        REQUIRED,
+        "name of what it is done to: a part, parachute, engine or surface of the vehicle, or landing_gear",
+        record=False,
+    )
+    delay_s: float = param(
+        0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
+    )
     when: Trigger = section("condition")
 
 
+class WayOut(Params):
+    """One way in which a phase ends: conditions inside a time window of the phase, and what follows."""
+
+    when: Annotated[list[Condition], Capacity(MAX_CONDITIONS)] = param(
+        REQUIRED, "conditions", min_length=1, max_length=MAX_CONDITIONS
+    )
+    join: Literal["all", "any"] = param("all", "whether all conditions must hold, or any")
+    earliest_s: float = param(0.0, "phase time before which it is closed", ge=0.0)
+    latest_s: float = param(NEVER, "phase time at which it is taken whatever the conditions", gt=0.0)
+    next: Key | None = param(None, "phase that follows; none: the next of the list", record=False)
+
+
 class Phase(Params):
-    """One mission phase."""
+    """One mission phase.  Its ways out are tried in their order, then ``until``."""
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
     role: Role = param(
@@ -89,10 +122,24 @@ class Phase(Params):
         gt=0.0,
         le=3.0,
     )
-    events: Annotated[list[Event], Capacity(MAX_EVENTS)] = param(
-        None, "events inside the phase", factory=list, max_length=MAX_EVENTS
+    events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
+        None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
     )
-    until: Trigger | None = param(None, "trigger that ends the phase; none for the last")
+    ways_out: Annotated[list[WayOut], Capacity(MAX_WAYS)] = param(
+        None, "ways in which the phase may end, and the phase that follows each", factory=list
+    )
+    until: Trigger | None = param(
+        None, "short for one more way out, with one condition, to the next phase", record=False
+    )
+
+    @property
+    def exits(self) -> list[WayOut]:
+        """All ways out in the order in which they are tried."""
+        if self.until is None:
+            return self.ways_out
+        values = self.until.model_dump()
+        window = {name: values.pop(name) for name in ("earliest_s", "latest_s")}
+        return [*self.ways_out, WayOut(when=[Condition(**values)], **window)]
 
 
 class MissionParams(Params):
@@ -110,5 +157,28 @@ class MissionParams(Params):
         None, "phases in order", factory=list, max_length=MAX_PHASES
     )
 
+    @property
+    def exits(self) -> list[list[WayOut]]:
+        """Ways out of each phase; nothing follows the last of the list but what its ways name."""
+        return [*(phase.exits for phase in self.phases[:-1]), *(phase.ways_out for phase in self.phases[-1:])]
 
-MISSION = dtype_of(MissionParams)
+    @property
+    def events(self) -> dict[str, Event]:
+        """Events by name in the order of their numbers: as the phases first name them."""
+        found: dict[str, Event] = {}
+        for phase in self.phases:
+            for event in phase.events:
+                found.setdefault(event.name, event)
+        return found
+
+
+_TABLE = dtype_of(MissionParams)
+MISSION = np.dtype(
+    [
+        *[(name, _TABLE.fields[name][0]) for name in _TABLE.names],
+        ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
+        ("follows", "i8", (MAX_PHASES, MAX_WAYS)),  # phase that each way out of each phase leads to
+        *[(name, EVENT_TABLE.fields[name][0]) for name in EVENT_TABLE.names],
+    ],
+    align=True,
+)

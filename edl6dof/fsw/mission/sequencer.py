@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.mission.phases import (
-    MAX_EVENTS,
     Q_ALTITUDE,
     Q_DESCENT_RATE,
     Q_DRAG,
@@ -19,8 +18,9 @@ from edl6dof.fsw.mission.phases import (
     Q_SPEED,
     Q_TIME,
     Q_TIME_TO_GO,
+    Q_WING_OPEN,
 )
-from edl6dof.interface.capacities import MAX_PHASES
+from edl6dof.interface.capacities import MAX_EVENTS, MAX_PHASES
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 
@@ -28,11 +28,14 @@ SEQUENCE = np.dtype(
     [
         ("phase", whole(0, MAX_PHASES - 1, of="phases")),
         ("phase_start", "f8"),  # s, flight time
-        ("event_done", FLAG, (MAX_EVENTS,)),
+        ("event_done", FLAG, (MAX_EVENTS,)),  # requested
         ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
     ],
     align=True,
 )
+
+#: Number of ``all`` among the ways to join conditions.
+JOIN_ALL = 0
 
 
 @kernel
@@ -58,7 +61,18 @@ def watched(quantity, nav, guide, elapsed):
         return nav.v_N[2]
     if quantity == Q_TIME_TO_GO:
         return guide.time_to_go
+    if quantity == Q_WING_OPEN:
+        return 1.0 if nav.wing_open != 0 else 0.0
     return 1.0 if nav.footpad_contact != 0 else 0.0
+
+
+@kernel
+def holds(condition, nav, guide, elapsed):
+    """Whether a condition holds."""
+    value = watched(condition.quantity, nav, guide, elapsed)
+    if condition.goes == 0:
+        return value < condition.value
+    return value > condition.value
 
 
 @kernel
@@ -68,10 +82,29 @@ def fires(trigger, nav, guide, elapsed):
         return False
     if elapsed >= trigger.latest:
         return True
-    value = watched(trigger.quantity, nav, guide, elapsed)
-    if trigger.goes == 0:
-        return value < trigger.value
-    return value > trigger.value
+    return holds(trigger, nav, guide, elapsed)
+
+
+@kernel
+def is_open(way, nav, guide, elapsed):
+    """Whether a way out of a phase is taken ``elapsed`` seconds into it."""
+    if elapsed < way.earliest - 1e-9:
+        return False
+    if elapsed >= way.latest:
+        return True
+    count = 0
+    for i in range(way.n_when):
+        if holds(way.when[i], nav, guide, elapsed):
+            count += 1
+    return count == way.n_when if way.join == JOIN_ALL else count > 0
+
+
+@kernel
+def enter(phase, t, memory):
+    """Begin a phase."""
+    memory.phase = phase
+    memory.phase_start = t
+    memory.entered[phase] = t
 
 
 @kernel
@@ -83,19 +116,17 @@ def sequence(mission, nav, guide, memory, request):
         nav: navigation record.
         guide: guidance record (time to go).
         memory: ``SEQUENCE`` record, updated.
-        request: written, one flag for each event name.
+        request: written, one flag for each event of the mission.
     """
     if mission.n_phases == 0:
         return
     elapsed = nav.t - memory.phase_start
     phase = mission.phases[memory.phase]
     for i in range(phase.n_events):
-        if memory.event_done[i] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
-            memory.event_done[i] = 1
-            request[phase.events[i].do] = 1
-    if memory.phase + 1 < mission.n_phases and fires(phase.until, nav, guide, elapsed):
-        memory.phase += 1
-        memory.phase_start = nav.t
-        memory.entered[memory.phase] = nav.t
-        for i in range(MAX_EVENTS):
-            memory.event_done[i] = 0
+        number = mission.number[memory.phase, i]
+        if memory.event_done[number] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
+            memory.event_done[number] = request[number] = 1
+    for i in range(phase.n_ways_out):
+        if is_open(phase.ways_out[i], nav, guide, elapsed):
+            enter(mission.follows[memory.phase, i], nav.t, memory)
+            return

@@ -35,11 +35,12 @@ class Arrows(Recorder):
         self._arrow("lift", LIFT, rows, _scaled(lift, before, size), before)
         thrust = self.flight["truth.engine_thrust_n"][rows]
         up = turns.rotate(motion.rotation[rows], np.array([-1.0, 0.0, 0.0]))
+        full = sum(engine.full_thrust_n for engine in self.vehicle.engines)
         self._arrow(
             "thrust",
             THRUST,
             rows,
-            0.9 * size * up * (thrust / max(self.vehicle.engine.full_thrust_n, 1.0))[:, None],
+            0.9 * size * up * (thrust / max(full, 1.0))[:, None],
             thrust > 1.0,
         )
         torque = turns.rotate(

@@ -20,14 +20,14 @@ class Descent(Recorder):
 
     def motions(self) -> None:
         """What hangs and what falls."""
-        mass, motion = self.vehicle.mass, self.motion
+        vehicle, motion = self.vehicle, self.motion
         self._parachute()
-        self._discarded(
-            "heat_shield", motion.heat_shield, mass.heat_shield.centre_m, shapes.heat_shield(self.vehicle)
-        )
-        self._discarded(
-            "backshell", motion.backshell, mass.backshell.centre_m, shapes.backshell(self.vehicle)
-        )
+        for name, shown, place, mesh in (
+            ("heat_shield", "capsule", motion.heat_shield, shapes.heat_shield(vehicle)),
+            ("backshell", "backshell", motion.backshell, shapes.backshell(vehicle)),
+        ):
+            if (part := vehicle.showing(shown)) is not None:
+                self._discarded(name, place, part.centre_m, mesh)
 
     def _parachute(self) -> None:
         rr = self.rr
@@ -42,7 +42,7 @@ class Descent(Recorder):
         self.columns(entity, self.t[rows], pose)
         lid_x, lid_r = shapes.backshell_profile(self.vehicle)[-1]
         ends = [[lid_x, lid_r * np.cos(a), lid_r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
-        strips = [[end, self.vehicle.parachute.confluence_m] for end in ends]
+        strips = [[end, self.vehicle.main_parachute.confluence_m] for end in ends]
         bridle = rr.LineStrips3D(strips, colors=LINE, radii=rr.Radius.ui_points(1.0))
         self.at(start, f"{self.root}/vehicle/bridle", bridle)
         gone = self.motion.released(self.motion.backshell)

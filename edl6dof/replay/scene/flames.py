@@ -19,7 +19,7 @@ class Flames(Recorder):
     def statics(self) -> None:
         """The shape of a flame: a white core in an orange mantle."""
         names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters) + ["engine_plume"] * (
-            self.vehicle.engine.full_thrust_n > 0.0
+            self.vehicle.engines
         )
         for name in names:
             for layer in ("core", "mantle"):
@@ -52,7 +52,7 @@ class Flames(Recorder):
         self._poses("thruster_plumes", self.t[rows], poses.partition(shown.sum(axis=1)))
 
     def _engine(self) -> None:
-        engine = self.vehicle.engine
+        engine = self.vehicle.engines[0]
         thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         if engine.full_thrust_n <= 0.0 or thrust.max() <= 0.0:
             return

@@ -48,7 +48,7 @@ class Motion:
         After release the backshell hangs under the canopy, whose own position is no longer computed: it is
         drawn above.
         """
-        model = self.vehicle.parachute
+        model = self.vehicle.main_parachute
         length = model.line_length_m
         first = self.released(self.canopy)
         if first is None or model.diameter_m <= 0.0:
@@ -61,7 +61,7 @@ class Motion:
         line = self.canopy[rows] - confluence
         free = ~np.isfinite(line[:, 0])
         if free.any():
-            place, turn = self.discarded(self.backshell, self.vehicle.mass.backshell.centre_m)
+            place, turn = self.discarded(self.backshell, self.vehicle.showing("backshell").centre_m)
             confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
             hang = np.array([0.0, 0.0, length])
             held = line[~free][-1] if (~free).any() else hang
@@ -98,7 +98,7 @@ class Motion:
         x points horizontally along the flight, z up from the planet where the vehicle is.
         """
         under = np.isfinite(self.canopy[:, 0])
-        line = self.vehicle.parachute.line_length_m
+        line = self.vehicle.main_parachute.line_length_m
         wide = np.log(max(line / 6.0, 1.5))
         alone = self.released(self.backshell)
         middle = np.where(under[:, None], np.nan_to_num(self.canopy - self.centre), 0.0)

@@ -41,7 +41,7 @@ class Vehicle(Recorder):
         if legs is not None and "landing_legs" in self.when:
             self.at(self.when["landing_legs"], f"{self.root}/vehicle/legs", self.mesh(legs))
         self._glow()
-        if vehicle.trim_wing.area_m2 > 0.0:
+        if vehicle.surfaces:
             self._trim_wing()
         for jet in vehicle.rcs.thrusters:
             self._failure(jet)

@@ -85,7 +85,7 @@ def lander(vehicle: VehicleParams) -> Mesh:
     """Descent stage: octagonal foil body, deck with rover, tanks, engine bell and a nozzle at every
     thruster.
     """
-    nozzle_x = vehicle.engine.nozzle_m[0] if vehicle.engine.full_thrust_n > 0.0 else -0.3
+    nozzle_x = vehicle.engines[0].nozzle_m[0] if vehicle.engines else -0.3
     bottom, top, r = nozzle_x - 0.30, nozzle_x - 0.95, 0.62 * vehicle.aero.capsule.diameter_m / 2.0
     parts = [
         revolve([(bottom, r), (top, r)], _striped(GOLD, 2, 0.86), 8),
@@ -121,8 +121,8 @@ def nozzle(jet: Any, colour: RGB, size: float = 1.0) -> Mesh:
 
 def trim_wing(vehicle: VehicleParams) -> Mesh:
     """The trim wing about its hinge: x along its span, z the normal that faces the flow when it is open."""
-    side = sqrt(vehicle.trim_wing.area_m2)
-    span = abs(vehicle.trim_wing.position_z_m) - wing_hinge(vehicle)[1]
+    side = sqrt(vehicle.surfaces[0].area_m2)
+    span = abs(vehicle.surfaces[0].position_z_m) - wing_hinge(vehicle)[1]
     plate = box((span, 0.0, 0.03), (side, side, 0.035), ORANGE)
     arms = [
         rod((0.0, k * 0.35 * side, 0.0), (span - 0.5 * side, k * 0.35 * side, 0.03), 0.022, SILVER)
@@ -135,9 +135,9 @@ def trim_wing(vehicle: VehicleParams) -> Mesh:
 def wing_hinge(vehicle: VehicleParams) -> tuple[np.ndarray, float]:
     """Hinge of the trim wing on the backshell (m in B), and its distance from the axis (m)."""
     stations, radii = zip(*reversed(backshell_profile(vehicle)), strict=True)
-    x = vehicle.trim_wing.position_x_m
+    x = vehicle.surfaces[0].position_x_m
     radius = float(np.interp(x, stations, radii))
-    return np.array([x, 0.0, radius * np.sign(vehicle.trim_wing.position_z_m)]), radius
+    return np.array([x, 0.0, radius * np.sign(vehicle.surfaces[0].position_z_m)]), radius
 
 
 def wing_axes(vehicle: VehicleParams, opening: np.ndarray) -> np.ndarray:
@@ -145,7 +145,7 @@ def wing_axes(vehicle: VehicleParams, opening: np.ndarray) -> np.ndarray:
     the axis when open.
     """
     swing = (1.0 - opening) * radians(90.0 + vehicle.aero.capsule.backshell_cone_angle_deg)
-    ahead, out = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, np.sign(vehicle.trim_wing.position_z_m)])
+    ahead, out = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, np.sign(vehicle.surfaces[0].position_z_m)])
     c, s = np.cos(swing)[..., None], np.sin(swing)[..., None]
     span, normal = c * out - s * ahead, c * ahead + s * out
     return np.stack([span, np.cross(normal, span), normal], axis=-1)
@@ -179,7 +179,7 @@ def canopy(vehicle: VehicleParams) -> tuple[Mesh, np.ndarray]:
     Returns:
         mesh, and the lines as segments (n, 2, 3).
     """
-    diameter, length = vehicle.parachute.diameter_m, vehicle.parachute.line_length_m
+    diameter, length = vehicle.main_parachute.diameter_m, vehicle.main_parachute.line_length_m
     r, band, gap, height = 0.34 * diameter, 0.12 * diameter, 0.035 * diameter, 0.20 * diameter
     gores, vent = 24, 0.06
 

@@ -151,8 +151,8 @@ def torque_steps(flight: Flight) -> dict[str, Flight]:
     start = first_times(flight.events)[begun(HOVER_IMAGING)] + STEP_AFTER_S
     state = state_at(start)
     thrust = float(np.interp(start, flight.telemetry["t_s"], flight.telemetry["truth.engine_thrust_n"]))
-    x, y, z = flight.scenario.vehicle.engine.nozzle_m
-    truth = {"vehicle.engine.nozzle_m": [x, y + STEP_NM / thrust, z]}
+    x, y, z = flight.scenario.vehicle.engines[0].nozzle_m
+    truth = {"vehicle.engines.main.nozzle_m": [x, y + STEP_NM / thrust, z]}
     hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
     longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
     return {

@@ -38,9 +38,9 @@ _SCENE = (
     *ENDLESS,
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
     "vehicle.mass.propellant={mass_kg: 190, centre_m: [-0.85, 0, 0], inertia_kg_m2: [0, 0, 0]}",
-    f"vehicle.engine.full_specific_impulse_s={ISP}",
-    f"vehicle.engine.low_specific_impulse_s={ISP}",
-    "vehicle.engine.nozzle_m=[-0.3, 0, 0]",
+    f"vehicle.engines.main.full_specific_impulse_s={ISP}",
+    f"vehicle.engines.main.low_specific_impulse_s={ISP}",
+    "vehicle.engines.main.nozzle_m=[-0.3, 0, 0]",
     "initial.flight_path_angle_deg=-90",
     "initial.alpha_deg=0",
     "initial.beta_deg=0",
@@ -56,7 +56,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
     for index, level in enumerate(THROTTLE):
         _, loaded = scenes([*_SCENE, f"simulation.time_limit_s={10 * (index + 1)}"], planted)
         state = state_of(loaded) if state is None else state
-        state.plant["running"], state.fsw["command"]["thrust"] = 1, level
+        state.plant["running"][0, 0], state.fsw["command"]["thrust"][0, 0] = 1, level
         state.fsw["command"]["engine_mode"] = 2 if index == 0 else 1
         flight = to_the_end(loaded, state)
         rows = flight.telemetry

@@ -13,10 +13,10 @@ from edl6dof.app.inspect import scenario_schema
 
 
 def test_section_shows_everything_about_its_parameters(capsys, monkeypatch):
-    code, out, err = run(capsys, monkeypatch, "params", "vehicle.parachute")
+    code, out, err = run(capsys, monkeypatch, "params", "vehicle.parachutes")
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[0] == "vehicle.parachute"
+    assert "vehicle.parachutes[]" in lines
     first = next(i for i, line in enumerate(lines) if line.startswith("  mortar_speed_m_s "))
     assert lines[first].split() == ["mortar_speed_m_s", "30.0", "m/s", ">", "0,", "<=", "100000"]
     assert lines[first + 1].strip() == "speed of the pack relative to the vehicle at mortar fire (estimate)"
@@ -57,23 +57,23 @@ def test_one_parameter(capsys, monkeypatch):
 def test_part_of_a_name_finds_it_anywhere(capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "params", "MORTAR_speed")
     assert code == 0
-    assert "vehicle.parachute" in out
+    assert "vehicle.parachutes[]" in out
     assert "mortar_speed_m_s" in out
 
 
 def test_unknown_path_names_the_nearest(capsys, monkeypatch):
     code, out, err = run(capsys, monkeypatch, "params", "vehicle.parashute")
     assert (code, out) == (2, "")
-    assert "did you mean 'vehicle.parachute'?" in err
+    assert "did you mean 'vehicle.parachutes'?" in err
     assert len(err.splitlines()) == 1
 
 
 def test_json_has_the_same_rows(capsys, monkeypatch):
-    code, out, _ = run(capsys, monkeypatch, "params", "vehicle.parachute", "--json")
+    code, out, _ = run(capsys, monkeypatch, "params", "vehicle.parachutes", "--json")
     assert code == 0
     found = {row["path"]: row for row in json.loads(out)}
-    assert found["vehicle.parachute.mortar_speed_m_s"] == {
-        "path": "vehicle.parachute.mortar_speed_m_s",
+    assert found["vehicle.parachutes[].mortar_speed_m_s"] == {
+        "path": "vehicle.parachutes[].mortar_speed_m_s",
         "type": "number",
         "unit": "m/s",
         "bounds": "> 0 and <= 100000",
@@ -82,7 +82,7 @@ def test_json_has_the_same_rows(capsys, monkeypatch):
         "status": "estimate",
         "source": "",
     }
-    assert all(path.startswith("vehicle.parachute.") for path in found)
+    assert all(path.startswith("vehicle.parachutes[]") for path in found)
 
 
 SHIPPED = sorted((ROOT / "scenarios").glob("*.yaml"))

@@ -15,8 +15,10 @@ from edl6dof.fsw.allocation.least_squares import LeastSquaresParams, share_out
 from edl6dof.fsw.allocation.registry import AllocationParams
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.fsw.onboard import ONBOARD
-from edl6dof.interface.parts import ENTRY, LANDER, UNDER_CHUTE
 from edl6dof.interface.thrusters import FINE, THRUSTER_GROUPS
+
+#: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
+ENTRY, LANDER, UNDER_CHUTE = 0, 0b111, 0b101
 
 ALL = 0b1111
 HEALTHY = np.ones(32, "i8")

@@ -9,8 +9,10 @@ from edl6dof.fsw.allocation.demand import DEMAND
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
 from edl6dof.fsw.allocation.update import ALLOCATION
-from edl6dof.interface.parts import LANDER
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
+
+#: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
+LANDER = 0b111
 
 ALL, USUAL = 0b1111, 0b1101
 TABLE = ALLOCATORS.names.index("table")

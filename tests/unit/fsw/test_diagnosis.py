@@ -15,8 +15,10 @@ from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
-from edl6dof.interface.parts import LANDER
 from edl6dof.scenario.schema import load_scenario
+
+#: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
+LANDER = 0b111
 
 NAMES = load_scenario("tianwen1").scenario.thruster_names
 DT = 0.04

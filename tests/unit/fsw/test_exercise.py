@@ -10,7 +10,9 @@ from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, NONE, ExerciseParams, opposite, pair_to_test
 from edl6dof.fsw.diagnosis.hypotheses import HYPOTHESES, STUCK_OFF
 from edl6dof.fsw.modulation import MODULATION, open_pair
-from edl6dof.interface.parts import LANDER
+
+#: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
+LANDER = 0b111
 
 DT = 0.04
 

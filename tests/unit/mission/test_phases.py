@@ -3,12 +3,22 @@
 import numpy as np
 import pytest
 
-from edl6dof.config.dtype import fill
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.mission.phases import GUIDANCE, MISSION, Event, MissionParams, Phase, Trigger
+from edl6dof.fsw.mission.phases import (
+    GUIDANCE,
+    MISSION,
+    Condition,
+    Event,
+    MissionParams,
+    Phase,
+    Trigger,
+    WayOut,
+)
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation import NAV
-from edl6dof.interface.events import EVENTS
+from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.interface.events import ACTIONS
+from edl6dof.scenario.events import event_problems, fill_mission, way_problems
 from edl6dof.scenario.schema import load_scenario
 
 DT = 0.02
@@ -18,17 +28,23 @@ def trigger(quantity, goes, value, **window):
     return Trigger(quantity=quantity, goes=goes, value=float(value), **window)
 
 
+VEHICLE = load_scenario("tianwen1").scenario.vehicle
+
+
 def plan(*phases):
-    record = np.zeros(1, MISSION)
-    fill(record[0], MissionParams(phases=list(phases)))
-    return record[0]
+    """Record of a mission of Tianwen-1, and the mission."""
+    mission, record = MissionParams(phases=list(phases)), np.zeros(1, MISSION)
+    assert event_problems(mission, VEHICLE) == {}
+    fill_mission(record[0], mission, VEHICLE)
+    return record[0], mission
 
 
 class Sequencer:
     """Runs the sequencer over a history of navigated quantities; keeps (time, event) and (time, phase)."""
 
-    def __init__(self, mission, start=0.0):
-        self.mission, self.k, self.start = mission, 0, start
+    def __init__(self, plan, start=0.0):
+        (self.mission, params), self.k, self.start = plan, 0, start
+        self.names = list(params.events)
         self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, SEQUENCE)[0]
         self.fsw["phase_start"] = start
         self.events, self.entered = [], [(start, 0)]
@@ -39,9 +55,9 @@ class Sequencer:
             self.nav["t"] = t
             for name, value in quantities.items():
                 self.set(name, value(t) if callable(value) else value)
-            request, before = np.zeros(7, np.int64), int(self.fsw["phase"])
+            request, before = np.zeros(MAX_EVENTS, np.int64), int(self.fsw["phase"])
             sequence(self.mission, self.nav, self.guide, self.fsw, request)
-            self.events += [(t, EVENTS[i]) for i in np.flatnonzero(request)]
+            self.events += [(t, self.names[i]) for i in np.flatnonzero(request)]
             if self.fsw["phase"] != before:
                 self.entered.append((t, int(self.fsw["phase"])))
             self.k += 1
@@ -115,9 +131,19 @@ def test_quantity_crossing_inside_the_window_fires_at_the_crossing():
 
 def test_each_event_is_requested_once_and_again_in_no_later_phase():
     events = [
-        Event(do="mortar", when=trigger("phase_time_s", "above", -1.0)),
-        Event(do="heat_shield", when=trigger("mach", "below", 0.8, earliest_s=1.0, latest_s=6.0)),
-        Event(do="landing_legs", when=trigger("phase_time_s", "above", 3.0)),
+        Event(name="mortar", action="deploy", thing="main", when=trigger("phase_time_s", "above", -1.0)),
+        Event(
+            name="heat_shield",
+            action="jettison",
+            thing="heat_shield",
+            when=trigger("mach", "below", 0.8, earliest_s=1.0, latest_s=6.0),
+        ),
+        Event(
+            name="landing_legs",
+            action="extend",
+            thing="landing_gear",
+            when=trigger("phase_time_s", "above", 3.0),
+        ),
     ]
     s = Sequencer(plan(Phase(name="a", events=events, until=trigger("phase_time_s", "above", 10.0)), last()))
     s.run(30.0, mach=lambda t: 0.7 + 0.2 * np.sin(20.0 * t))
@@ -129,8 +155,12 @@ def test_each_event_is_requested_once_and_again_in_no_later_phase():
 
 
 def test_same_event_slot_works_in_the_next_phase():
-    first = [Event(do="mortar", when=trigger("phase_time_s", "above", 0.5))]
-    second = [Event(do="backshell", when=trigger("phase_time_s", "above", 0.5))]
+    first = [Event(name="mortar", action="deploy", thing="main", when=trigger("phase_time_s", "above", 0.5))]
+    second = [
+        Event(
+            name="backshell", action="jettison", thing="backshell", when=trigger("phase_time_s", "above", 0.5)
+        )
+    ]
     s = Sequencer(
         plan(
             Phase(name="a", events=first, until=trigger("phase_time_s", "above", 2.0)),
@@ -143,7 +173,7 @@ def test_same_event_slot_works_in_the_next_phase():
 
 
 def test_event_outside_its_phase_is_not_requested():
-    events = [Event(do="trim_wing", when=trigger("mach", "below", 2.8))]
+    events = [Event(name="trim_wing", action="extend", thing="trim_wing", when=trigger("mach", "below", 2.8))]
     s = Sequencer(
         plan(Phase(name="a", until=trigger("phase_time_s", "above", 5.0)), Phase(name="b", events=events))
     )
@@ -191,9 +221,7 @@ def test_empty_mission_does_nothing():
 
 def test_tianwen_sequence_flown_on_a_plausible_profile_passes_all_phases_and_deploys_each_thing_once():
     mission = load_scenario("tianwen1").scenario.mission
-    record = np.zeros(1, MISSION)
-    fill(record[0], mission)
-    s = Sequencer(record[0])
+    s = Sequencer(plan(*mission.phases))
     s.run(
         280.0, drag=lambda t: 0.03 * t, mach=lambda t: max(25.0 - 0.09 * t, 0.4), height=2e4, time_to_go=9.0
     )
@@ -209,15 +237,93 @@ def test_tianwen_sequence_flown_on_a_plausible_profile_passes_all_phases_and_dep
     s.run(5.0, footpad_contact=1)
     assert [phase for _, phase in s.entered] == list(range(len(mission.phases)))
     names = [name for _, name in s.events]
-    assert sorted(names) == sorted(EVENTS)
+    assert sorted(names) == sorted(mission.events)
     order = ["trim_wing", "mortar", "heat_shield", "landing_legs", "backshell", "ignition", "cut_off"]
     assert names == order
 
 
 def test_names_in_the_table_are_those_the_record_counts():
     for index, name in enumerate(GUIDANCE):
-        record = plan(Phase(name="x", guidance=name))
+        record, _ = plan(Phase(name="x", guidance=name))
         assert record["phases"][0]["guidance"] == index
-    for index, name in enumerate(EVENTS):
-        record = plan(Phase(name="x", events=[Event(do=name, when=trigger("mach", "below", 1.0))]))
-        assert record["phases"][0]["events"][0]["do"] == index
+    record, mission = plan(*load_scenario("tianwen1").scenario.mission.phases)
+    assert record["n_events"] == len(mission.events) == 7
+    for row, event in zip(record["events"], mission.events.values(), strict=False):
+        assert ACTIONS[row["action"]] == event.action and row["delay"] == event.delay_s
+    assert [int(row["thing"]) for row in record["events"][:7]] == [0, 0, 0, -1, 1, 0, 0]
+
+
+def test_the_same_event_in_two_phases_is_one_and_a_name_with_two_meanings_is_refused():
+    now = trigger("phase_time_s", "above", -1.0)
+    shield = Event(name="off", action="jettison", thing="heat_shield", when=now)
+    later = Event(name="off", action="jettison", thing="heat_shield", when=trigger("mach", "below", 1.0))
+    record, _ = plan(Phase(name="a", events=[shield], until=now), Phase(name="b", events=[later]))
+    assert record["n_events"] == 1 and record["number"][1, 0] == 0
+    other = Event(name="off", action="jettison", thing="backshell", when=now)
+    mission = MissionParams(phases=[Phase(name="a", events=[shield, other])])
+    assert "does something else" in event_problems(mission, VEHICLE)["mission.phases.0.events.1.name"]
+
+
+def test_an_event_with_a_thing_that_is_not_there_is_refused():
+    event = Event(name="x", action="jettison", thing="ballast", when=trigger("mach", "below", 1.0))
+    words = event_problems(MissionParams(phases=[Phase(name="a", events=[event])]), VEHICLE)
+    assert words == {
+        "mission.phases.0.events.0.thing": "nothing to jettison named 'ballast'; names: heat_shield, "
+        "backshell, parachute_pack"
+    }
+
+
+def way(*conditions, **more):
+    return WayOut(when=[Condition(**condition) for condition in conditions], **more)
+
+
+LOW = {"quantity": "height_m", "goes": "below", "value": 100.0}
+SLOW = {"quantity": "speed_m_s", "goes": "below", "value": 50.0}
+
+
+@pytest.mark.parametrize(
+    "join, height, speed, leaves",
+    [
+        ("all", 50.0, 90.0, False),
+        ("all", 50.0, 20.0, True),
+        ("any", 50.0, 90.0, True),
+        ("any", 500.0, 90.0, False),
+    ],
+)
+def test_conditions_of_a_way_out_are_joined(join, height, speed, leaves):
+    table = plan(Phase(name="a", ways_out=[way(LOW, SLOW, join=join, next="c")]), last("b"), last("c"))
+    s = Sequencer(table).run(0.5, height=height, speed=speed)
+    assert [phase for _, phase in s.entered] == ([0, 2] if leaves else [0])
+
+
+def test_the_first_way_that_is_open_is_taken_and_until_comes_last():
+    ways = [way(LOW, earliest_s=2.0, next="low"), way(SLOW, next="slow", latest_s=8.0)]
+    phases = (
+        Phase(name="a", ways_out=ways, until=trigger("mach", "below", 1.0)),
+        *(last(name) for name in ("b", "low", "slow")),
+    )
+    fast_and_low = {"height": 50.0, "speed": 20.0, "mach": 0.5}
+    assert Sequencer(plan(*phases)).run(1.0, **fast_and_low).entered[1][1] == 3
+    high = {"height": 500.0, "speed": 90.0, "mach": 2.0}
+    s = Sequencer(plan(*phases)).run(3.0, **high).run(0.1, **{**high, "height": 50.0})
+    assert s.entered[1][1] == 2
+    assert Sequencer(plan(*phases)).run(1.0, **{**high, "mach": 0.5}).entered[1][1] == 1
+    late = Sequencer(plan(*phases)).run(9.0, **high)
+    assert late.entered[1] == (pytest.approx(8.0), 3)
+
+
+def test_an_event_of_two_phases_happens_once():
+    now = trigger("phase_time_s", "above", -1.0)
+    shield = Event(name="off", action="jettison", thing="heat_shield", when=now)
+    again = Phase(name="b", events=[shield])
+    s = Sequencer(plan(Phase(name="a", events=[shield], until=trigger("phase_time_s", "above", 1.0)), again))
+    assert [name for _, name in s.run(3.0).events] == ["off"] and s.fsw["phase"] == 1
+
+
+def test_a_way_to_a_phase_that_is_not_there_is_refused():
+    phases = [Phase(name="a", ways_out=[way(LOW, next="nowhere")]), last()]
+    assert way_problems(MissionParams(phases=phases)) == {
+        "mission.phases.0.ways_out.0.next": "no phase named 'nowhere'; names: a, last"
+    }
+    lost = way_problems(MissionParams(phases=[Phase(name="a", ways_out=[way(LOW)])]))
+    assert "name the phase that follows" in lost["mission.phases.0.ways_out.0"]

@@ -18,7 +18,7 @@ BAND = {"full_thrust_n": 7500.0, "throttle_min_n": 1500.0, "throttle_max_n": 500
 
 def engine(**changes):
     record = np.zeros(1, ENGINE).view(np.recarray)[0]
-    fill(record, EngineParams(**{**BAND, **changes}))
+    fill(record, EngineParams(**{"name": "main", **BAND, **changes}))
     return record
 
 

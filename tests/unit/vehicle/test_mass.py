@@ -10,44 +10,65 @@ import pytest
 from pydantic import ValidationError
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.interface.parts import BACKSHELL, HEAT_SHIELD, PARACHUTE
+from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.vehicle.mass import (
     BODY,
+    Body,
     MassParams,
     Part,
     compose_dry,
     fill_lander,
     join,
+    lander_problem,
+    loaded,
     with_propellant,
 )
 
+
+def part(name, **numbers):
+    return Part(name=name, **numbers)
+
+
 PARTS = {
-    "heat_shield": Part(mass_kg=90.0, centre_m=(-0.35, 0.01, -0.02), inertia_kg_m2=(95.0, 52.0, 55.0)),
-    "backshell": Part(mass_kg=170.0, centre_m=(-1.75, -0.02, 0.015), inertia_kg_m2=(160.0, 110.0, 105.0)),
-    "parachute": Part(mass_kg=38.0, centre_m=(-2.35, 0.0, 0.01), inertia_kg_m2=(2.0, 1.5, 1.6)),
-    "propellant": Part(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
+    "heat_shield": part(
+        "heat_shield", mass_kg=90.0, centre_m=(-0.35, 0.01, -0.02), inertia_kg_m2=(95.0, 52.0, 55.0)
+    ),
+    "backshell": part(
+        "backshell", mass_kg=170.0, centre_m=(-1.75, -0.02, 0.015), inertia_kg_m2=(160.0, 110.0, 105.0)
+    ),
+    "parachute": part("parachute", mass_kg=38.0, centre_m=(-2.35, 0.0, 0.01), inertia_kg_m2=(2.0, 1.5, 1.6)),
 }
+PROPELLANT = Body(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0))
+JETTISONED = tuple(PARTS.values())
 VEHICLE = MassParams(
     entry_kg=1285.0,
     entry_centre_m=(-0.85, 0.004, -0.034),
     entry_inertia_kg_m2=(1150.0, 1020.0, 990.0),
-    **PARTS,
+    propellant=PROPELLANT,
 )
 
 
 @pytest.fixture(scope="module")
 def records():
-    mass = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
-    fill(mass, VEHICLE)
+    return filled(VEHICLE, JETTISONED)
+
+
+def filled(mass, parts):
+    """Records of mass, parts and lander."""
+    masses = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
+    fill(masses, mass)
+    slots = np.zeros(MAX_PARTS, dtype_of(Part)).view(np.recarray)
+    for slot, one in zip(slots, parts, strict=False):
+        fill(slot, one)
     lander = np.zeros(1, BODY).view(np.recarray)[0]
-    fill_lander(lander, VEHICLE)
-    return mass, lander
+    fill_lander(lander, mass, parts)
+    return masses, slots, len(parts), lander
 
 
 def composed(records, attached, propellant):
-    mass, lander = records
+    mass, slots, count, lander = records
     dry = np.zeros(1, BODY).view(np.recarray)[0]
-    compose_dry(mass, lander, np.array(attached), dry)
+    compose_dry(slots, count, lander, np.array(attached), dry)
     total, centre, inertia = with_propellant(dry, mass.propellant, propellant)
     return total, np.array(centre), tensor(inertia)
 
@@ -84,7 +105,7 @@ def part_cloud(part, share=1.0):
 
 
 def test_parts_and_lander_add_up_to_the_entry_vehicle(records):
-    total, centre, inertia = composed(records, (1, 1, 1), PARTS["propellant"].mass_kg)
+    total, centre, inertia = composed(records, (1, 1, 1), PROPELLANT.mass_kg)
     assert total == pytest.approx(1285.0, rel=1e-15)
     assert centre == pytest.approx(VEHICLE.entry_centre_m, abs=1e-15)
     assert inertia == pytest.approx(np.diag(VEHICLE.entry_inertia_kg_m2), abs=1e-11)
@@ -93,15 +114,15 @@ def test_parts_and_lander_add_up_to_the_entry_vehicle(records):
 @pytest.mark.parametrize("share", [1.0, 0.37, 0.0])
 @pytest.mark.parametrize("attached", [(1, 1, 1), (1, 1, 0), (0, 1, 0), (0, 0, 0), (1, 0, 1)])
 def test_what_is_left_after_a_jettison_is_the_cloud_of_what_was_not_thrown_off(records, attached, share):
-    _, lander = records
+    lander = records[3]
     points = [cloud(lander.mass, lander.centre, tensor(lander.inertia))]
-    for index, name in ((HEAT_SHIELD, "heat_shield"), (BACKSHELL, "backshell"), (PARACHUTE, "parachute")):
+    for index, name in enumerate(PARTS):
         if attached[index]:
             points.append(part_cloud(PARTS[name]))
     if share > 0.0:
-        points.append(part_cloud(PARTS["propellant"], share))
+        points.append(part_cloud(PROPELLANT, share))
     mass, centre, inertia = summed(np.vstack(points))
-    got = composed(records, attached, share * PARTS["propellant"].mass_kg)
+    got = composed(records, attached, share * PROPELLANT.mass_kg)
     assert got[0] == pytest.approx(mass, rel=1e-14)
     assert got[1] == pytest.approx(centre, abs=1e-14)
     assert got[2] == pytest.approx(inertia, abs=1e-10)
@@ -139,11 +160,7 @@ def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
     bare = MassParams(
         entry_kg=500.0, entry_centre_m=(-0.8, 0.0, 0.0), entry_inertia_kg_m2=(300.0, 200.0, 210.0)
     )
-    mass = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
-    lander = np.zeros(1, BODY).view(np.recarray)[0]
-    fill(mass, bare)
-    fill_lander(lander, bare)
-    total, centre, inertia = composed((mass, lander), (1, 1, 1), 0.0)
+    total, centre, inertia = composed(filled(bare, ()), (1, 1, 1), 0.0)
     assert (
         total == 500.0
         and tuple(centre) == (-0.8, 0.0, 0.0)
@@ -162,6 +179,7 @@ def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
             {"backshell": PARTS["backshell"].model_copy(update={"centre_m": (-4.5, 0.0, 0.0)})},
             "impossible principal inertias",
         ),
+        ({"lander_inertia_kg_m2": (3500.0, 1020.0, 990.0)}, "impossible principal inertias"),
     ],
     ids=[
         "parts too heavy",
@@ -169,8 +187,49 @@ def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
         "negative inertia",
         "flatter than a disk",
         "backshell too far aft",
+        "impossible inertia given",
     ],
 )
 def test_a_lander_that_cannot_exist_is_refused(change, words):
-    with pytest.raises(ValidationError, match=words):
-        MassParams(**{**dict(VEHICLE), **change})
+    if "lander_inertia_kg_m2" in change:
+        change = {"entry_inertia_kg_m2": None, **change}
+    parts = tuple({**PARTS, **{name: one for name, one in change.items() if name in PARTS}}.values())
+    mass = MassParams(**{**dict(VEHICLE), **{name: one for name, one in change.items() if name not in PARTS}})
+    assert words in lander_problem(mass, parts)
+
+
+def test_the_landers_inertia_may_be_given_itself():
+    direct = MassParams(
+        entry_kg=1285.0,
+        entry_centre_m=(-0.85, 0.004, -0.034),
+        lander_inertia_kg_m2=(500.0, 420.0, 410.0),
+        propellant=PROPELLANT,
+    )
+    derived = composed(filled(VEHICLE, JETTISONED), (0, 0, 0), 0.0)
+    mass, centre, inertia = composed(filled(direct, JETTISONED), (0, 0, 0), 0.0)
+    assert (mass, tuple(centre)) == (derived[0], tuple(derived[1]))
+    assert np.array_equal(inertia, np.diag([500.0, 420.0, 410.0]))
+    for both in ({}, {"entry_inertia_kg_m2": (1.0, 1.0, 1.0), "lander_inertia_kg_m2": (1.0, 1.0, 1.0)}):
+        with pytest.raises(ValidationError, match="either entry_inertia_kg_m2 or lander_inertia_kg_m2"):
+            MassParams(entry_kg=1.0, entry_centre_m=(0.0, 0.0, 0.0), **both)
+
+
+@pytest.mark.parametrize("attached", [(1, 1, 1), (1, 0, 1), (0, 1, 0), (0, 0, 0)])
+def test_the_flight_computers_masses_are_those_of_the_truth(records, attached):
+    kept = tuple(one for one, there in zip(JETTISONED, attached, strict=True) if there)
+    mass, centre, inertia = loaded(VEHICLE, JETTISONED, kept)
+    truth = composed(records, attached, PROPELLANT.mass_kg)
+    assert mass == pytest.approx(truth[0], rel=1e-14) and centre == pytest.approx(truth[1], abs=1e-14)
+    assert inertia == pytest.approx(truth[2], abs=1e-10)
+
+
+def test_a_ballast_mass_is_one_part_more():
+    """With it the vehicle is the same at entry; without it the centre moves by its share of the arm."""
+    ballast = Part(name="ballast", mass_kg=60.0, centre_m=(-0.9, 0.0, 1.2))
+    records = filled(VEHICLE, (*JETTISONED, ballast))
+    total, centre, inertia = composed(records, (1, 1, 1, 1), PROPELLANT.mass_kg)
+    assert total == pytest.approx(1285.0, rel=1e-15)
+    assert inertia == pytest.approx(np.diag(VEHICLE.entry_inertia_kg_m2), abs=1e-11)
+    lighter, moved, _ = composed(records, (1, 1, 1, 0), PROPELLANT.mass_kg)
+    assert lighter == pytest.approx(1225.0, rel=1e-15)
+    assert moved - centre == pytest.approx(60.0 / 1225.0 * (centre - np.array(ballast.centre_m)), abs=1e-14)

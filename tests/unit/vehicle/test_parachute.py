@@ -19,7 +19,7 @@ from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams
 
 def chute(**changes):
     record = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
-    fill(record, ParachuteParams(**{"diameter_m": 15.96, "line_length_m": 31.0, **changes}))
+    fill(record, ParachuteParams(**{"name": "main", "diameter_m": 15.96, "line_length_m": 31.0, **changes}))
     return record
 
 

@@ -34,7 +34,11 @@ SCENE = (
 )
 
 
-PACK = (*WEIGHTLESS, "vehicle.mass.parachute={mass_kg: 38, centre_m: [-1, 0, 0], inertia_kg_m2: [0, 0, 0]}")
+PACK = (
+    *WEIGHTLESS,
+    "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
+    "vehicle.parts.parachute_pack.inertia_kg_m2=[0, 0, 0]",
+)
 
 
 class Flown:

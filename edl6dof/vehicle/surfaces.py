@@ -1,21 +1,23 @@
-"""The trim wing (trim tab) of the Tianwen-1 entry capsule: a plate unfolded beside the backshell before
-parachute deployment.
+"""Surfaces that unfold, such as the trim wing (trim tab) of the Tianwen-1 entry capsule: a plate beside the
+backshell, opened before parachute deployment.
 
-It cancels the moment of the radial CG offset, which moves the trim angle from -10 deg to 0.
+The wing cancels the moment of the radial CG offset, which moves the trim angle from -10 deg to 0.
 """
 
 from __future__ import annotations
 
 from math import cos, sin, sqrt
 
-from edl6dof.config.base import Hardware, param
+from edl6dof.config.base import REQUIRED, Hardware, Key, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 
 
-class TrimWingParams(Hardware):
-    """Size, place and effectiveness of the trim wing."""
+class SurfaceParams(Hardware):
+    """Size, place and effectiveness of a plate that is unfolded once, such as a trim wing."""
 
+    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    carried_by: str | None = param(None, "part that it goes with; none: it stays", record=False)
     area_m2: float = param(0.16, "area of the plate", status="estimate", source="tianwen1.md 1.4", ge=0.0)
     force_coefficient: float = param(
         1.7,
@@ -51,7 +53,7 @@ class TrimWingParams(Hardware):
     )
 
 
-TRIM_WING = dtype_of(TrimWingParams)
+SURFACE = dtype_of(SurfaceParams)
 
 
 @kernel
@@ -67,6 +69,12 @@ def wing_opening(wing, elapsed):
         return 1.0
     share = elapsed / wing.deploy_time
     return share * share * (3.0 - 2.0 * share)
+
+
+@kernel
+def extension(case, plant, i, t):
+    """Opening 0..1 of surface ``i`` of the vehicle at ``t`` (s), with what a fault leaves of it."""
+    return min(wing_opening(case.vehicle.surfaces[i], t - plant.wing_start[i]), 1.0 - plant.wing_lost[i])
 
 
 @kernel

@@ -11,15 +11,15 @@ from scipy.optimize import brentq
 
 from edl6dof.config.dtype import fill
 from edl6dof.vehicle.aerodynamics import AERO, AeroParams, capsule_aero
-from edl6dof.vehicle.trim_wing import TRIM_WING, TrimWingParams, wing_force, wing_opening
+from edl6dof.vehicle.surfaces import SURFACE, SurfaceParams, wing_force, wing_opening
 
 D, AREA = 3.4, pi / 4 * 3.4**2
 CG = (-0.25 * D, 0.0, -0.0100 * D)  # above the axis: lift up at alpha -10 deg
 
 
 def wing_record(**changes):
-    wing = np.zeros(1, TRIM_WING)
-    fill(wing[0], TrimWingParams(**changes))
+    wing = np.zeros(1, SURFACE)
+    fill(wing[0], SurfaceParams(name="wing", **changes))
     return wing.view(np.recarray)[0]
 
 

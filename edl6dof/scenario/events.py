@@ -1,0 +1,106 @@
+"""Events and ways out of the mission by number: the names of things and phases turned into indices, for both
+sides alike.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.dtype import fill
+from edl6dof.fsw.mission.phases import Event, MissionParams
+from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
+from edl6dof.interface.events import ACTIONS, LANDING_GEAR
+from edl6dof.vehicle.vehicle import VehicleParams
+
+
+def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
+    """Index by name of what an action can be done to."""
+    if action == "jettison":
+        return {part.name: index for index, part in enumerate(vehicle.parts)}
+    if action in ("deploy", "release"):
+        return {chute.name: index for index, chute in enumerate(vehicle.parachutes)}
+    if action == "extend":
+        surfaces = {surface.name: index for index, surface in enumerate(vehicle.surfaces)}
+        return surfaces | {"landing_gear": LANDING_GEAR}
+    return {engine.name: index for index, engine in enumerate(vehicle.engines)}
+
+
+def event_problems(mission: MissionParams, vehicle: VehicleParams) -> dict[str, str]:
+    """Things that do not exist, names with two meanings and events too many, by dotted key."""
+    problems: dict[str, str] = {}
+    numbered = mission.events
+    for i, phase in enumerate(mission.phases):
+        for k, event in enumerate(phase.events):
+            here = f"mission.phases.{i}.events.{k}"
+            known = things(vehicle, event.action)
+            if event.thing not in known:
+                words = ", ".join(known) or "none"
+                problems[f"{here}.thing"] = (
+                    f"nothing to {event.action.replace('_', ' ')} named {event.thing!r}; names: {words}"
+                )
+            if _meaning(event) != _meaning(numbered[event.name]):
+                problems[f"{here}.name"] = f"another event is named {event.name!r} and does something else"
+    if len(numbered) > MAX_EVENTS:
+        problems["mission.phases"] = f"at most {MAX_EVENTS} events in all (got {len(numbered)})"
+    return problems
+
+
+def way_problems(mission: MissionParams) -> dict[str, str]:
+    """Phases that nothing follows or that do not exist, and time windows upside down, by dotted key."""
+    problems: dict[str, str] = {}
+    names = [phase.name for phase in mission.phases]
+    branches = {way.next for phase in mission.phases for way in phase.ways_out}
+    for i, phase in enumerate(mission.phases):
+        here, last = f"mission.phases.{i}", i == len(names) - 1
+        if not phase.exits and not last and names[i + 1] not in branches:
+            problems[here] = f"phase {phase.name!r} has no 'until'; only the last may go on for ever"
+        if len(phase.exits) > MAX_WAYS:
+            problems[f"{here}.ways_out"] = f"at most {MAX_WAYS} with 'until' (got {len(phase.exits)})"
+        for k, way in enumerate(phase.ways_out):
+            if way.next is None and last:
+                problems[f"{here}.ways_out.{k}"] = (
+                    "the last phase has no next one: name the phase that follows"
+                )
+            elif way.next is not None and way.next not in names:
+                problems[f"{here}.ways_out.{k}.next"] = (
+                    f"no phase named {way.next!r}; names: {', '.join(names)}"
+                )
+        windows = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
+        windows |= {f"ways_out.{k}": way for k, way in enumerate(phase.ways_out)}
+        windows |= {"until": phase.until} if phase.until is not None else {}
+        for below, window in windows.items():
+            if window.latest_s < window.earliest_s:
+                message = f"must not lie before earliest_s {window.earliest_s:g} (got {window.latest_s:g})"
+                problems[f"{here}.{below}.latest_s"] = message
+    return problems
+
+
+def fill_events(record: np.void, mission: MissionParams, vehicle: VehicleParams) -> None:
+    """Fill the fields of an ``EVENT_TABLE`` record with checked events."""
+    numbered = mission.events
+    record["n_events"] = len(numbered)
+    for slot, event in zip(record["events"], numbered.values(), strict=False):
+        slot["action"] = ACTIONS.index(event.action)
+        slot["thing"] = things(vehicle, event.action)[event.thing]
+        slot["delay"] = event.delay_s
+
+
+def fill_mission(record: np.void, mission: MissionParams, vehicle: VehicleParams) -> None:
+    """Fill a ``MISSION`` record with a checked mission: the phases, and the numbers of their events."""
+    ways = mission.exits
+    phases = [
+        phase.model_copy(update={"ways_out": out}) for phase, out in zip(mission.phases, ways, strict=True)
+    ]
+    fill(record, mission.model_copy(update={"phases": phases}))
+    fill_events(record, mission, vehicle)
+    numbers = {name: number for number, name in enumerate(mission.events)}
+    for row, phase in zip(record["number"], mission.phases, strict=False):
+        row[: len(phase.events)] = [numbers[event.name] for event in phase.events]
+    names = [phase.name for phase in mission.phases]
+    for index, (row, out) in enumerate(zip(record["follows"], ways, strict=False)):
+        follow = [way.next for way in out]
+        row[: len(follow)] = [index + 1 if name is None else names.index(name) for name in follow]
+
+
+def _meaning(event: Event) -> tuple[str, str, float]:
+    return event.action, event.thing, event.delay_s

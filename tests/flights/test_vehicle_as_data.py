@@ -1,0 +1,241 @@
+"""Other vehicles and missions by their YAML alone: a ballast mass, a drogue, a second engine, a branch.
+
+What each of them must do follows from sums and closed forms of its own, taken here in numpy.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import edl6dof
+
+
+@pytest.fixture(scope="module")
+def nominal():
+    return edl6dof.fly("tianwen1")
+
+
+def phases(change):
+    """Override: the mission of Tianwen-1 with ``change(phases)`` applied to its phases by name."""
+    own = edl6dof.load("tianwen1").scenario.mission.phases
+    table = {phase.name: phase.model_dump(mode="json", exclude_none=True) for phase in own}
+    change(table)
+    return f"mission.phases={json.dumps(list(table.values()))}"
+
+
+def when(quantity, goes, value, **window):
+    return {"quantity": quantity, "goes": goes, "value": value, **window}
+
+
+def event(name, action, thing, trigger, delay_s=0.0):
+    return {"name": name, "action": action, "thing": thing, "delay_s": delay_s, "when": trigger}
+
+
+def at(flight, column, t):
+    return np.interp(t, flight.telemetry["t_s"], flight.telemetry[column])
+
+
+# ---- ballast -----------------------------------------------------------------------------------
+
+BALLAST = {"name": "ballast", "mass_kg": 30.0, "centre_m": [-0.9, 0.0, -1.1], "drag_area_m2": 0.05}
+BALLAST_OFF_S = 40.0
+
+
+def parts(*more):
+    own = [part.model_dump(mode="json") for part in edl6dof.load("tianwen1").scenario.vehicle.parts]
+    return f"vehicle.parts={json.dumps([*own, *more])}"
+
+
+@pytest.fixture(scope="module")
+def without_ballast():
+    def change(table):
+        table["trim_aoa"]["events"] = [
+            event("ballast", "jettison", "ballast", when("time_s", "above", BALLAST_OFF_S))
+        ]
+
+    return edl6dof.fly("tianwen1", [parts(BALLAST), phases(change), "mission.goal=deployment"])
+
+
+def test_a_ballast_mass_leaves_and_moves_the_centre_by_its_share(without_ballast):
+    flight = without_ballast
+    t = next(one["t_s"] for one in flight.events if one["key"] == "ballast")
+    assert t == pytest.approx(BALLAST_OFF_S, abs=0.03)
+    before, after = (
+        np.array([at(flight, f"truth.centre_{axis}_m", s) for axis in "xyz"]) for s in (t - 0.5, t + 0.5)
+    )
+    mass = at(flight, "truth.mass_kg", t - 0.5)
+    moved = (before - np.array(BALLAST["centre_m"])) * 30.0 / (mass - 30.0)
+    assert mass - at(flight, "truth.mass_kg", t + 0.5) == pytest.approx(30.0, abs=0.1)
+    assert after - before == pytest.approx(moved, abs=1e-5)
+    # the flight computer believes so too
+    assert at(flight, "nav.mass_kg", t - 0.5) - at(flight, "nav.mass_kg", t + 0.5) == pytest.approx(
+        30.0, abs=0.1
+    )
+
+
+def test_without_its_ballast_the_vehicle_trims_at_another_angle(nominal, without_ballast):
+    """The trim angle of a blunt capsule goes with the offset of its centre of mass."""
+    flown = []
+    for flight in (nominal, without_ballast):
+        t = flight.telemetry["t_s"]
+        rows = (t > 120.0) & (t < 180.0)
+        flown.append([flight.telemetry[f"truth.{name}"][rows].mean() for name in ("centre_z_m", "alpha_deg")])
+    (z0, alpha0), (z1, alpha1) = flown
+    assert z1 - z0 == pytest.approx((-0.034 + 1.1) * 30.0 / 1255.0, abs=2e-3)
+    # in proportion for small angles; attitude control pulls a little towards the angle it is told
+    assert alpha1 / alpha0 == pytest.approx(z1 / z0, abs=0.15)
+
+
+# ---- drogue, then main -------------------------------------------------------------------------
+
+DROGUE_PACK = {"name": "drogue_pack", "mass_kg": 8.0, "centre_m": [-2.25, 0.0, -0.034]}
+DROGUE_S = 6.0
+
+
+def test_a_drogue_flies_before_the_main_parachute():
+    def change(table):
+        table["parachute"]["events"] = [
+            event("drogue", "deploy", "drogue", when("phase_time_s", "above", -1.0)),
+            event("drogue_off", "release", "drogue", when("phase_time_s", "above", DROGUE_S)),
+            event("mortar", "deploy", "main", when("phase_time_s", "above", DROGUE_S + 0.4)),
+            *table["parachute"]["events"][1:],
+        ]
+
+    own = [chute.model_dump(mode="json") for chute in edl6dof.load("tianwen1").scenario.vehicle.parachutes]
+    drogue = {**own[0], "name": "drogue", "pack": "drogue_pack", "diameter_m": 5.0, "line_length_m": 12.0}
+    flight = edl6dof.fly(
+        "tianwen1",
+        [parts(DROGUE_PACK), f"vehicle.parachutes={json.dumps([drogue, *own])}", phases(change)],
+    )
+    keys = [one["key"] for one in flight.events]
+    order = [key for key in keys if key in ("drogue", "drogue_off", "mortar", "line_stretch")]
+    assert order == ["drogue", "line_stretch", "drogue_off", "mortar", "line_stretch"]
+    times = {one["key"]: one["t_s"] for one in flight.events}
+    t, tension = flight.telemetry["t_s"], flight.telemetry["truth.riser_tension_n"]
+    quiet = (t > times["drogue_off"] + 0.05) & (t < times["mortar"])
+    assert quiet.sum() > 5 and np.all(tension[quiet] == 0.0)
+    # before that the drogue's drag, from its own area in the flow it met: quasi-steady, a swinging canopy
+    rows = (t > times["drogue_off"] - 1.5) & (t < times["drogue_off"] - 0.1)
+    pressure = flight.telemetry["truth.dynamic_pressure_pa"][rows]
+    drag = pressure * np.pi / 4.0 * 25.0 * drogue["drag_coefficient"]
+    assert tension[rows].mean() == pytest.approx(drag.mean(), rel=0.35)
+    assert flight.outcome == "landed within limits"
+
+
+# ---- two engines side by side ------------------------------------------------------------------
+
+ARM_M = 0.3
+
+
+def two_engines():
+    main = edl6dof.load("tianwen1").scenario.vehicle.engines[0].model_dump(mode="json")
+    halves = []
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        half = {**main, "name": name, "nozzle_m": [-0.3, side * ARM_M, 0.0]}
+        for key in ("full_thrust_n", "throttle_min_n", "throttle_max_n", "rate_n_s", "start_rate_n_s"):
+            half[key] = main[key] / 2.0
+        halves.append(half)
+    return f"vehicle.engines={json.dumps(halves)}"
+
+
+def both(table):
+    ignition, cut = table["powered_deceleration"]["events"][1], table["landed"]["events"][0]
+    table["powered_deceleration"]["events"][1:] = [
+        {**ignition, "thing": "left"}, {**ignition, "name": "second_ignition", "thing": "right"},
+    ]  # fmt: skip
+    table["landed"]["events"] = [
+        {**cut, "thing": "left"}, {**cut, "name": "second_cut_off", "thing": "right"},
+    ]  # fmt: skip
+
+
+def test_two_engines_of_half_the_thrust_descend_as_one(nominal):
+    flight = edl6dof.fly("tianwen1", [two_engines(), phases(both)])
+    assert flight.metrics["touchdown_s"] == pytest.approx(nominal.metrics["touchdown_s"], abs=0.5)
+    assert flight.metrics["propellant_used_kg"] == pytest.approx(
+        nominal.metrics["propellant_used_kg"], abs=0.5
+    )
+    start = flight.metrics["backshell_s"]
+    for s in (1.5, 10.0, 25.0):
+        thrust = [at(one, "truth.engine_thrust_n", start + s) for one in (flight, nominal)]
+        assert thrust[0] == pytest.approx(thrust[1], rel=0.01)
+
+
+def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
+    def change(table):
+        both(table)
+        stop = event("failure", "cut_off", "left", when("phase_time_s", "above", 3.0))
+        table["powered_deceleration"]["events"].append(stop)
+
+    flight = edl6dof.fly("tianwen1", [two_engines(), phases(change)])
+    t = next(one["t_s"] for one in flight.events if one["key"] == "failure")
+    table, step = flight.telemetry, 0.6  # after the decay of one and the build-up of the other
+    thrust = at(flight, "truth.engine_thrust_n", t + step)
+    # r x F about the centre of mass, of a thrust along -x at y = ARM_M
+    lever = ARM_M - at(flight, "truth.centre_y_m", t + step)
+    before, after = (at(flight, "truth.disturbance_z_nm", s) for s in (t - 0.05, t + step))
+    assert thrust > 500.0
+    assert after - before == pytest.approx(lever * thrust, rel=0.1)
+    assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
+
+
+# ---- a branch ----------------------------------------------------------------------------------
+
+
+def branched(table):
+    """A trim wing that is not open two seconds after its command ends the lift phase in one of its own."""
+    lift = table.pop("lift")
+    follow = {name: table.pop(name) for name in list(table) if name != "trim_aoa"}
+    straight = {**lift, "name": "straight", "events": lift.pop("events")}
+    straight["events"][0]["when"] = when("phase_time_s", "above", -1.0)
+    lift["until"] = when("mach", "below", 2.8, earliest_s=120.0)
+    not_open = [when("wing_open", "below", 0.5), when("mach", "below", 2.8)]
+    slow_enough = [when("mach", "below", 1.8), when("time_s", "above", 1e4)]
+    straight["ways_out"] = [
+        {"when": not_open, "join": "all", "earliest_s": 2.0, "next": "wing_failed"},
+        {"when": slow_enough, "join": "any", "next": "parachute"},
+    ]
+    straight.pop("until")
+    failed = {**straight, "name": "wing_failed", "events": [], "until": when("mach", "below", 1.8)}
+    failed.pop("ways_out")
+    table.update({"lift": lift, "straight": straight, "wing_failed": failed, **follow})
+
+
+def entered(flight):
+    return [one["key"].removeprefix("phase.") for one in flight.events if one["key"].startswith("phase.")]
+
+
+@pytest.mark.parametrize("failed", [False, True])
+def test_a_failed_trim_wing_is_a_branch(failed):
+    faults = ["faults=[{kind: wing_lost, at: {phase: lift}}]"] if failed else []
+    flight = edl6dof.fly("tianwen1", [phases(branched), "mission.goal=deployment", *faults])
+    assert flight.outcome.startswith("deployed")
+    way = ["trim_aoa", "lift", "straight", "parachute"]
+    assert entered(flight) == ([*way[:3], "wing_failed", "parachute"] if failed else way)
+    if failed:
+        times = {one["key"]: one["t_s"] for one in flight.events}
+        assert times["phase.wing_failed"] - times["phase.straight"] == pytest.approx(2.0, abs=0.03)
+
+
+# ---- order of separation -----------------------------------------------------------------------
+
+
+def test_the_backshell_may_leave_before_the_heat_shield():
+    """An abort at height: both go within a second, in the other order; shapes and masses follow."""
+
+    def change(table):
+        table["parachute"]["events"] = [
+            table["parachute"]["events"][0],
+            event("backshell", "jettison", "backshell", when("phase_time_s", "above", 20.0)),
+            event("heat_shield", "jettison", "heat_shield", when("phase_time_s", "above", 21.0)),
+        ]
+        table["powered_deceleration"]["events"].pop(0)
+
+    flight = edl6dof.fly("tianwen1", [phases(change), "simulation.time_limit_s=330"])
+    times = {one["key"]: one["t_s"] for one in flight.events}
+    assert times["heat_shield"] - times["backshell"] == pytest.approx(1.0, abs=0.03)
+    masses = [at(flight, "truth.mass_kg", times["backshell"] + s) for s in (-0.1, 0.5, 1.5)]
+    assert masses[0] - masses[1] == pytest.approx(130.0, abs=0.5)
+    assert masses[1] - masses[2] == pytest.approx(150.0, abs=0.5)
