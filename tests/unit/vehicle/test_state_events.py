@@ -36,6 +36,7 @@ SCENE = (
 
 PACK = (
     *WEIGHTLESS,
+    "vehicle.parts.parachute_pack.mass_kg=38",
     "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
     "vehicle.parts.parachute_pack.inertia_kg_m2=[0, 0, 0]",
 )
