@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, group, param
-from edl6dof.config.document.regular import content_key
+from edl6dof.config.document.regular import read_regular
 from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere_table import (
     MAX_ROWS,
@@ -120,7 +120,7 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams) -> AirInputs:
         raise ValueError("atmosphere model table needs a table file")
     return AirInputs(
         params.table,
-        content_key(table_path(params.table)) if params.table else "",
+        read_regular(table_path(params.table)) if params.table else b"",
         params.bottom_m,
         planet.gas.gas_constant_j_kg_k,
         params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,

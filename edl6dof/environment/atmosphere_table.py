@@ -98,7 +98,7 @@ class AirInputs(NamedTuple):
 
     Attributes:
         name: of the csv; empty for none.
-        content: key of the content of the csv.
+        content: of the csv.
         bottom_m: altitude down to which it is extended, m.
         gas_constant: J/(kg K).
         gravity: of the extension, m/s2.
@@ -106,7 +106,7 @@ class AirInputs(NamedTuple):
     """
 
     name: str
-    content: str
+    content: bytes
     bottom_m: float
     gas_constant: float
     gravity: float

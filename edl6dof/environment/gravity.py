@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Params, param
-from edl6dof.config.document.regular import content_key, read_regular_text
+from edl6dof.config.document.regular import read_regular, read_regular_text
 from edl6dof.config.dtype import fill
 from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
@@ -181,12 +181,12 @@ def fill_gravity(record: np.void, params: GravityParams) -> None:
     fill(record, params)
     record["term"] = 0.0
     if params.model == "harmonics":
-        record["term"] = _terms(params, content_key(coefficients_path(params.coefficients)))
+        record["term"] = _terms(params, read_regular(coefficients_path(params.coefficients)))
 
 
 @lru_cache(maxsize=8)
-def _terms(params: GravityParams, content: str) -> np.ndarray:
-    """Weights of the harmonics, shape (_ROWS, 7); ``content``: key of the file of coefficients."""
+def _terms(params: GravityParams, content: bytes) -> np.ndarray:
+    """Weights of the harmonics, shape (_ROWS, 7); ``content``: of the file of coefficients."""
     field = np.zeros(1, GRAVITY)
     fill(field[0], params)
     radius, mu, C, S = read_coefficients(params.coefficients)

@@ -201,7 +201,7 @@ class Figure:
         return (min(low for low, _ in x), max(high for _, high in x)), panel.span("y")
 
 
-def thinned(trace: Trace, buckets: int = 250) -> Trace:
+def thinned(trace: Trace, buckets: int = 1000) -> Trace:
     """The trace without points that no one would see: of each bucket of rows the first and the extremes of x
     and y stay, and all gaps.
 

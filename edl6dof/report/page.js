@@ -1,6 +1,6 @@
 "use strict";
 // Draws every figure when the page opens, a few at a time, so that the words can be read meanwhile; and again at paper width to print.
-(() => {
+(async () => {
   const figures = JSON.parse(document.getElementById("figure-data").textContent);
   const places = [...document.querySelectorAll("div.plot")];
   const PAPER_WIDTH = 686; // px, the text of an A4 page
@@ -32,7 +32,14 @@
     Plotly.react(place, data, { ...shrunk(layout), width: PAPER_WIDTH }, { staticPlot: true });
   };
   const unfold = (open) => document.querySelectorAll("details").forEach((part) => { part.open = open; });
+  const unpacked = async (id) => {
+    const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+    return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  };
+  document.head.append(Object.assign(document.createElement("script"), { text: await unpacked("plotly") }));
   addEventListener("beforeprint", () => { places.forEach(forPaper); unfold(true); });
   addEventListener("afterprint", () => { places.forEach(draw); unfold(false); });
   drawAll();
-})();
+})().catch((problem) => {
+  document.querySelectorAll("div.plot").forEach((place) => { place.textContent = `This browser cannot draw the plots: ${problem}`; });
+});

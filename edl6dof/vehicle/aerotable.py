@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.document.regular import content_key, read_regular_text
+from edl6dof.config.document.regular import read_regular, read_regular_text
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.records import require_finite
 from edl6dof.vehicle.aerodynamics import CapsuleParams
@@ -65,13 +65,13 @@ _UNFLOWN = {name: CapsuleParams.model_fields[name].default for name in FLOWN}
 
 
 class AeroInputs(NamedTuple):
-    """What the table follows from: the capsule, the ratio of specific heats behind the shock, and the key of
-    the content of its static table.
+    """What the table follows from: the capsule, the ratio of specific heats behind the shock, and the
+    content of its static table.
     """
 
     capsule: CapsuleParams
     heat_capacity_ratio: float
-    content: str
+    content: bytes
 
 
 def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInputs:
@@ -81,7 +81,7 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
         ValueError: there is no such static table.
         OSError: it cannot be read.
     """
-    content = content_key(_existing(capsule.static_table))
+    content = read_regular(_existing(capsule.static_table))
     return AeroInputs(capsule.model_copy(update=_UNFLOWN), heat_capacity_ratio, content)
 
 
@@ -137,12 +137,12 @@ def read_static_table(name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     CL, Cm.
     """
     path = _existing(name)
-    return _static_table(path, content_key(path))
+    return _static_table(path, read_regular(path))
 
 
 @lru_cache(maxsize=8)
-def _static_table(path: Path, content: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """As :func:`read_static_table`; ``content``: key of what is in the file."""
+def _static_table(path: Path, content: bytes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As :func:`read_static_table`; ``content``: of the file."""
     if path.suffix == ".dml":
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]

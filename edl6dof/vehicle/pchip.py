@@ -1,7 +1,7 @@
 """Monotone piecewise cubic interpolation of table columns, while a table is built.
 
 The same curve as scipy's ``PchipInterpolator`` (a test holds the two together); written out because importing
-``scipy.interpolate`` costs 0.2 s and 85 MB in every flight.  Source: Fritsch and Butland, SIAM J. Sci. Stat.
+``scipy.interpolate`` costs 0.2 s and 26 MiB in every flight.  Source: Fritsch and Butland, SIAM J. Sci. Stat.
 Comput. 5 (1984) 300-304.
 """
 

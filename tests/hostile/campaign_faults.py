@@ -77,6 +77,8 @@ class Faults:
         def watched(target: Any, *more: Any, **named: Any) -> Any:
             if name == "open" and not set("wax+") & set(more[0] if more else named.get("mode", "r")):
                 return operation(target, *more, **named)
+            if name == "mkdir" and os.path.isdir(target):  # filelock asks for the folder that it locks
+                return operation(target, *more, **named)
             self.seen.append(
                 f"{name} {os.readlink(f'/proc/self/fd/{target}') if isinstance(target, int) else target}"
             )

@@ -48,16 +48,15 @@ def test_page_carries_the_drawings_unharmed(report, html):
 
 
 def test_page_refers_to_nothing_outside_itself(html):
-    own = html.replace(html[html.index("/**\n* plotly.js") : html.index('<script>\n"use strict"')], "")
-    assert not re.findall(r"(?:src|href)\s*=\s*['\"](?!#)", own)
-    assert "default-src 'none'" in own
+    assert not re.findall(r"(?:src|href)\s*=\s*['\"](?!#)", html)
+    assert "default-src 'none'" in html
 
 
 def test_page_is_small_enough_to_be_mailed(html):
     assert len(html.encode()) < 6_000_000
 
 
-def test_headline_limits_and_published_figures_are_on_the_page(run, html):
+def test_outcome_limits_and_published_figures_are_on_the_page(run, html):
     assert run.summary["outcome"] in html
     for limit in run.summary["limits"]:
         assert limit["name"] in html
@@ -78,7 +77,7 @@ def test_thinning_keeps_a_lone_peak_and_the_gaps():
     y = np.sin(t)
     y[31_234] = 7.5
     y[10_000:20_000] = np.nan
-    few = thinned(Trace(t, y))
+    few = thinned(Trace(t, y), buckets=250)
     assert len(few.x) < 3000
     assert np.nanmax(few.y) == 7.5 and t[31_234] in few.x
     assert not np.any((few.x > t[10_000]) & (few.x < t[19_999]) & np.isfinite(few.y))

@@ -17,7 +17,6 @@ a campaign takes ``campaign.yaml`` away first.  Every reading checks a hash.
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 from collections.abc import Iterator
@@ -26,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
+from filelock import FileLock, Timeout
 
 from edl6dof.campaign.storage.documents import Info, Summary
 from edl6dof.campaign.storage.files import content, file_sha256, read_sealed, refused, sha256, write_sealed
@@ -34,6 +34,9 @@ from edl6dof.durable import make_folder, put_in_place, sync, write_atomic
 
 #: Name of a file that a killed program was writing, with the name that it was to get.
 _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
+
+#: File that the process holds locked that works in the folder.
+_LOCK = ".lock"
 
 _FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|report\.(?:html|pdf)")
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
@@ -132,24 +135,24 @@ class Store:
             make_folder(self.folder)
         if not self.folder.is_dir():
             raise refused(self.folder, "is not a folder" if self.folder.exists() else "no such folder")
-        handle = os.open(self.folder, os.O_RDONLY)
+        lock = FileLock(self.folder / _LOCK)
         try:
-            self._seize(handle)
+            lock.acquire(timeout=0.0)
+        except (Timeout, FileNotFoundError):  # or its owner has just removed the folder
+            raise refused(self.folder, "another process flies this campaign") from None
+        try:
             yield
         finally:
+            with suppress(OSError):  # Windows lets nobody remove an open file, and filelock does it there
+                (self.folder / _LOCK).unlink()
+            lock.release()
             with suppress(OSError):
                 for folder in made:
                     folder.rmdir()
-            os.close(handle)
 
-    def _seize(self, handle: int) -> None:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            taken = not os.path.samestat(os.fstat(handle), self.folder.stat())
-        except (BlockingIOError, FileNotFoundError):  # or its owner has just removed it
-            taken = True
-        if taken:
-            raise refused(self.folder, "another process flies this campaign")
+    def _entries(self) -> list[Path]:
+        """What lies in the folder, but for the lock."""
+        return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
         """See that a campaign may begin here.
@@ -157,16 +160,15 @@ class Store:
         Raises:
             StoreError: there is something already; with ``force``, something that is no campaign's.
         """
-        if not any(self.folder.iterdir()):
+        entries = self._entries()
+        if not entries:
             return
         if not force:
             raise refused(
                 self.folder,
                 ("exists; go on with --resume, replace it with --force, or choose another with --out"),
             )
-        if not os.path.lexists(self._info) and not all(
-            _LEFT.fullmatch(entry.name) for entry in self.folder.iterdir()
-        ):
+        if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in entries):
             raise refused(
                 self.folder, "is not the folder of a campaign; it is not replaced even with --force"
             )
@@ -203,7 +205,7 @@ class Store:
         Raises:
             StoreError: one of them is none that this program writes into the folder of a campaign.
         """
-        for entry in sorted(self.folder.iterdir()):
+        for entry in self._entries():
             names = _FOLDERS.get(entry.name)
             if names is not None and entry.is_dir() and not entry.is_symlink():
                 yield from (_required(file, names) for file in sorted(entry.iterdir()))

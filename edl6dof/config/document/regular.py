@@ -7,7 +7,6 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from hashlib import sha256
 from pathlib import Path
 
 #: Size, in bytes, of the largest table of numbers that is read.
@@ -35,15 +34,6 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
             str(path),
         )
     return content
-
-
-def content_key(path: Path) -> str:
-    """Hash of the content of a regular file: by it is kept what follows from a file, which may change.
-
-    Raises:
-        OSError: as :func:`read_regular`.
-    """
-    return sha256(read_regular(path)).hexdigest()
 
 
 def read_regular_text(path: Path, largest: int = LARGEST_TABLE, encoding: str = "utf-8") -> str:
