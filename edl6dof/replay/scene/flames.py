@@ -18,9 +18,8 @@ class Flames(Recorder):
 
     def statics(self) -> None:
         """The shape of a flame: a white core in an orange mantle."""
-        names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters) + ["engine_plume"] * (
-            self.vehicle.engines
-        )
+        names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters)
+        names += ["engine_plume"] * bool(self.vehicle.engines)
         for name in names:
             for layer in ("core", "mantle"):
                 tint = [255, 255, 255, 255 if layer == "core" else 120]

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.replay.history import History, vector
 from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.site import Site
@@ -61,7 +62,7 @@ class Motion:
         line = self.canopy[rows] - confluence
         free = ~np.isfinite(line[:, 0])
         if free.any():
-            place, turn = self.discarded(self.backshell, self.vehicle.showing("backshell").centre_m)
+            place, turn = self.discarded(self.backshell, stated(self.vehicle.showing("backshell")).centre_m)
             confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
             hang = np.array([0.0, 0.0, length])
             held = line[~free][-1] if (~free).any() else hang
