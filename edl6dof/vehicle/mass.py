@@ -9,14 +9,14 @@ nose, x forward).
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param, stated
 from edl6dof.jit import kernel
-from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, SHAPES
+from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
 
 
 class Body(Hardware):
@@ -31,7 +31,7 @@ class Part(Body):
     """A rigid part that can be jettisoned."""
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
-    shape: Literal[SHAPES] = param(
+    shape: Shape = param(
         "none", "what meets the air while this is the first part of the list that shows anything"
     )
     separation_velocity_m_s: Vec3 = param(
@@ -116,7 +116,7 @@ def lander_dry(params: MassParams, parts: tuple[Part, ...]) -> tuple[float, np.n
     centre = moment / mass
     if params.lander_inertia_kg_m2 is not None:
         return mass, _tensor(params.lander_inertia_kg_m2), centre
-    inertia = _tensor(params.entry_inertia_kg_m2) - _shift(mass, centre - whole)
+    inertia = _tensor(stated(params.entry_inertia_kg_m2)) - _shift(mass, centre - whole)
     for part in others:
         inertia = (
             inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
