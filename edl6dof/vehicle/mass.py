@@ -136,11 +136,7 @@ def loaded(
         bodies.append((body.mass_kg, np.asarray(body.centre_m), np.diag(body.inertia_kg_m2)))
     whole = sum(m for m, _, _ in bodies)
     middle = sum((m * c for m, c, _ in bodies), np.zeros(3)) / whole
-    about_middle = (
-        j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle))
-        for m, c, j in bodies
-    )
-    inertia = sum(about_middle, np.zeros((3, 3)))
+    inertia = sum((j + _shift(m, c - middle) for m, c, j in bodies), np.zeros((3, 3)))
     return whole, middle, inertia
 
 
