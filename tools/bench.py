@@ -120,8 +120,9 @@ def timed_loop(chunk_s: float | None = None) -> Iterator[Calls]:
 
 def _phase_in(arguments: tuple[Any, ...]) -> int:
     """Mission phase in the memory of the flight software, which is one of the record arrays."""
-    records = (a for a in arguments if getattr(getattr(a, "dtype", None), "names", None))
-    return next(int(record["phase"][0]) for record in records if "phase" in record.dtype.names)
+    from edl6dof.fsw.onboard import FSW
+
+    return next(int(a["mission"]["phase"][0]) for a in arguments if getattr(a, "dtype", None) == FSW)
 
 
 def fly_once(loaded: Any) -> tuple[Lap, Lap]:
