@@ -8,9 +8,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from edl6dof.config.dtype import fill
 from edl6dof.replay.history import History, vector
 from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.site import Site
+from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 
 
 class Motion:
@@ -69,7 +71,7 @@ class Motion:
             line[free] = held * fade + hang * (1.0 - fade)
         reach = np.linalg.norm(line, axis=-1)
         line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
-        spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
+        spread = self._spread(rows, reach, model)
         ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
         fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
         spread[fallen] *= (
@@ -80,11 +82,14 @@ class Motion:
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 
-    def _spread(self, rows: np.ndarray, reach: np.ndarray, length: float, duration: float) -> np.ndarray:
-        taut = np.flatnonzero(reach >= 0.97 * length)
+    def _spread(self, rows: np.ndarray, reach: np.ndarray, chute: ParachuteParams) -> np.ndarray:
+        """Width of the canopy over that of the open one, from the drag area it has after line stretch."""
+        taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf
-        grown = np.clip((self.t[rows] - start) / max(duration, 1e-3), 0.0, 1.0)
-        return 0.08 + 0.92 * grown**2
+        record = np.zeros(1, PARACHUTE_PARAMS)[0]
+        fill(record, chute)
+        grown = np.array([inflation(record, since) for since in self.t[rows] - start])
+        return 0.08 + 0.92 * np.sqrt(np.clip(grown, 0.0, 1.0))
 
     def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""

@@ -24,6 +24,14 @@ FAMILIES = [
         "wind: {model: gradient, gradient: {east_m_s: 3.0}}",
     ),
     (
+        *("parachute", "vehicle/parachute_models/reefed.py", '"reefed"', '"skirt"'),
+        "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.reefing_ratio: 0.3}",
+    ),
+    (
+        *("engine", "vehicle/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
+        "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
+    ),
+    (
         *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
         "campaign:\n  cases: 5\n  truth:\n    wind.scale: {kind: level, half_width: 0.2}",
     ),
@@ -57,7 +65,7 @@ def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path)
 
 
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
-    family, member, _, _, lines = FAMILIES[3]
+    family, member, _, _, lines = FAMILIES[-1]
     names = '    "uniform",\n', '    "level",\n'
     status, _, error = checked(tmp_path, family, member, *names, lines)
     assert status == 2
