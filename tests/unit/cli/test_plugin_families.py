@@ -2,12 +2,14 @@
 each mistake is named in one line.
 """
 
+import json
 from pathlib import Path
 
 import pytest
 from test_plugins import cli
 
 import edl6dof
+from edl6dof.scenario.viewed import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent
 AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200.0}"
@@ -62,6 +64,15 @@ def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path)
     status, _, error = checked(tmp_path, family, member, source.read_text(encoding="utf-8"), wrong, "")
     assert status == 2
     assert "uses a field that its records do not have" in error and len(error.strip().splitlines()) == 1
+
+
+def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
+    given = edl6dof.load("tianwen1").scenario.model_dump(mode="json", exclude_none=True)
+    given["plugins"] = ["skirt.py"]
+    given["vehicle"]["parachutes"][0] |= {"model": "skirt", "skirt": {"reefing_ratio": 0.3}}
+    given["vehicle"]["engines"][0] |= {"model": "bang_bang", "bang_bang": {"period_s": 0.2}}
+    vehicle = viewed_scenario(json.dumps(given), "received.yaml").scenario.vehicle
+    assert (vehicle.parachutes[0].model, vehicle.engines[0].model) == ("disk_gap_band", "throttled")
 
 
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
