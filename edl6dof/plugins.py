@@ -53,14 +53,14 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "estimator": ("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
     "distribution": ("distribution", {}),
     "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
-    "engine": (
+    "engine_model": (
         "engine model",
         {
             "rate": ("params", "engine", "t", "thrust", "command", "starting"),
             "specific_impulse": ("params", "engine", "thrust"),
         },
     ),
-    "parachute": (
+    "parachute_model": (
         "parachute model",
         {
             "inflation": ("params", "chute", "since_line_stretch"),

@@ -122,6 +122,7 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams) -> AirInputs:
         params.table,
         read_regular(table_path(params.table)) if params.table else b"",
         params.bottom_m,
+        max(params.top_m, 200e3),
         planet.gas.gas_constant_j_kg_k,
         params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,
         params.perturbation.sigma,

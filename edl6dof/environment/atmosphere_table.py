@@ -100,6 +100,7 @@ class AirInputs(NamedTuple):
         name: of the csv; empty for none.
         content: of the csv.
         bottom_m: altitude down to which it is extended, m.
+        top_m: altitude that the grid without a csv reaches, m.
         gas_constant: J/(kg K).
         gravity: of the extension, m/s2.
         sigma: relative sigma of density where the csv has none.
@@ -108,6 +109,7 @@ class AirInputs(NamedTuple):
     name: str
     content: bytes
     bottom_m: float
+    top_m: float
     gas_constant: float
     gravity: float
     sigma: float
@@ -125,13 +127,13 @@ def build_table(inputs: AirInputs) -> np.ndarray:
     Raises:
         ValueError: the csv is no such table.
     """
-    name, _, bottom_m, gas_constant, gravity, sigma = inputs
+    name, _, bottom_m, top_m, gas_constant, gravity, sigma = inputs
     if not name:
-        altitude = np.array([bottom_m, 200e3])
+        altitude = np.array([bottom_m, top_m])
         ones = np.ones(2)
         data = {"altitude": altitude, "density": ones, "temperature": 200.0 * ones, "sigma": sigma * ones}
         data |= {"east": 0.0 * ones, "north": 0.0 * ones}
-        step = 500.0
+        step = max(500.0, (top_m - bottom_m) / (MAX_ROWS - 2))
     else:
         data = read_table(name)
         step = float(np.diff(data["altitude"]).min())

@@ -24,9 +24,6 @@ from edl6dof.environment.winds.registry import WindChoice, wind_of_model
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held_cell
 
-#: Altitudes (m) that the random gust covers; beyond them its end value is held.
-_GUST_BOTTOM, _GUST_TOP = -8000.0, 200e3
-
 
 class GustParams(Params):
     """Random gust of a case: Gauss-Markov in altitude, its scale length growing with altitude."""
@@ -37,6 +34,8 @@ class GustParams(Params):
     sigma_m_s: Vec3 = param(
         (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
     )
+    bottom_m: float = param(-8000.0, "altitude below which the random gust stays the same", ge=-50e3, le=0.0)
+    top_m: float = param(200e3, "altitude above which the random gust stays the same", gt=0.0, le=1e7)
     vertical_ratio: float = param(0.5, "vertical over horizontal sigma", status="estimate", ge=0.0, le=1.0)
     scale_length_m: float = param(
         300.0,
@@ -116,21 +115,22 @@ def wind(w, table, alt):
 
 
 @kernel
-def gust_coordinate(alt, length, growth):
+def gust_coordinate(alt, bottom, length, growth):
     """Altitude in scale lengths above the gust's bottom: the integral of dh / L, L = length + growth * max(h,
     0).
 
     Evenly spaced rows in it resolve 300 m near the ground and kilometres higher up with one short array.
     """
     if alt <= 0.0:
-        return (alt - _GUST_BOTTOM) / length
-    return -_GUST_BOTTOM / length + log(1.0 + growth * alt / length) / growth
+        return (alt - bottom) / length
+    return -bottom / length + log(1.0 + growth * alt / length) / growth
 
 
 @kernel
 def _random_gust(w, alt):
     row, t = held_cell(
-        gust_coordinate(alt, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing, MAX_ROWS - 1
+        gust_coordinate(alt, w.gust.bottom, w.gust.scale_length, w.gust.scale_growth) / w.gust_spacing,
+        MAX_ROWS - 1,
     )
     return cubic(w.gust_east, row, t), cubic(w.gust_north, row, t), cubic(w.gust_up, row, t)
 
@@ -177,7 +177,7 @@ def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
     """Distance of the rows of the random gust in :func:`gust_coordinate`, and the sigma (m/s) at each: the
     same for most cases.
     """
-    top = gust_coordinate(_GUST_TOP, gust.scale_length_m, gust.scale_growth)
+    top = gust_coordinate(gust.top_m, gust.bottom_m, gust.scale_length_m, gust.scale_growth)
     return top / (MAX_ROWS - 1), gust.sigma_scale * np.interp(
         gust_altitudes(gust), gust.altitudes_m, gust.sigma_m_s
     )
@@ -185,7 +185,7 @@ def _gust_rows(gust: GustParams) -> tuple[float, np.ndarray]:
 
 def gust_altitudes(gust: GustParams) -> np.ndarray:
     """Altitude (m) of each row of the random gust: the inverse of :func:`gust_coordinate`."""
-    length, growth = gust.scale_length_m, gust.scale_growth
-    s = np.linspace(0.0, gust_coordinate(_GUST_TOP, length, growth), MAX_ROWS)
-    above = np.maximum(s + _GUST_BOTTOM / length, 0.0)
-    return np.where(above > 0.0, np.expm1(growth * above) * length / growth, _GUST_BOTTOM + s * length)
+    bottom, length, growth = gust.bottom_m, gust.scale_length_m, gust.scale_growth
+    s = np.linspace(0.0, gust_coordinate(gust.top_m, bottom, length, growth), MAX_ROWS)
+    above = np.maximum(s + bottom / length, 0.0)
+    return np.where(above > 0.0, np.expm1(growth * above) * length / growth, bottom + s * length)

@@ -94,7 +94,7 @@ def limits_table(flight: Flight) -> Table:
 
 def headline(flight: Flight) -> Text:
     """One line: how it ended."""
-    style = "bold green" if flight.success else "bold yellow" if flight.ending.reached else "bold red"
+    style = "bold green" if flight.success else "bold yellow" if flight.termination.reached else "bold red"
     return Text(f"{flight.name}: {flight.outcome} (at t = {flight.time_s:.1f} s)", style=style)
 
 

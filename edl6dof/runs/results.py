@@ -35,7 +35,7 @@ def summary(flight: Flight) -> dict[str, Any]:
         "name": flight.name,
         "outcome": flight.outcome,
         "success": flight.success,
-        "reached_goal": flight.ending.reached,
+        "reached_goal": flight.termination.reached,
         "time_s": flight.time_s,
         "phase": flight.phase,
         "edl6dof_version": __version__,

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.mission.phases import Event, MissionParams
+from edl6dof.fsw.mission.phases import Event, MissionParams, Trigger, WayOut
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -65,7 +65,9 @@ def way_problems(mission: MissionParams) -> dict[str, str]:
                 problems[f"{here}.ways_out.{k}.next"] = (
                     f"no phase named {way.next!r}; names: {', '.join(names)}"
                 )
-        windows = {f"events.{k}.when": event.when for k, event in enumerate(phase.events)}
+        windows: dict[str, Trigger | WayOut] = {
+            f"events.{k}.when": event.when for k, event in enumerate(phase.events)
+        }
         windows |= {f"ways_out.{k}": way for k, way in enumerate(phase.ways_out)}
         windows |= {"until": phase.until} if phase.until is not None else {}
         for below, window in windows.items():

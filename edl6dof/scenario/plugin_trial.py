@@ -43,8 +43,8 @@ _RETURNS = {
         "torque and attitude error, three numbers each",
         lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
     ),
-    "engine": ("a number (float)", lambda value: isinstance(value, float)),
-    "parachute": ("a number (float)", lambda value: isinstance(value, float)),
+    "engine_model": ("a number (float)", lambda value: isinstance(value, float)),
+    "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
     "estimator": ("nothing", lambda value: value is None),
     "sensor": ("nothing", lambda value: value is None),
     "atmosphere": (

@@ -68,8 +68,9 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
     """
     for path, model, choices in _PLACES:
         place = _section(data, path[:-1]).get(path[-1])
-        for section in place if isinstance(place, list) else [place]:
-            for key in list(section) if isinstance(section, dict) else []:
+        sections = place if isinstance(place, list) else [place]
+        for section in (one for one in sections if isinstance(one, dict)):
+            for key in list(section):
                 if key not in model.model_fields or section[key] not in choices.get(key, [section[key]]):
                     del section[key]
     for name, stand_in in _STAND_INS.items():

@@ -21,11 +21,11 @@ from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
-from edl6dof.sim.ending import Ending, ending, goal_code
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare, take_up
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
+from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
@@ -109,7 +109,7 @@ class Flight:
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""
-        self.events, self.metrics, self.checks, self.ending  # noqa: B018  computed from it, and kept from here on
+        self.events, self.metrics, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
         self.log = self.log[:0].copy()
         self.__dict__.pop("telemetry", None)
 
@@ -185,24 +185,24 @@ class Flight:
         """Whether it reached the goal of the mission (landed, deployed, or flown to the time limit) within
         all limits.
         """
-        return self.ending.success
+        return self.termination.success
 
     @cached_property
-    def ending(self) -> Ending:
+    def termination(self) -> Termination:
         """How the flight ended."""
-        return ending(self)
+        return termination(self)
 
     @property
     def outcome(self) -> str:
         """How the flight ended, in words."""
-        return self.ending.outcome
+        return self.termination.outcome
 
     @property
     def cause(self) -> str:
         """Why the flight is no success, without numbers, so that flights with one cause count together; empty
         for a success.
         """
-        return self.ending.cause
+        return self.termination.cause
 
     @property
     def phase(self) -> str:

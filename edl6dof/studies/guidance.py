@@ -22,6 +22,7 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
 from edl6dof.campaign.readback import value_at
 from edl6dof.campaign.rows import Row
+from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT
@@ -93,7 +94,7 @@ def entries(scenario: Scenario, runs: int) -> list[dict[str, Any]]:
     The three moments of inertia grow and shrink together: a body whose axes are dispersed one by one may be
     none that exists.
     """
-    nominal = scenario.vehicle.mass.entry_inertia_kg_m2
+    nominal = stated(scenario.vehicle.mass.entry_inertia_kg_m2)
     drawn: list[dict[str, Any]] = list(draw(spreads(scenario), runs, SEED))
     for truth in drawn:
         factor = truth[f"{_INERTIA}.0"] / nominal[0]

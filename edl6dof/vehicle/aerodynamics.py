@@ -16,7 +16,7 @@ aT: zero lateral velocity is regular.
 from __future__ import annotations
 
 from math import atan2, log10, pi, sin, sqrt
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Literal, Self, get_args
 
 from pydantic import model_validator
 
@@ -32,7 +32,8 @@ DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Scho
 MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
 #: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
 #: the open backshell with the lander inside.
-SHAPES = ("none", "capsule", "backshell")
+Shape = Literal["none", "capsule", "backshell"]
+SHAPES: tuple[Shape, ...] = get_args(Shape)
 CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL = range(len(SHAPES))
 
 DEG_PER_RAD = 180.0 / pi

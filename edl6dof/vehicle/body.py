@@ -102,9 +102,10 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
     least = 2.0  # more than open: none was to open yet
     for i in range(vehicle.n_surfaces):
+        if plant.wing_start[i] > t:
+            continue
         opening, carrier = extension(case, plant, i, t), case.carrier[i]
-        if plant.wing_start[i] <= t:
-            least = min(least, opening)
+        least = min(least, opening)
         if opening > 0.0 and (carrier < 0 or plant.attached[carrier] != 0):
             wing = wing_force(vehicle.surfaces[i], opening, qbar, v_air[0], v_air[1], v_air[2])
             wing_f = (wing[0], wing[1], wing[2])
@@ -223,17 +224,17 @@ def propulsion(case, plant, t, y, centre, dy):
     for i in range(MAX_ENGINES):
         dy[THRUST + i] = 0.0
     for i in range(case.vehicle.n_engines):
-        engine, level = case.vehicle.engines[i], y[THRUST + i]
-        thrust = level * (1.0 - plant.thrust_lost[i])
+        level, running = y[THRUST + i], plant.running[i] != 0
+        command = plant.thrust_command[i] if running and plant.inputs.fuelled != 0 else 0.0
+        if command == 0.0 and level == 0.0:
+            continue
+        engine, thrust = case.vehicle.engines[i], level * (1.0 - plant.thrust_lost[i])
         own_force, own_moment = thrust_wrench(engine, thrust)
         force = add(force, own_force)
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
         flow += propellant_flow(engine, thrust)
-        running = plant.running[i] != 0
-        command = plant.thrust_command[i] if running and plant.inputs.fuelled != 0 else 0.0
-        if command != 0.0 or level != 0.0:
-            dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
+        dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
     return force, moment, delivered, flow
 
 

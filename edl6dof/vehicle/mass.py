@@ -9,14 +9,14 @@ nose, x forward).
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param, stated
 from edl6dof.jit import kernel
-from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, SHAPES
+from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
 
 
 class Body(Hardware):
@@ -31,7 +31,7 @@ class Part(Body):
     """A rigid part that can be jettisoned."""
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
-    shape: Literal[SHAPES] = param(
+    shape: Shape = param(
         "none", "what meets the air while this is the first part of the list that shows anything"
     )
     separation_velocity_m_s: Vec3 = param(
@@ -116,7 +116,7 @@ def lander_dry(params: MassParams, parts: tuple[Part, ...]) -> tuple[float, np.n
     centre = moment / mass
     if params.lander_inertia_kg_m2 is not None:
         return mass, _tensor(params.lander_inertia_kg_m2), centre
-    inertia = _tensor(params.entry_inertia_kg_m2) - _shift(mass, centre - whole)
+    inertia = _tensor(stated(params.entry_inertia_kg_m2)) - _shift(mass, centre - whole)
     for part in others:
         inertia = (
             inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)
@@ -135,11 +135,8 @@ def loaded(
     for body in (*attached, params.propellant):
         bodies.append((body.mass_kg, np.asarray(body.centre_m), np.diag(body.inertia_kg_m2)))
     whole = sum(m for m, _, _ in bodies)
-    middle = sum(m * c for m, c, _ in bodies) / whole
-    inertia = sum(
-        j + m * ((c - middle) @ (c - middle) * np.eye(3) - np.outer(c - middle, c - middle))
-        for m, c, j in bodies
-    )
+    middle = sum((m * c for m, c, _ in bodies), np.zeros(3)) / whole
+    inertia = sum((j + _shift(m, c - middle) for m, c, j in bodies), np.zeros((3, 3)))
     return whole, middle, inertia
 
 

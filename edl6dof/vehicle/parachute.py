@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param
-from edl6dof.config.dtype import dtype_of
+from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 from edl6dof.vehicle.parachute_models.disk_gap_band import DiskGapBandParams
@@ -76,6 +76,12 @@ class ParachuteParams(ParachuteChoice, Hardware):
     carried_by: str | None = param(
         None, "part that it hangs from: it goes where that part goes", record=False
     )
+
+    def inflated(self, since_line_stretch_s: np.ndarray) -> np.ndarray:
+        """Share of the full drag area at times after line stretch, s."""
+        record = np.zeros(1, PARACHUTE_PARAMS)[0]
+        fill(record, self)
+        return np.array([inflation(record, since) for since in since_line_stretch_s])
 
 
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)

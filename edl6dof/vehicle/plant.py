@@ -18,6 +18,7 @@ from edl6dof.interface.capacities import (
     MAX_THRUSTERS,
 )
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
+from edl6dof.vehicle.aerodynamics import SHAPES
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
@@ -168,7 +169,7 @@ STATE = np.dtype(
         ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
         ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
         ("dry", BODY),  # of the parts that are attached
-        ("shape", "i8"),  # that they show to the air
+        ("shape", whole(0, len(SHAPES) - 1)),  # that they show to the air
         ("valves", VALVES),
         ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s

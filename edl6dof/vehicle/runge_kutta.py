@@ -17,7 +17,15 @@ from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives, motion
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
-from edl6dof.vehicle.plant import ATTITUDE, POSITION, PROPELLANT, STATES, STATES_VEHICLE, VELOCITY
+from edl6dof.vehicle.plant import (
+    ATTITUDE,
+    POSITION,
+    PROPELLANT,
+    STATES,
+    STATES_VEHICLE,
+    THRUST,
+    VELOCITY,
+)
 from edl6dof.vehicle.point_mass import POINT_MASS
 from edl6dof.vehicle.rcs import fire
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
@@ -92,7 +100,9 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
     ``middle`` and ``end`` are the rotation of the planet in the middle of the step and at its end.
     """
     y, k, stage = plant.y, work.k, work.stage
-    n = STATES if plant.canopy == EXTRACTING or plant.canopy == INFLATING else STATES_VEHICLE
+    n = THRUST + case.vehicle.n_engines
+    if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
+        n = STATES
     k1, k2, k3, k4 = k[0], k[1], k[2], k[3]
     t = plant.t
     h = t_end - t

@@ -90,8 +90,8 @@ class VehicleParams(Hardware):
             problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
         names = [part.name for part in self.parts]
         named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(self.parachutes)}
-        for key, things in (("parachutes", self.parachutes), ("surfaces", self.surfaces)):
-            named |= {f"{key}.{k}.carried_by": one.carried_by for k, one in enumerate(things)}
+        named |= {f"parachutes.{k}.carried_by": one.carried_by for k, one in enumerate(self.parachutes)}
+        named |= {f"surfaces.{k}.carried_by": one.carried_by for k, one in enumerate(self.surfaces)}
         for place, part in named.items():
             if part is not None and part not in names:
                 problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"

@@ -80,7 +80,7 @@ def stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
     (1/s), without the simulator.
     """
     table = Published(mach)
-    speed, inertia = scenario.initial.speed, scenario.vehicle.mass.entry_inertia_kg_m2[1]
+    speed, inertia = scenario.initial.speed, stated(scenario.vehicle.mass.entry_inertia_kg_m2)[1]
     density = stated(scenario.atmosphere.exponential).density_kg_m3
     push = 0.5 * density * speed**2 * pi / 4.0 * DIAMETER**2
     z, h = table.offset(), 0.01

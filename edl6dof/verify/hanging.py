@@ -50,7 +50,8 @@ class Planar:
         self.bluff, self.chute = vehicle.aero.backshell, chute
         self.rho = stated(scenario.atmosphere.exponential).density_kg_m3
         self.packed = next(part.mass_kg for part in vehicle.parts if part.name == chute.pack)
-        self.mass, self.inertia = vehicle.mass.entry_kg - self.packed, vehicle.mass.entry_inertia_kg_m2[1]
+        self.mass = vehicle.mass.entry_kg - self.packed
+        self.inertia = stated(vehicle.mass.entry_inertia_kg_m2)[1]
         self.canopy_mass = (
             self.packed
             + chute.apparent_mass_factor * self.rho * 4.0 / 3.0 * np.pi * (0.35 * chute.diameter_m) ** 3

@@ -26,7 +26,7 @@ OTHER_MEANINGS = {
     "edl6dof.report.flight.descent": {"parachute"},  # key of a plot
     "edl6dof.report.flight.parts": {"parachute"},  # word at the mortar's mark, as in the next one
     "edl6dof.report.flight.site": {"parachute"},
-    "edl6dof.sim.ending": {"landed"},  # an outcome, as in the next one
+    "edl6dof.sim.termination": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
     "edl6dof.studies.hu2022.rows": {"landed"},

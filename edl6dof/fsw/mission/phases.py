@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section
+from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
 from edl6dof.config.dtype import dtype_of
 from edl6dof.fsw.control.registry import ControllerName
 from edl6dof.fsw.mission.roles import NO_ROLE, Role
@@ -175,10 +175,10 @@ class MissionParams(Params):
 _TABLE = dtype_of(MissionParams)
 MISSION = np.dtype(
     [
-        *[(name, _TABLE.fields[name][0]) for name in _TABLE.names],
+        *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
         ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
         ("follows", "i8", (MAX_PHASES, MAX_WAYS)),  # phase that each way out of each phase leads to
-        *[(name, EVENT_TABLE.fields[name][0]) for name in EVENT_TABLE.names],
+        *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
     ],
     align=True,
 )

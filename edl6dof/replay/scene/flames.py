@@ -18,9 +18,8 @@ class Flames(Recorder):
 
     def statics(self) -> None:
         """The shape of a flame: a white core in an orange mantle."""
-        names = ["thruster_plumes"] * bool(self.vehicle.rcs.thrusters) + ["engine_plume"] * (
-            self.vehicle.engines
-        )
+        fires = {"thruster_plumes": self.vehicle.rcs.thrusters, "engine_plume": self.vehicle.engines}
+        names = [name for name, those in fires.items() if those]
         for name in names:
             for layer in ("core", "mantle"):
                 tint = [255, 255, 255, 255 if layer == "core" else 120]

@@ -8,11 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from edl6dof.config.dtype import fill
+from edl6dof.config.base import stated
 from edl6dof.replay.history import History, vector
 from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.site import Site
-from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 
 
 class Motion:
@@ -63,7 +62,7 @@ class Motion:
         line = self.canopy[rows] - confluence
         free = ~np.isfinite(line[:, 0])
         if free.any():
-            place, turn = self.discarded(self.backshell, self.vehicle.showing("backshell").centre_m)
+            place, turn = self.discarded(self.backshell, stated(self.vehicle.showing("backshell")).centre_m)
             confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
             hang = np.array([0.0, 0.0, length])
             held = line[~free][-1] if (~free).any() else hang
@@ -71,7 +70,7 @@ class Motion:
             line[free] = held * fade + hang * (1.0 - fade)
         reach = np.linalg.norm(line, axis=-1)
         line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
-        spread = self._spread(rows, reach, model)
+        spread = self._spread(rows, reach)
         ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
         fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
         spread[fallen] *= (
@@ -82,14 +81,13 @@ class Motion:
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 
-    def _spread(self, rows: np.ndarray, reach: np.ndarray, chute: ParachuteParams) -> np.ndarray:
+    def _spread(self, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """Width of the canopy over that of the open one, from the drag area it has after line stretch."""
+        chute = self.vehicle.main_parachute
         taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf
-        record = np.zeros(1, PARACHUTE_PARAMS)[0]
-        fill(record, chute)
-        grown = np.array([inflation(record, since) for since in self.t[rows] - start])
-        return 0.08 + 0.92 * np.sqrt(np.clip(grown, 0.0, 1.0))
+        grown = np.clip(chute.inflated(self.t[rows] - start), 0.0, 1.0)
+        return 0.08 + 0.92 * np.sqrt(grown)
 
     def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""

@@ -11,8 +11,6 @@ AIAA 2008-7218; both from memory.
 
 from __future__ import annotations
 
-from math import floor
-
 from edl6dof.config.base import Hardware, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -44,7 +42,7 @@ def rate(params, engine, t, thrust, command, starting):
         opened = 0.0
     elif period - opened < shortest:
         opened = period
-    open_now = t - period * floor(t / period) < opened
+    open_now = t % period < opened
     return ((engine.full_thrust if open_now else 0.0) - thrust) / params.lag
 
 

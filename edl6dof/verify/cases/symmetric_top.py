@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from edl6dof.config.base import stated
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, VACUUM, WEIGHTLESS, flown, rates, vectors
 
@@ -36,7 +37,7 @@ def _slope(t: np.ndarray, angle: np.ndarray) -> float:
 def run(planted: Sequence[str] = ()) -> Outcome:
     """Spin for 200 s and measure both turning rates by the slope of their phase."""
     nominal, flight = flown(_SCENE, planted)
-    axial, lateral, _ = nominal.vehicle.mass.entry_inertia_kg_m2
+    axial, lateral, _ = stated(nominal.vehicle.mass.entry_inertia_kg_m2)
     w, q, t = rates(flight), vectors(flight, "q_I2B", "", "wxyz"), flight.telemetry["t_s"]
     in_body = _slope(t, np.arctan2(w[:, 2], w[:, 1]))
     expected_body = w[0, 0] * (axial - lateral) / lateral

@@ -223,3 +223,15 @@ def test_perturbed_density_stays_positive_and_smooth():
     assert np.all(rho > 0.0)
     values = [air(atm, gas, table, 10e3 + k * 1e-3)[0] for k in (-2, -1, 1, 2)]
     assert values[1] - values[0] == pytest.approx(values[3] - values[2], abs=1e-10)
+
+
+def test_perturbation_fills_the_air_up_to_the_top_of_the_scenario():
+    """Titan's air without a csv: density still varies at 600 km."""
+    given = {"perturbation": {"enabled": True}, "model": "exponential", "table": "", "exponential": AIR}
+    atm, gas, table = build(1, 1, top_m=1.3e6, **given)
+    bare, _, _ = build(1, 1, top_m=1.3e6, **given | {"perturbation": {"enabled": False}})
+    factors = [air(atm, gas, table, h)[0] / air(bare, gas, table, h)[0] for h in (600e3, 610e3, 640e3)]
+    assert len(set(factors)) == 3 and all(0.5 < factor < 1.5 for factor in factors)
+
+
+AIR = {"density_kg_m3": 5.35, "scale_height_m": 21050.0, "temperature_k": 94.0}

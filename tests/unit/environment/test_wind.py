@@ -83,12 +83,16 @@ def test_discrete_gust_is_one_minus_cosine():
     assert slope == pytest.approx(-0.5 * 20 * pi / 150, rel=1e-5)
 
 
+#: Bottom (m), scale length (m) and its growth, as by default.
+SCALES = (-8000.0, 300.0, 0.085)
+
+
 def test_gust_coordinate_counts_scale_lengths():
     for h in (-3000.0, 500.0, 20e3):
-        rate = (gust_coordinate(h + 1.0, 300.0, 0.085) - gust_coordinate(h - 1.0, 300.0, 0.085)) / 2.0
+        rate = (gust_coordinate(h + 1.0, *SCALES) - gust_coordinate(h - 1.0, *SCALES)) / 2.0
         assert 1.0 / rate == pytest.approx(300.0 + 0.085 * max(h, 0.0), rel=1e-5)
     rows = gust_altitudes(GustParams())
-    again = [gust_coordinate(h, 300.0, 0.085) for h in rows]
+    again = [gust_coordinate(h, *SCALES) for h in rows]
     assert np.allclose(again, np.linspace(0.0, again[-1], len(rows)), atol=1e-9)
     assert np.diff(again)[0] < 0.2  # at least five rows per scale length
 
@@ -130,6 +134,14 @@ def test_gust_outside_its_rows_holds_and_nan_does_not_crash():
     assert wind(w, table, 500e3) == pytest.approx(wind(w, table, 200e3), rel=1e-9)
     assert wind(w, table, -9e3) == wind(w, table, -8e3)
     assert len(wind(w, table, np.nan)) == 3
+
+
+def test_gust_fills_the_air_of_a_planet_whose_air_reaches_higher():
+    """Titan's: the gust still changes over a scale length at 600 km, where the usual one holds its end."""
+    high = build(1, 1, model="none", gust={"enabled": True, "top_m": 1.3e6})
+    usual, table = build(1, 1, model="none", gust={"enabled": True}), shared()
+    changes = [abs(wind(w, table, 650e3)[0] - wind(w, table, 550e3)[0]) for w in (high, usual)]
+    assert changes[0] > 0.1 and changes[1] == 0.0
 
 
 def test_wrong_inputs_are_refused():

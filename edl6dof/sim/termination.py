@@ -22,7 +22,7 @@ _GOALS = {
 
 
 @dataclass(frozen=True)
-class Ending:
+class Termination:
     """How a flight ended.
 
     Attributes:
@@ -43,15 +43,15 @@ def goal_code(goal: str) -> int:
     return _GOALS[goal][0]
 
 
-def ending(flight: Flight) -> Ending:
+def termination(flight: Flight) -> Termination:
     """How ``flight`` ended."""
     reached, words, within = _GOALS[flight.scenario.mission.goal]
     missed = ", ".join(check.label for check in flight.checks if not check.ok)
     if flight.code == reached and not missed:
-        return Ending(True, True, words + within, "")
+        return Termination(True, True, words + within, "")
     told, plain = _circumstances(flight)
     if flight.code == reached:
-        return Ending(
+        return Termination(
             False, True, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}"
         )
     head, figure = _what(flight)
@@ -59,7 +59,7 @@ def ending(flight: Flight) -> Ending:
     # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what
     # counts together
     here = where if flight.phase_names or figure else ""
-    return Ending(False, False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
+    return Termination(False, False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
 
 
 def _what(flight: Flight) -> tuple[str, str]:
