@@ -53,6 +53,20 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "estimator": ("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
     "distribution": ("distribution", {}),
     "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
+    "engine_model": (
+        "engine model",
+        {
+            "rate": ("params", "engine", "t", "thrust", "command", "starting"),
+            "specific_impulse": ("params", "engine", "thrust"),
+        },
+    ),
+    "parachute_model": (
+        "parachute model",
+        {
+            "inflation": ("params", "chute", "since_line_stretch"),
+            "efficiency": ("params", "chute", "mach"),
+        },
+    ),
     "sensor": ("sensor", {"measure": ("params", "memory", "plant", "outputs", "sensed")}),
     "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
 }

@@ -27,6 +27,8 @@ from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
+from edl6dof.vehicle.engine import ENGINE
+from edl6dof.vehicle.parachute import PARACHUTE_PARAMS
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 #: What a kernel of each role must return, and whether a value is that.
@@ -41,6 +43,8 @@ _RETURNS = {
         "torque and attitude error, three numbers each",
         lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
     ),
+    "engine_model": ("a number (float)", lambda value: isinstance(value, float)),
+    "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
     "estimator": ("nothing", lambda value: value is None),
     "sensor": ("nothing", lambda value: value is None),
     "atmosphere": (
@@ -81,7 +85,11 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 
 
 def _argument(name: str, key: str, member: Member) -> Any:
-    scalars = {"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0}
+    scalars = {
+        **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
+        **{"since_line_stretch": 1.0, "mach": 1.5},
+        **{"t": 10.0, "thrust": 1000.0, "command": 2000.0, "starting": False},
+    }
     records = {
         "params": dtype_of(member.params),
         "plan": member.tables,
@@ -93,6 +101,8 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "inputs": CONTROL_INPUTS,
         "measured": MEASURED,
         "out": DISTURBANCE if key == "estimator" else GUIDE,
+        "chute": PARACHUTE_PARAMS,
+        "engine": ENGINE,
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,

@@ -23,13 +23,19 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
 from edl6dof.scenario.schema import LoadedScenario, check_document
 from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams
+from edl6dof.vehicle.engine import EngineParams
+from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
+from edl6dof.vehicle.parachute import ParachuteParams
+from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS
 
 _GUIDANCE = ("flight_software", "guidance")
-#: Sections that plugins may add to, and the keys there that choose a member of a family.
+#: Sections, or lists of them, that plugins may add to, and the keys there that choose a member of a family.
 _PLACES: tuple[tuple[tuple[str, ...], type[Params], dict[str, tuple[str, ...]]], ...] = (
     (("atmosphere",), AtmosphereParams, {"model": ATMOSPHERES.names}),
     (("wind",), WindParams, {"model": WINDS.names}),
     (("sensors",), SensorParams, {}),
+    (("vehicle", "engines"), EngineParams, {"model": ENGINE_MODELS.names}),
+    (("vehicle", "parachutes"), ParachuteParams, {"model": PARACHUTE_MODELS.names}),
     ((*_GUIDANCE, "entry"), EntryGuidanceParams, {"law": ENTRY_LAWS.names}),
     ((*_GUIDANCE, "entry", "reversal"), ReversalParams, {"logic": REVERSALS.names}),
     ((*_GUIDANCE, "powered"), PoweredGuidanceParams, {"law": POWERED_LAWS.names}),
@@ -61,10 +67,12 @@ def _leave_out_plugins(data: dict[str, Any]) -> None:
     none.
     """
     for path, model, choices in _PLACES:
-        section = _section(data, path)
-        for key in list(section):
-            if key not in model.model_fields or section[key] not in choices.get(key, [section[key]]):
-                del section[key]
+        place = _section(data, path[:-1]).get(path[-1])
+        sections = place if isinstance(place, list) else [place]
+        for section in (one for one in sections if isinstance(one, dict)):
+            for key in list(section):
+                if key not in model.model_fields or section[key] not in choices.get(key, [section[key]]):
+                    del section[key]
     for name, stand_in in _STAND_INS.items():
         _section(data, (name,)).setdefault("model", stand_in)
     sensors = _section(data, ("sensors",))

@@ -69,7 +69,7 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
     if case.dynamics == POINT_MASS:
         point_motion(case, plant, t, y, outputs, dy)
     else:
-        motion(case, plant, y, outputs, dy)
+        motion(case, plant, t, y, outputs, dy)
 
 
 @kernel
@@ -215,7 +215,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
 
 
 @kernel
-def propulsion(case, plant, y, centre, dy):
+def propulsion(case, plant, t, y, centre, dy):
     """Force and moment about the centre of mass (B) of the engines, sum of the thrusts delivered (N) and
     propellant flow (kg/s); writes the rates of the thrusts into ``dy``.
     """
@@ -234,13 +234,14 @@ def propulsion(case, plant, y, centre, dy):
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
         flow += propellant_flow(engine, thrust)
-        dy[THRUST + i] = thrust_rate(engine, level, command, plant.starting != 0 or not running)
+        dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
     return force, moment, delivered, flow
 
 
 @kernel
-def motion(case, plant, y, outputs, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``, the engines and the thrusters.
+def motion(case, plant, t, y, outputs, dy):
+    """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
+    the thrusters.
 
     Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
     """
@@ -249,7 +250,7 @@ def motion(case, plant, y, outputs, dy):
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    engine_force, engine_moment, delivered, flow = propulsion(case, plant, y, centre, dy)
+    engine_force, engine_moment, delivered, flow = propulsion(case, plant, t, y, centre, dy)
     rcs_force = take3(inputs.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)

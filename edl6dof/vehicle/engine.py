@@ -1,5 +1,5 @@
-"""Landing engines: start at full level, throttle band, first-order valve with a rate limit, specific
-impulse by throttle.
+"""Landing engines: place, direction and levels; how the thrust follows its command is the engine's model's
+(:mod:`edl6dof.vehicle.engine_models`).
 """
 
 from __future__ import annotations
@@ -12,15 +12,24 @@ from pydantic import field_validator
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import clamp, cross
+from edl6dof.spatial.vector import cross
+from edl6dof.vehicle.engine_models.registry import (
+    EngineChoice,
+    rate_of_model,
+    specific_impulse_of_model,
+)
+from edl6dof.vehicle.engine_models.throttled import ThrottledParams
 
 G0 = 9.80665
 
 
-class EngineParams(Hardware):
-    """A throttled engine."""
+class EngineParams(EngineChoice, Hardware):
+    """A landing engine."""
 
-    former: ClassVar = {"ignition_delay_s": "delay_s of the event that ignites the engine"}
+    former: ClassVar = {
+        "ignition_delay_s": "delay_s of the event that ignites the engine",
+        **{key: f"throttled: {{{key}: ...}}" for key in ThrottledParams.model_fields},
+    }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     full_thrust_n: float = param(REQUIRED, "thrust at the full level used at the start", gt=0.0)
@@ -28,16 +37,6 @@ class EngineParams(Hardware):
     throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
     full_specific_impulse_s: float = param(
         300.0, "specific impulse at full thrust", status="estimate", gt=0.0
-    )
-    low_specific_impulse_s: float = param(
-        285.0, "specific impulse at the lower end of the band", status="estimate", gt=0.0
-    )
-    lag_s: float = param(0.15, "first-order time constant of the thrust", status="estimate", gt=0.0)
-    rate_n_s: float = param(
-        1500.0, "largest rate of change of thrust while throttling", status="estimate", gt=0.0
-    )
-    start_rate_n_s: float = param(
-        25000.0, "rate of thrust build-up at ignition and of decay at cut-off", status="estimate", gt=0.0
     )
     nozzle_m: Vec3 = param((0.0, 0.0, 0.0), "point of thrust application in B")
     direction: Vec3 = param((-1.0, 0.0, 0.0), "unit vector of the thrust in B; -x is up when landed")
@@ -56,12 +55,11 @@ ENGINE = dtype_of(EngineParams)
 
 
 @kernel
-def thrust_rate(engine, thrust, command, starting):
-    """Time derivative of thrust (N/s) towards the commanded level; ``starting`` selects the fast build-up and
-    cut-off rate.
+def thrust_rate(engine, t, thrust, command, starting):
+    """Time derivative of thrust (N/s) at time ``t``, s; ``starting`` says whether the engine starts or is cut
+    off.
     """
-    limit = engine.start_rate if starting else engine.rate
-    return clamp((command - thrust) / engine.lag, -limit, limit)
+    return rate_of_model(engine.model, engine, engine, t, thrust, command, starting)
 
 
 @kernel
@@ -82,12 +80,8 @@ def thrust_wrench(engine, thrust):
 
 @kernel
 def propellant_flow(engine, thrust):
-    """Propellant mass flow (kg/s) at ``thrust`` N; the specific impulse runs linearly from the band's lower
-    end to full thrust.
-    """
+    """Propellant mass flow (kg/s) at ``thrust`` N."""
     if thrust <= 0.0:
         return 0.0
-    span = engine.full_thrust - engine.throttle_min
-    share = clamp((thrust - engine.throttle_min) / span, 0.0, 1.0) if span > 0.0 else 1.0
-    isp = engine.low_specific_impulse + share * (engine.full_specific_impulse - engine.low_specific_impulse)
+    isp = specific_impulse_of_model(engine.model, engine, engine, thrust)
     return thrust * engine.thrust_factor / (isp * engine.specific_impulse_factor * G0)

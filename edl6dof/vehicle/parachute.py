@@ -1,11 +1,9 @@
-"""Disk-gap-band parachute: canopy as its own body on an elastic riser, inflation, Mach-dependent drag.
+"""Parachute: canopy as its own body on an elastic riser; how it fills and drags is its model's.
 
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
-it in its own air-relative velocity.  Drag area, opening load, Mach efficiency and inflation follow the model
-used for the Mars Science Laboratory: Cruz, Way, Shidner et al., "Parachute Models Used in the Mars Science
-Laboratory Entry, Descent, and Landing Simulation", AIAA 2013-1276 (numbers second hand, see the reference
-data).  Left out: the thrust term of growing apparent mass (the opening-load factor was fitted without it) and
-canopy attitude of its own.
+it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
+(:mod:`edl6dof.vehicle.parachute_models`).  Left out: the thrust term of growing apparent mass (opening-load
+factors are fitted without it) and canopy attitude of its own.
 """
 
 from __future__ import annotations
@@ -16,17 +14,26 @@ from typing import ClassVar
 import numpy as np
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param
-from edl6dof.config.dtype import dtype_of
+from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
+from edl6dof.vehicle.parachute_models.disk_gap_band import DiskGapBandParams
+from edl6dof.vehicle.parachute_models.registry import (
+    ParachuteChoice,
+    efficiency_of_model,
+    inflation_of_model,
+)
 
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 
-class ParachuteParams(Hardware):
+class ParachuteParams(ParachuteChoice, Hardware):
     """Geometry, inflation, aerodynamics and suspension of a parachute, of which one flies at a time."""
 
-    former: ClassVar = {"mortar_delay_s": "delay_s of the event that deploys the parachute"}
+    former: ClassVar = {
+        "mortar_delay_s": "delay_s of the event that deploys the parachute",
+        **{key: f"disk_gap_band: {{{key}: ...}}" for key in DiskGapBandParams.model_fields},
+    }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
     diameter_m: float = param(1.0, "nominal diameter; the reference area is pi/4 of its square", gt=0.0)
@@ -51,20 +58,6 @@ class ParachuteParams(Hardware):
     damping_ratio: float = param(
         0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0
     )
-    inflation_speed_m_s: float = param(
-        27.2, "diameter over inflation time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
-    )
-    inflation_exponent: float = param(
-        4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
-    )
-    opening_load_factor: float = param(
-        1.344,
-        "drag-area overshoot at full inflation",
-        status="published",
-        source="MSL, Cruz et al. 2013",
-        ge=1.0,
-    )
-    overshoot_decay_s: float = param(0.25, "time in which the overshoot is gone", status="estimate", gt=0.0)
     apparent_mass_factor: float = param(0.75, "K in K rho (4/3) pi (0.35 D)^3", status="estimate", ge=0.0)
     area_oscillation: float = param(
         0.0, "relative drag-area oscillation above Mach 1.4", status="estimate", ge=0.0, lt=1.0
@@ -84,6 +77,12 @@ class ParachuteParams(Hardware):
         None, "part that it hangs from: it goes where that part goes", record=False
     )
 
+    def inflated(self, since_line_stretch_s: np.ndarray) -> np.ndarray:
+        """Share of the full drag area at times after line stretch, s."""
+        record = np.zeros(1, PARACHUTE_PARAMS)[0]
+        fill(record, self)
+        return np.array([inflation(record, since) for since in since_line_stretch_s])
+
 
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)
 
@@ -92,35 +91,9 @@ SUSPENSION = np.dtype([("pack", "i8"), ("carrier", "i8")], align=True)
 
 
 @kernel
-def mach_efficiency(mach):
-    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); continuous, 0.61 beyond Mach
-    2.6.
-    """
-    if mach <= 0.7:
-        return 1.0
-    if mach <= 0.94:
-        return 1.0 - 0.33 * (mach - 0.7) / 0.24
-    if mach <= 1.4:
-        s = (1.4 - mach) / 0.46
-        return 1.0 - 0.33 * s * s
-    if mach <= 1.85:
-        s = (mach - 1.4) / 0.45
-        return 1.0 - 0.16 * s * s
-    return 0.84 - 0.23 * min((mach - 1.85) / 0.75, 1.0)
-
-
-@kernel
 def inflation(chute, since_line_stretch):
-    """Drag-area fraction after line stretch: a power law up to the opening load factor, then a decay to
-    one.
-    """
-    if since_line_stretch <= 0.0:
-        return 0.0
-    x = since_line_stretch * chute.inflation_speed / chute.diameter
-    if x < 1.0:
-        return chute.opening_load_factor * x**chute.inflation_exponent
-    fade = (since_line_stretch - chute.diameter / chute.inflation_speed) / chute.overshoot_decay
-    return 1.0 + (chute.opening_load_factor - 1.0) * max(1.0 - fade, 0.0)
+    """Share of the full drag area after line stretch, s, as the parachute's model has it."""
+    return inflation_of_model(chute.model, chute, chute, since_line_stretch)
 
 
 @kernel
@@ -173,7 +146,8 @@ def canopy_force(chute, fraction, density, mach, t, v_air, axis):
     cosine = clamp(along / speed, -1.0, 1.0)
     sine = sqrt(1.0 - cosine * cosine)
     pressure = 0.5 * density * speed2
-    axial = pressure * area * chute.drag_coefficient * chute.drag_factor * mach_efficiency(mach) * abs(cosine)
+    efficiency = efficiency_of_model(chute.model, chute, chute, mach)
+    axial = pressure * area * chute.drag_coefficient * chute.drag_factor * efficiency * abs(cosine)
     pack = pressure * chute.pack_drag_area / speed
     # direction of v_air across the axis
     inverse = 1.0 / (speed * sine) if sine > 1e-9 else 0.0

@@ -109,7 +109,7 @@ def rk4(case, tables, plant, outputs, work, middle, end, t_end):
     if case.dynamics == POINT_MASS:  # a new bank command turns it, and its loads, at once
         derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, k1)
     else:
-        motion(case, plant, y, outputs, k1)
+        motion(case, plant, t, y, outputs, k1)
     for i in range(n):
         stage[i] = y[i] + 0.5 * h * k1[i]
     derivatives(case, tables, plant, t + 0.5 * h, middle, stage, outputs, k2)

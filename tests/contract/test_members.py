@@ -20,11 +20,14 @@ from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.sensors.registry import SENSOR_FAMILY
+from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
 from edl6dof.vehicle.faults import FAULT_KINDS
+from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS
 
 FAMILIES = (
     *(CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, ESTIMATORS),
     *(ATMOSPHERES, WINDS, SENSOR_FAMILY, FAULT_KINDS, DISTRIBUTIONS),
+    *(PARACHUTE_MODELS, ENGINE_MODELS),
 )
 MEMBERS = [(family, member) for family in FAMILIES for member in family.members]
 #: A law fills a file of its own; the kinds of faults are a few lines each and share one.

@@ -1,5 +1,5 @@
-"""One contract for what every model of air and wind, every sensor and every distribution does: finite,
-bounded and repeatable.
+"""One contract for what every model of air, wind, parachute and engine, every sensor and every distribution
+does: finite, bounded and repeatable.
 """
 
 from itertools import product
@@ -19,6 +19,10 @@ from edl6dof.environment.winds.registry import WINDS, wind_of_model
 from edl6dof.interface.sensed import SENSED
 from edl6dof.scenario.records import build_records, initial_plant, initial_sensors
 from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams, sense, sensor_problems
+from edl6dof.vehicle.engine import ENGINE, EngineParams, propellant_flow, thrust_rate
+from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
+from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
+from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS, efficiency_of_model
 from edl6dof.vehicle.plant import OUTPUTS
 
 #: Altitudes (m): below the ground of any planet, through the air, and far outside.
@@ -72,6 +76,39 @@ def test_wind_is_finite_bounded_and_repeatable(world, index):
     assert found.shape == (len(ALTITUDES), 2)
     assert np.all(np.isfinite(found)) and np.all(np.abs(found) < 2e3)
     assert np.array_equal(found, [wind_of_model(index, wind, table, alt) for alt in ALTITUDES])
+
+
+@pytest.mark.parametrize("name", PARACHUTE_MODELS.names)
+def test_parachute_fills_from_nothing_to_its_whole_area_and_is_repeatable(name):
+    chute = np.zeros(1, PARACHUTE_PARAMS)[0]
+    fill(chute, ParachuteParams(name="main", model=name, diameter_m=16.0, line_length_m=30.0))
+    times, machs = np.linspace(-1.0, 60.0, 6101), np.linspace(0.0, 30.0, 301)
+    share = np.array([inflation(chute, t) for t in times])
+    drag = np.array([efficiency_of_model(chute["model"], chute, chute, mach) for mach in machs])
+    assert np.all(np.isfinite(share)) and np.all((share >= 0.0) & (share < 2.0))
+    assert np.all(share[times <= 0.0] == 0.0) and share[-1] == 1.0
+    assert np.all((drag > 0.0) & (drag <= 1.0)) and drag[0] == 1.0
+    assert np.array_equal(share, [inflation(chute, t) for t in times])
+
+
+@pytest.mark.parametrize("name", ENGINE_MODELS.names)
+def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatable(name):
+    engine = np.zeros(1, ENGINE)[0]
+    fill(engine, EngineParams(name="main", model=name, full_thrust_n=7500.0, throttle_max_n=5000.0))
+
+    def burn():
+        thrust, levels = 0.0, []
+        for k, command in enumerate(np.repeat([7500.0, 1500.0, 60.0, 5000.0, 7500.0, 0.0], 4000)):
+            thrust += 1e-3 * thrust_rate(engine, 1e-3 * k, thrust, command, command in (0.0, 7500.0))
+            levels.append(thrust)
+        return np.array(levels)
+
+    levels = burn()
+    assert np.all(np.isfinite(levels)) and levels.min() >= 0.0 and levels.max() <= 7500.0
+    assert levels[3999] == pytest.approx(7500.0) and levels[-1] == pytest.approx(0.0, abs=1e-3)
+    flows = np.array([propellant_flow(engine, level) for level in (0.0, 60.0, 7500.0)])
+    assert flows[0] == 0.0 and np.all(flows[1:] > 0.0) and np.all(np.isfinite(flows))
+    assert np.array_equal(levels, burn())
 
 
 def measured(loaded, index, seed, cycles=12):

@@ -1,4 +1,5 @@
-"""Other vehicles and missions by their YAML alone: a ballast mass, a drogue, a second engine, a branch.
+"""Other vehicles and missions by their YAML alone: a ballast mass, a drogue, a second engine, other models of
+parachute and engine, a branch.
 
 What each of them must do follows from sums and closed forms of its own, taken here in numpy.
 """
@@ -125,6 +126,47 @@ def test_a_drogue_flies_before_the_main_parachute():
     assert flight.outcome == "landed within limits"
 
 
+# ---- another model of a parachute, of an engine -------------------------------------------------
+
+CUT_S = 5.0
+
+
+def test_a_reefed_parachute_pulls_with_its_reefed_area_and_then_with_the_open_one():
+    """Quasi-steady: tension over dynamic pressure is Cd S times the share that is open."""
+    reefed = f"{{reefing_ratio: 0.3, cutter_delay_s: {CUT_S}}}"
+    flight = edl6dof.fly(
+        "tianwen1",
+        [
+            "vehicle.parachutes.main.model=reefed",
+            f"vehicle.parachutes.main.reefed={reefed}",
+            "vehicle.parachutes.main.area_oscillation=0",
+        ],
+    )
+    taut = next(one["t_s"] for one in flight.events if one["key"] == "line_stretch")
+    t, chute = flight.telemetry["t_s"], flight.scenario.vehicle.main_parachute
+    area = chute.drag_coefficient * np.pi / 4.0 * chute.diameter_m**2
+    for share, begin, end in ((0.3, 2.0, 4.9), (1.0, 12.0, 25.0)):
+        rows = (t > taut + begin) & (t < taut + end)
+        pull = flight.telemetry["truth.riser_tension_n"][rows].mean()
+        pressure = flight.telemetry["truth.dynamic_pressure_pa"][rows].mean()
+        assert pull / (pressure * area) == pytest.approx(share, rel=0.1)
+    assert flight.outcome == "landed within limits"
+
+
+def test_a_pulsed_engine_lands_on_full_pulses_of_the_thrust_that_is_asked_for(nominal):
+    flight = edl6dof.fly("tianwen1", ["vehicle.engines.main.model=pulsed"])
+    assert flight.outcome == "landed within limits"
+    begin = next(one["t_s"] for one in flight.events if one["key"] == "phase.hover_imaging") + 1.0
+    hover = [
+        (one.telemetry["t_s"] > begin) & (one.telemetry["t_s"] < begin + 10.0) for one in (flight, nominal)
+    ]
+    thrust = flight.telemetry["truth.engine_thrust_n"][hover[0]]
+    asked = nominal.telemetry["truth.engine_thrust_n"][hover[1]]
+    assert thrust.max() > 0.8 * 7500.0 and thrust.min() < 0.1 * 7500.0
+    assert np.ptp(asked) < 0.2 * 7500.0  # the throttled one holds a level
+    assert thrust.mean() == pytest.approx(asked.mean(), rel=0.05)
+
+
 # ---- two engines side by side ------------------------------------------------------------------
 
 ARM_M = 0.3
@@ -135,8 +177,10 @@ def two_engines():
     halves = []
     for name, side in (("left", -1.0), ("right", 1.0)):
         half = {**main, "name": name, "nozzle_m": [-0.3, side * ARM_M, 0.0]}
-        for key in ("full_thrust_n", "throttle_min_n", "throttle_max_n", "rate_n_s", "start_rate_n_s"):
+        for key in ("full_thrust_n", "throttle_min_n", "throttle_max_n"):
             half[key] = main[key] / 2.0
+        valve = main["throttled"]
+        half["throttled"] = {**valve, **{key: valve[key] / 2.0 for key in ("rate_n_s", "start_rate_n_s")}}
         halves.append(half)
     return f"vehicle.engines={json.dumps(halves)}"
 

@@ -44,7 +44,7 @@ VEHICLE = st.fixed_dictionaries(
         "vehicle.aero.constant.drag_coefficient": number(0.0, 10.0),
         "vehicle.parachutes.main.diameter_m": number(0.1, 60.0),
         "vehicle.parachutes.main.trim_angle_deg": number(0.0, 30.0),
-        "vehicle.parachutes.main.inflation_exponent": number(0.1, 10.0),
+        "vehicle.parachutes.main.disk_gap_band.inflation_exponent": number(0.1, 10.0),
         "vehicle.parachutes.main.apparent_mass_factor": number(0.0, 5.0),
         "vehicle.engines.main.misalignment_y_deg": number(-5.0, 5.0),
         "vehicle.surfaces.trim_wing.normal_tilt_deg": number(-89.0, 89.0),

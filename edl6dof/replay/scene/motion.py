@@ -70,7 +70,7 @@ class Motion:
             line[free] = held * fade + hang * (1.0 - fade)
         reach = np.linalg.norm(line, axis=-1)
         line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
-        spread = self._spread(rows, reach, length, model.diameter_m / model.inflation_speed_m_s)
+        spread = self._spread(rows, reach)
         ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
         fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
         spread[fallen] *= (
@@ -81,11 +81,13 @@ class Motion:
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 
-    def _spread(self, rows: np.ndarray, reach: np.ndarray, length: float, duration: float) -> np.ndarray:
-        taut = np.flatnonzero(reach >= 0.97 * length)
+    def _spread(self, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """Width of the canopy over that of the open one, from the drag area it has after line stretch."""
+        chute = self.vehicle.main_parachute
+        taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf
-        grown = np.clip((self.t[rows] - start) / max(duration, 1e-3), 0.0, 1.0)
-        return 0.08 + 0.92 * grown**2
+        grown = np.clip(chute.inflated(self.t[rows] - start), 0.0, 1.0)
+        return 0.08 + 0.92 * np.sqrt(grown)
 
     def discarded(self, place: np.ndarray, own_centre: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""

@@ -2,12 +2,14 @@
 each mistake is named in one line.
 """
 
+import json
 from pathlib import Path
 
 import pytest
 from test_plugins import cli
 
 import edl6dof
+from edl6dof.scenario.viewed import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent
 AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200.0}"
@@ -22,6 +24,14 @@ FAMILIES = [
     (
         *("wind", "environment/winds/shear.py", "shear", "gradient"),
         "wind: {model: gradient, gradient: {east_m_s: 3.0}}",
+    ),
+    (
+        *("parachute_model", "vehicle/parachute_models/reefed.py", '"reefed"', '"skirt"'),
+        "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.reefing_ratio: 0.3}",
+    ),
+    (
+        *("engine_model", "vehicle/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
+        "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
     ),
     (
         *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
@@ -56,8 +66,17 @@ def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path)
     assert "uses a field that its records do not have" in error and len(error.strip().splitlines()) == 1
 
 
+def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
+    given = edl6dof.load("tianwen1").scenario.model_dump(mode="json", exclude_none=True)
+    given["plugins"] = ["skirt.py"]
+    given["vehicle"]["parachutes"][0] |= {"model": "skirt", "skirt": {"reefing_ratio": 0.3}}
+    given["vehicle"]["engines"][0] |= {"model": "bang_bang", "bang_bang": {"period_s": 0.2}}
+    vehicle = viewed_scenario(json.dumps(given), "received.yaml").scenario.vehicle
+    assert (vehicle.parachutes[0].model, vehicle.engines[0].model) == ("disk_gap_band", "throttled")
+
+
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
-    family, member, _, _, lines = FAMILIES[3]
+    family, member, _, _, lines = FAMILIES[-1]
     names = '    "uniform",\n', '    "level",\n'
     status, _, error = checked(tmp_path, family, member, *names, lines)
     assert status == 2

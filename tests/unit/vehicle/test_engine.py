@@ -1,5 +1,5 @@
-"""Main engine against the exponential of a first-order lag, straight ramps, scipy rotations and the rocket
-equation.
+"""Engines against the exponential of a first-order lag, straight ramps, the impulse of a train of pulses,
+scipy rotations and the rocket equation.
 """
 
 from math import exp, log, radians
@@ -24,7 +24,7 @@ def engine(**changes):
 
 def response(record, start, command, times, starting=False):
     solution = solve_ivp(
-        lambda t, y: [thrust_rate(record, y[0], command, starting)],
+        lambda t, y: [thrust_rate(record, t, y[0], command, starting)],
         (0.0, times[-1]),
         [start],
         t_eval=times,
@@ -37,7 +37,7 @@ def response(record, start, command, times, starting=False):
 @pytest.mark.parametrize("start, command", [(3000.0, 3150.0), (3150.0, 3000.0)])
 def test_a_small_throttle_step_settles_as_an_exponential(start, command):
     times = np.linspace(0.0, 1.0, 21)
-    got = response(engine(lag_s=0.15, rate_n_s=1500.0), start, command, times)
+    got = response(engine(throttled={"lag_s": 0.15, "rate_n_s": 1500.0}), start, command, times)
     assert got == pytest.approx([command + (start - command) * exp(-t / 0.15) for t in times], rel=1e-7)
 
 
@@ -53,8 +53,12 @@ def test_a_large_step_runs_at_the_rate_limit_until_the_lag_takes_over(starting, 
 
 def test_cut_off_falls_as_fast_as_ignition_rises():
     record = engine()
-    assert thrust_rate(record, 7500.0, 0.0, True) == -25000.0 == -thrust_rate(record, 0.0, 7500.0, True)
-    assert thrust_rate(record, 2000.0, 2000.0, False) == 0.0
+    assert (
+        thrust_rate(record, 0.0, 7500.0, 0.0, True)
+        == -25000.0
+        == -thrust_rate(record, 0.0, 0.0, 7500.0, True)
+    )
+    assert thrust_rate(record, 0.0, 2000.0, 2000.0, False) == 0.0
 
 
 @pytest.mark.parametrize("ty, tz", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (2.5, -4.0)])
@@ -75,7 +79,7 @@ def test_an_aligned_engine_on_the_axis_makes_no_moment():
 
 
 def test_specific_impulse_runs_linearly_over_the_band_and_stays_level_outside():
-    record = engine(full_specific_impulse_s=310.0, low_specific_impulse_s=280.0)
+    record = engine(full_specific_impulse_s=310.0, throttled={"low_specific_impulse_s": 280.0})
     thrusts = (700.0, 1500.0, 3000.0, 4500.0, 7500.0, 8000.0)
     got = [thrust / (propellant_flow(record, thrust) * G0) for thrust in thrusts]
     assert got == pytest.approx([280.0, 280.0, 287.5, 295.0, 310.0, 310.0])
@@ -99,3 +103,62 @@ def test_a_burn_in_free_space_obeys_the_rocket_equation():
     burn = solve_ivp(lambda t, y: [force / y[1], -flow], (0.0, 40.0), [0.0, 900.0], rtol=1e-11)
     speed, mass = burn.y[:, -1]
     assert speed == pytest.approx(0.95 * 300.0 * G0 * log(900.0 / mass), rel=1e-9)
+
+
+# ---- pulses -----------------------------------------------------------------------------------
+
+PULSES = {"period_s": 0.1, "minimum_pulse_s": 0.02, "lag_s": 0.02}
+
+
+def pulse_train(share, seconds, step):
+    """Impulse (N s) of full thrust commanded to ``share``, by Runge-Kutta steps as a flight makes them, and
+    the thrusts (N) met on the way.
+    """
+    record = engine(model="pulsed", pulsed=PULSES)
+
+    def slope(t, y):
+        return np.array([thrust_rate(record, t, y[0], share * 7500.0, False), y[0]])
+
+    y, met = np.zeros(2), []
+    for k in range(round(seconds / step)):
+        t = k * step
+        k1 = slope(t, y)
+        k2 = slope(t + 0.5 * step, y + 0.5 * step * k1)
+        k3 = slope(t + 0.5 * step, y + 0.5 * step * k2)
+        y = y + step / 6.0 * (k1 + 2.0 * (k2 + k3) + slope(t + step, y + step * k3))
+        met.append(y[0])
+    return y[1], np.array(met)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.35, 0.5, 0.73])
+@pytest.mark.parametrize("step", [1e-3, 1e-2])
+def test_pulses_give_full_thrust_for_the_time_the_valve_is_open(share, step):
+    """A lag moves the impulse of a pulse but keeps it: n periods give n full open time; what still rises or
+    decays at the end is the lag times the thrust then.  An edge is met to a third of a step.
+    """
+    impulse, met = pulse_train(share, 5.0, step)
+    open_time = 50 * share * 0.1
+    got = (impulse + PULSES["lag_s"] * met[-1]) / 7500.0
+    assert got == pytest.approx(open_time, abs=50 * 2.0 / 3.0 * step)
+    assert met.max() > 4700.0 and met[-1000:].min() < 2000.0  # it does pulse
+
+
+def test_a_settled_pulse_train_has_the_peak_and_the_trough_of_a_switched_lag():
+    """On for a, off for b: peak F (1 - e^-a) / (1 - e^-(a + b)), trough the peak times e^-b, in lags."""
+    on, off = 0.05 / 0.02, 0.05 / 0.02
+    _, met = pulse_train(0.5, 2.0, 1e-4)
+    peak = 7500.0 * (1.0 - exp(-on)) / (1.0 - exp(-on - off))
+    assert met[-2000:].max() == pytest.approx(peak, rel=2e-3)
+    assert met[-2000:].min() == pytest.approx(peak * exp(-off), rel=1e-2)
+
+
+@pytest.mark.parametrize("share, level", [(0.0, 0.0), (0.19, 0.0), (0.81, 7500.0), (1.0, 7500.0)])
+def test_pulses_and_pauses_too_short_for_the_valve_are_not_made(share, level):
+    _, met = pulse_train(share, 1.0, 1e-3)
+    assert met[-100:] == pytest.approx(level, abs=1e-6)
+
+
+def test_a_pulsed_engine_has_one_specific_impulse():
+    record = engine(model="pulsed")
+    got = [thrust / (propellant_flow(record, thrust) * G0) for thrust in (100.0, 3000.0, 7500.0)]
+    assert got == pytest.approx([300.0] * 3)

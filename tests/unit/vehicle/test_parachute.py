@@ -15,12 +15,17 @@ from scipy.integrate import solve_ivp
 from edl6dof.config.dtype import fill
 from edl6dof.vehicle import parachute as kernels
 from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams
+from edl6dof.vehicle.parachute_models.registry import efficiency_of_model
 
 
 def chute(**changes):
     record = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
     fill(record, ParachuteParams(**{"name": "main", "diameter_m": 15.96, "line_length_m": 31.0, **changes}))
     return record
+
+
+def model_efficiency(mach):
+    return efficiency_of_model(0, chute(), chute(), mach)
 
 
 def force(record, angle_deg, fraction=1.0, density=0.01, mach=0.5, t=0.0, speed=120.0, roll=0.7):
@@ -39,12 +44,12 @@ def force(record, angle_deg, fraction=1.0, density=0.01, mach=0.5, t=0.0, speed=
      (2.6, 0.61), (3.5, 0.61)],
 )  # fmt: skip
 def test_mach_efficiency_passes_through_the_published_nodes(mach, efficiency):
-    assert kernels.mach_efficiency(mach) == pytest.approx(efficiency, abs=1e-12)
+    assert model_efficiency(mach) == pytest.approx(efficiency, abs=1e-12)
 
 
 def test_mach_efficiency_has_no_jumps():
     machs = np.linspace(0.0, 4.0, 40001)
-    values = np.array([kernels.mach_efficiency(m) for m in machs])
+    values = np.array([model_efficiency(m) for m in machs])
     assert np.abs(np.diff(values)).max() < 1.5 * np.diff(machs).max()  # steepest: 0.33 * 2 / 0.46 per Mach
 
 
@@ -54,7 +59,7 @@ def test_nominal_area_is_the_published_one(diameter, area):
 
 
 def test_inflation_fills_in_the_published_time_and_overshoots_by_the_opening_load_factor():
-    record = chute(diameter_m=19.7, overshoot_decay_s=0.25)
+    record = chute(diameter_m=19.7, disk_gap_band={"overshoot_decay_s": 0.25})
     times = np.linspace(-0.1, 2.0, 21001)
     fraction = np.array([kernels.inflation(record, t) for t in times])
     full = times[fraction.argmax()]
@@ -172,3 +177,33 @@ def test_the_descent_reaches_terminal_velocity_as_the_closed_form_says():
     times = np.linspace(0.0, 60.0, 13)
     got = solve_ivp(fall, (0.0, 60.0), [0.0], t_eval=times, rtol=1e-9, atol=1e-9).y[0]
     assert got == pytest.approx([terminal * tanh(g * t / terminal) for t in times], rel=1e-6, abs=1e-9)
+
+
+REEFED = {"reefing_ratio": 0.12, "filling_time_s": 0.5, "cutter_delay_s": 12.0, "disreefing_time_s": 1.5}
+
+
+def test_a_reefed_canopy_fills_twice_each_time_by_its_power_of_time():
+    times = [0.0, 0.25, 0.5, 11.9, 12.0, 12.75, 13.5, 60.0]
+    for exponent in (1.0, 2.0):
+        record = chute(model="reefed", reefed={**REEFED, "filling_exponent": exponent})
+        half = 0.5**exponent
+        expected = [0.0, 0.12 * half, 0.12, 0.12, 0.12, 0.12 + 0.88 * half, 1.0, 1.0]
+        assert [kernels.inflation(record, t) for t in times] == pytest.approx(expected)
+
+
+def test_a_reefed_descent_settles_at_the_closed_form_speed_of_each_stage():
+    """Weight equals drag: v = sqrt(2 m g / (rho Cd S)) with the reefed area, then the open one."""
+    reefed = {**REEFED, "cutter_delay_s": 25.0}
+    record = chute(model="reefed", reefed=reefed, pack_drag_area_m2=0.0, diameter_m=25.0)
+    mass, g, density = 3000.0, 9.81, 1.1
+    area = 0.62 * pi / 4.0 * 25.0**2
+
+    def fall(t, y):
+        share = kernels.inflation(record, t)
+        drag = kernels.canopy_force(record, share, density, 0.2, t, (0.0, 0.0, y[0]), (0.0, 0.0, 1.0))[2]
+        return [drag / mass + g]
+
+    times = np.array([24.9, 60.0])
+    speeds = solve_ivp(fall, (0.0, 60.0), [60.0], t_eval=times, rtol=1e-9, max_step=0.02).y[0]
+    expected = [sqrt(2.0 * mass * g / (density * area * share)) for share in (0.12, 1.0)]
+    assert speeds == pytest.approx(expected, rel=1e-4)
