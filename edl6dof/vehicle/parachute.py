@@ -92,7 +92,9 @@ SUSPENSION = np.dtype([("pack", "i8"), ("carrier", "i8")], align=True)
 
 @kernel
 def inflation(chute, since_line_stretch):
-    """Share of the full drag area after line stretch, s, as the parachute's model has it."""
+    """Share of the full drag area at a time (s) after line stretch: none before, then as its model has it."""
+    if not since_line_stretch > 0.0:  # not a number where the lines were never taut
+        return 0.0
     return inflation_of_model(chute.model, chute, chute, since_line_stretch)
 
 

@@ -35,8 +35,6 @@ def inflation(params, chute, since_line_stretch):
     """Drag-area fraction after line stretch: a power law up to the opening load factor, then a decay to
     one.
     """
-    if since_line_stretch <= 0.0:
-        return 0.0
     x = since_line_stretch * params.inflation_speed / chute.diameter
     if x < 1.0:
         return params.opening_load_factor * x**params.inflation_exponent

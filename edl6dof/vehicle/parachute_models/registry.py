@@ -2,9 +2,8 @@
 drag over Mach number.
 
 A member has two kernels.  ``inflation(params, chute, since_line_stretch)`` gives the share of the full drag
-area, 0 up to line stretch and then, after an overshoot perhaps, 1; ``efficiency(params, chute, mach)`` gives
-the axial force over its value at low Mach number.  ``params`` are the member's own, ``chute`` what all
-parachutes have.
+area at a time (s) after line stretch, in the end 1; ``efficiency(params, chute, mach)`` gives the axial force
+over its value at low Mach number.  ``params`` are the member's own, ``chute`` what all parachutes have.
 """
 
 from __future__ import annotations
