@@ -47,7 +47,8 @@ class Summary(TypedDict):
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
-    The beginning of a phase says which phase it is and what for, a diagnosis which thruster it is about and
+    The beginning of a phase says which phase it is and what for, an event of the mission which milestone it
+    is (empty for none), a diagnosis which thruster it is about and
     what was found.
     """
 
@@ -57,6 +58,7 @@ class Event(TypedDict):
     detail: str
     phase: NotRequired[str]
     role: NotRequired[str]
+    milestone: NotRequired[str]
     thruster: NotRequired[str]
     isolated: NotRequired[str]
     altitude_m: float | None

@@ -116,8 +116,8 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        mission, others = self.scenario.mission, [*self._wing, *self._faults]
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, self.outcome, others)
+        mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, [*self._wing, *self._faults]
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
     @cached_property
     def isolated_faults(self) -> list[IsolatedFault]:
@@ -148,7 +148,9 @@ class Flight:
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        happened = first_times(moments(self.plant[0], self.fsw[0], self.scenario.mission))
+        happened = first_times(
+            moments(self.plant[0], self.fsw[0], self.scenario.mission, self.scenario.vehicle)
+        )
         # a flight that goes on from a saved state has no telemetry of what happened before
         when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
         with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not

@@ -10,6 +10,7 @@ import numpy as np
 
 from edl6dof.fsw.mission.phases import Event, MissionParams
 from edl6dof.fsw.mission.roles import NO_ROLE, begun
+from edl6dof.vehicle.vehicle import VehicleParams
 
 #: What an action did to its thing, in plain words; of what is extended, the command: that it is open is
 #: another event.
@@ -22,8 +23,15 @@ DONE = {
     "cut_off": "{} engine cut-off",
 }
 
+#: What figures, reports and pictures call the first event of a kind, by its action, whatever its own name; of
+#: a jettison by the shape that the part showed to the air, of what is extended see :func:`milestone`.
+MILESTONES = {"deploy": "mortar", "ignite": "ignition"}
+UNCOVERED = {"capsule": "heat_shield", "backshell": "backshell"}
+#: Milestone of an event that is none: the ballast's jettison, the drogue's release.
+NO_MILESTONE = ""
+
 #: Something that happened: ``t_s``, ``key``, plain ``name``, and what it is about, such as ``phase`` and
-#: ``role`` or ``thruster``.
+#: ``role``, ``milestone`` or ``thruster``.
 Moment = dict[str, Any]
 
 
@@ -32,6 +40,7 @@ def timeline(
     plant: np.void,
     fsw: np.void,
     mission: MissionParams,
+    vehicle: VehicleParams,
     outcome: str,
     others: Sequence[Moment] = (),
 ) -> list[dict[str, Any]]:
@@ -42,7 +51,7 @@ def timeline(
     reversals = [
         moment(t, "bank_reversal", f"bank reversal to {side}") for t, side in bank_reversals(telemetry)
     ]
-    found = [*others, *moments(plant, fsw, mission), *reversals, moment(plant["t"], "end", outcome)]
+    found = [*others, *moments(plant, fsw, mission, vehicle), *reversals, moment(plant["t"], "end", outcome)]
     return [_with_state(telemetry, one) for one in sorted(found, key=lambda one: one["t_s"])]
 
 
@@ -51,7 +60,7 @@ def moment(t: float, key: str, name: str, **about: Any) -> Moment:
     return {"t_s": float(t), "key": key, "name": name, **about}
 
 
-def moments(plant: np.void, fsw: np.void, mission: MissionParams) -> list[Moment]:
+def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: VehicleParams) -> list[Moment]:
     """What plant and flight computer note themselves when it happens, each at most once; no telemetry is
     needed for it.
     """
@@ -60,7 +69,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams) -> list[Moment
         for phase, t in zip(mission.phases, fsw["mission"]["entered"], strict=False)
     ]
     found += [
-        moment(t, event.name, in_words(event))
+        moment(t, event.name, in_words(event), milestone=milestone(event, vehicle))
         for event, t in zip(mission.events.values(), plant["done"], strict=False)
     ]
     found += [moment(t, "line_stretch", "line stretch, inflation begins") for t in plant["line_stretch_time"]]
@@ -74,13 +83,26 @@ def in_words(event: Event) -> str:
     return DONE[event.action].format(event.thing.replace("_", " "))
 
 
+def milestone(event: Event, vehicle: VehicleParams) -> str:
+    """What an event is to figures, reports and pictures, from what it does and to which thing."""
+    if event.action == "jettison":
+        shapes = {part.name: part.shape for part in vehicle.parts}
+        return UNCOVERED.get(shapes[event.thing], NO_MILESTONE)
+    if event.action == "extend":
+        return "landing_legs" if event.thing == "landing_gear" else "trim_wing"
+    return MILESTONES.get(event.action, NO_MILESTONE)
+
+
 def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """Time (s) of the first event of each key, and under ``begun(role)`` of the first phase of each role."""
+    """Time (s) of the first event of each key, an event of the mission under its milestone, whatever its
+    name; and under ``begun(role)`` of the first phase of each role.
+    """
     when: dict[str, float] = {}
     for event in events:
-        when.setdefault(event["key"], event["t_s"])
+        when.setdefault(event.get("milestone", event["key"]), event["t_s"])
         if (role := event.get("role", NO_ROLE)) != NO_ROLE:
             when.setdefault(begun(role), event["t_s"])
+    when.pop(NO_MILESTONE, None)
     return when
 
 

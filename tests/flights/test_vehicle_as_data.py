@@ -39,6 +39,43 @@ def at(flight, column, t):
     return np.interp(t, flight.telemetry["t_s"], flight.telemetry[column])
 
 
+# ---- names -------------------------------------------------------------------------------------
+
+
+def test_the_names_of_events_are_free(nominal):
+    """Figures follow from what an event does: under other names, all of them are the same."""
+
+    def change(table):
+        for phase in table.values():
+            for k, one in enumerate(phase.get("events", [])):
+                one["name"] = f"{phase['name']}_{k}"
+
+    flight = edl6dof.fly("tianwen1", [phases(change)])
+    assert flight.metrics == nominal.metrics
+    assert [one["milestone"] for one in flight.events if "milestone" in one] == [
+        one["key"] if one["key"] != "cut_off" else "" for one in nominal.events if "milestone" in one
+    ]
+
+
+def test_another_event_may_have_the_name_of_a_milestone(nominal):
+    """A ballast mass jettisoned under the name of the backshell's event is no release of the backshell."""
+
+    def change(table):
+        for one in table["powered_deceleration"]["events"]:
+            if one["name"] == "backshell":
+                one["name"] = "shell_off"
+        table["trim_aoa"]["events"] = [
+            event("backshell", "jettison", "ballast", when("time_s", "above", 40.0))
+        ]
+
+    flight = edl6dof.fly("tianwen1", [parts(BALLAST), phases(change), "mission.goal=landing"])
+    ballast, released = (
+        next(one["t_s"] for one in flight.events if one["key"] == key) for key in ("backshell", "shell_off")
+    )
+    assert ballast == pytest.approx(40.0, abs=0.03)
+    assert flight.metrics["backshell_s"] == pytest.approx(released, abs=1e-9)
+
+
 # ---- ballast -----------------------------------------------------------------------------------
 
 BALLAST = {"name": "ballast", "mass_kg": 30.0, "centre_m": [-0.9, 0.0, -1.1], "drag_area_m2": 0.05}
