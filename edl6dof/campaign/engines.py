@@ -146,7 +146,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     from distributed import Client, LocalCluster
 
     # what they have to say is said here, in a line
-    for name in ("distributed.client", "distributed.nanny", "asyncio"):
+    for name in ("distributed.batched", "distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
         with Client(address, timeout="20s", set_as_default=False) as client:

@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
+from edl6dof.sim.outcome import TIME_LIMIT
 from edl6dof.vehicle.plant import HEAT
 from edl6dof.verify.scene import doing
 
@@ -27,9 +28,7 @@ def end_state(overrides, parachute=True):
     deployment = [("deploy", "main", 2.0)] if parachute else []
     events = doing(("extend", "trim_wing", 1.0), *deployment, ("jettison", "heat_shield", 9.0))
     flight = fly(load_scenario("tianwen1", [*SCENE, *events, *overrides]))
-    assert flight.outcome == "time limit" and flight.plant["canopy"][0] == (2 if parachute else 0), (
-        flight.outcome
-    )
+    assert flight.code == TIME_LIMIT and flight.plant["canopy"][0] == (2 if parachute else 0), flight.outcome
     return flight.plant["y"][0].copy()
 
 

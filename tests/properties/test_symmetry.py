@@ -22,6 +22,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from symmetry import apart, end_state, scene
 
+from edl6dof.vehicle.plant import ATTITUDE, CANOPY_POSITION, CANOPY_VELOCITY, POSITION, RATE, VELOCITY
+
 LIMITS = settings(max_examples=10, deadline=None, derandomize=True)
 DRAWN = (st.floats(-60, 60), st.floats(-170, 170), st.floats(-170, 170), st.floats(-80, 80), st.floats(-5, 5))
 RATES = (st.floats(-5, 5), st.floats(-5, 5), st.floats(-20, 20))
@@ -31,7 +33,7 @@ ONE = (25.0, 40.0, 70.0, 30.0, 3.0, 4.0, -2.0, 10.0)
 def turned(y, angle_deg):
     turn = Rotation.from_euler("z", angle_deg, degrees=True)
     out = y.copy()
-    for k in (0, 3, 16, 19):
+    for k in (POSITION, VELOCITY, CANOPY_POSITION, CANOPY_VELOCITY):
         out[k : k + 3] = turn.apply(y[k : k + 3])
     out[6:10] = (turn * Rotation.from_quat(y[6:10], scalar_first=True)).as_quat(scalar_first=True)
     return out
@@ -39,8 +41,8 @@ def turned(y, angle_deg):
 
 def mirrored(y):
     out = y.copy()
-    out[[1, 4, 17, 20]] *= -1.0
-    out[[7, 9, 10, 12]] *= -1.0
+    out[[POSITION + 1, VELOCITY + 1, CANOPY_POSITION + 1, CANOPY_VELOCITY + 1]] *= -1.0
+    out[[ATTITUDE + 1, ATTITUDE + 3, RATE, RATE + 2]] *= -1.0
     return out
 
 

@@ -51,19 +51,21 @@ class Flames(Recorder):
         self._poses("thruster_plumes", self.t[rows], poses.partition(shown.sum(axis=1)))
 
     def _engine(self) -> None:
-        engine = self.vehicle.engines[0]
+        engines = self.vehicle.engines
         thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
-        if engine.full_thrust_n <= 0.0 or thrust.max() <= 0.0:
+        full = sum(engine.full_thrust_n for engine in engines)
+        if full <= 0.0 or thrust.max() <= 0.0:
             return
-        level = thrust / engine.full_thrust_n
+        level = thrust / full  # telemetry holds the thrust of all engines together
         flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * self.t)
         length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], (level > 0.01)[:, None])
         girth = np.minimum(0.55 + 0.35 * level[rows], length[:, 0])
         scales = np.column_stack([length[:, 0], girth, girth])
         poses = self.rr.InstancePoses3D.columns(
-            translations=np.broadcast_to(engine.nozzle_m, scales.shape), scales=scales
+            translations=np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
+            scales=np.repeat(scales, len(engines), axis=0),
         )
-        self._poses("engine_plume", self.t[rows], poses.partition(shown.sum(axis=1)))
+        self._poses("engine_plume", self.t[rows], poses.partition(len(engines) * shown.sum(axis=1)))
 
     def _poses(self, name: str, t: np.ndarray, poses: Any) -> None:
         for layer in ("core", "mantle"):
