@@ -199,7 +199,7 @@ def _imported(path: Path, document: Document | None) -> Any:
     except Exception as error:  # whatever the user's code raises belongs to the user, in one line
         del sys.modules[name]
         raise _problem(
-            path, document, (f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}")
+            path, document, f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}"
         ) from error
     return module
 

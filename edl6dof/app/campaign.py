@@ -60,7 +60,7 @@ def _check(options: CampaignOptions) -> None:
     if options.scenario is None:
         raise problem(
             "edl6dof campaign",
-            ("name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign"),
+            "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign",
         )
     if options.engine not in ("threads", "dask"):
         raise problem("--engine", f"must be threads or dask (got {options.engine!r})")

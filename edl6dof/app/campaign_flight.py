@@ -101,7 +101,7 @@ def _folder(options: CampaignOptions) -> Path:
         folder = options.out or Path("runs") / given.name
         if given.text != Store(folder).plan_text:
             raise refused(
-                folder, (f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume")
+                folder, f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume"
             )
     elif options.sets or options.cases is not None or options.seed is not None:
         raise refused(folder, "has its plan; it takes no other values when it goes on")

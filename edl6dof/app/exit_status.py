@@ -49,5 +49,5 @@ def refusing_damage(*folders: Path) -> Iterator[None]:
         where = f"{Path(place.filename).name}:{place.lineno}"
         names = ", ".join(map(str, folders))
         raise refusal(
-            names, (f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})")
+            names, f"holds what no result of edl6dof holds ({type(error).__name__}: {error}; {where})"
         ) from error

@@ -76,7 +76,7 @@ def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], lis
     scenario = loaded.scenario
     if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
         raise ConfigError(
-            [Problem("--after", 0, 0, "", (f"must be a time in s, 0 or more (got {options.after_s:g})"))]
+            [Problem("--after", 0, 0, "", f"must be a time in s, 0 or more (got {options.after_s:g})")]
         )
     if not scenario.thruster_names:
         raise ConfigError(

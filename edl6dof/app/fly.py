@@ -120,7 +120,7 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
     if options.start is None:
         if options.scenario is None:
             raise _problem(
-                "edl6dof fly", ("name a scenario, such as tianwen1, or continue a state with --from STATE")
+                "edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE"
             )
         return load_scenario(options.scenario, options.sets), None
     from edl6dof.sim.flight import continue_from

@@ -38,7 +38,7 @@ def run_plot(
     if not rows.any():
         raise refusal(
             folder,
-            (f"has no telemetry between the given times (it runs from {run.t[0]:g} to {run.t[-1]:g} s)"),
+            f"has no telemetry between the given times (it runs from {run.t[0]:g} to {run.t[-1]:g} s)",
         )
     target = out or folder / "plots" / f"{channels[0]}{'-and-more' if len(channels) > 1 else ''}.html"
     if target.suffix not in SUFFIXES:

@@ -131,6 +131,6 @@ def _summary_line(reports: Sequence[Report], seconds: float) -> Text:
         )
     ran = sum(not report.skipped for report in reports)
     return Text(
-        (f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s"),
+        f"all within tolerance: {counted(count, 'comparison')} in {counted(ran, 'case')}, {seconds:.1f} s",
         style="bold green",
     )

@@ -104,7 +104,7 @@ def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> No
     if not shared or different:
         what = f"differs in {', '.join(different[:3])}" if different else "shares no dispersed quantity"
         raise refused(
-            first.folder, (f"{what} with {second.folder}: fly both with the same campaign section and seed")
+            first.folder, f"{what} with {second.folder}: fly both with the same campaign section and seed"
         )
 
 

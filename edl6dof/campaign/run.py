@@ -119,7 +119,7 @@ def _require_unchanged(store: Store, recorded: Identity) -> None:
     if changed := changed_files(recorded):
         raise refused(
             store.folder,
-            (f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume"),
+            f"{', '.join(changed)} changed while it was flown; restore it and go on with --resume",
         )
 
 

@@ -27,7 +27,7 @@ class TerrainParams(Params):
     """Ground of the truth: a global map or nothing, and a plane around the landing site."""
 
     model: Literal["mola", "plane", "none"] = param(
-        "mola", ("mola: 1-degree map fitted to the site; plane: site only; none: 0 m")
+        "mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m"
     )
     site_elevation_m: float = param(REQUIRED, "height of the site above the areoid", ge=-9e3, le=22e3)
     site_latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-89.0, le=89.0)

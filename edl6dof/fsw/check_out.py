@@ -34,7 +34,7 @@ class CheckOutParams(Params):
     pulse_s: float = param(0.08, "length of the trial pulse", status="estimate", ge=0.02, le=1.0)
     settle_s: float = param(
         0.08,
-        ("time after the pulse at which the gyros are read: valve decay and sensor delay"),
+        "time after the pulse at which the gyros are read: valve decay and sensor delay",
         ge=0.0,
         le=1.0,
     )

@@ -22,7 +22,7 @@ class ModulationParams(Params):
 
     deadband: float = param(
         0.03,
-        ("duty below which a valve stays shut, and distance from one within which it stays open"),
+        "duty below which a valve stays shut, and distance from one within which it stays open",
         ge=0.0,
         lt=1.0,
     )

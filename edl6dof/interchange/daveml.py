@@ -171,7 +171,7 @@ def read_daveml(path: Path) -> Model:
         raise refused(
             path,
             line_of(root),
-            (f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>"),
+            f"is not a DAVE-ML file: its root is <{local_name(root)}>, not <DAVEfunc>",
         )
     model, reader = Model(path), _Reader(path)
     for element in root:
@@ -228,7 +228,7 @@ class _Reader:
     def need(self, element: _Element, attribute: str) -> str:
         if (value := element.get(attribute)) is None:
             raise refused(
-                self.path, line_of(element), (f"<{local_name(element)}> needs the attribute {attribute!r}")
+                self.path, line_of(element), f"<{local_name(element)}> needs the attribute {attribute!r}"
             )
         return value.strip()
 
@@ -246,7 +246,7 @@ class _Reader:
             raise refused(
                 self.path,
                 line_of(element),
-                (f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})"),
+                f"<{local_name(element)}> must hold a finite number (got {(text or '')[:40]!r})",
             )
         return value
 
@@ -258,9 +258,7 @@ class _Reader:
     def ascending(self, element: _Element) -> np.ndarray:
         values = self.numbers(element)
         if len(values) == 0 or np.any(np.diff(values) <= 0.0):
-            raise refused(
-                self.path, line_of(element), (f"<{local_name(element)}> must hold ascending numbers")
-            )
+            raise refused(self.path, line_of(element), f"<{local_name(element)}> must hold ascending numbers")
         return values
 
     def variable(self, element: _Element) -> Variable:
@@ -355,11 +353,11 @@ class _Reader:
             if kind in ("independentVarRef", "independentVarPts"):
                 if child.get("interpolate", "linear") != "linear":
                     raise self.unsupported(
-                        child, (f"with interpolate={child.get('interpolate')!r} is not supported")
+                        child, f"with interpolate={child.get('interpolate')!r} is not supported"
                     )
                 if child.get("extrapolate", "neither") != "neither":
                     raise self.unsupported(
-                        child, (f"with extrapolate={child.get('extrapolate')!r} is not supported")
+                        child, f"with extrapolate={child.get('extrapolate')!r} is not supported"
                     )
                 yield child
             elif kind not in {*_IGNORED, "dependentVarRef", "dependentVarPts", "functionDefn"}:

@@ -85,7 +85,7 @@ def expand_daveml(document: Document) -> Document:
     for index, path in enumerate(paths):
         if not path.is_file():
             problem = document.problem(
-                ("vehicle", "daveml", index), (f"no such file (got {names[index]!r}; looked for {path})")
+                ("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})"
             )
             raise ConfigError([problem])
     part = vehicle_part(paths)
@@ -142,7 +142,7 @@ def _mass(model: Model, part: Part) -> None:
         if model.named(name) and _constant(model, name, "inertia")[0] != 0.0:
             raise model.error(
                 _line(model, name),
-                ("products of inertia are not supported: the axes must be principal axes"),
+                "products of inertia are not supported: the axes must be principal axes",
                 name,
             )
 
@@ -159,7 +159,7 @@ def _aerodynamics(model: Model, part: Part) -> None:
         known = ", ".join((SPEED, MACH, ALPHA, *RATES))
         raise model.error(
             _line(model, name),
-            (f"aerodynamics that depend on {name} are not supported (known: {known})"),
+            f"aerodynamics that depend on {name} are not supported (known: {known})",
             name,
         )
     if inputs & {MACH, ALPHA}:
@@ -181,7 +181,7 @@ def _constants(model: Model, part: Part) -> None:
         moment = _probe(model, name, 100.0, *unit) if model.named(name) else 0.0
         if moment != 0.0 and length is None:
             raise model.error(
-                _line(model, name), (f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless"), name
+                _line(model, name), f"needs {CHORD if axis == 1 else SPAN} to be made dimensionless", name
             )
         damping[name] = moment * 200.0 / length if length else 0.0
         expected[name] = lambda v, *w, a=axis, d=damping[name], b=length: d * w[a] * (b or 0.0) / (2.0 * v)
@@ -227,7 +227,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         if not inputs <= {MACH, ALPHA}:
             raise model.error(
                 variable.line,
-                (f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})"),
+                f"must depend on {MACH} and {ALPHA} alone (depends on {', '.join(sorted(inputs))})",
                 name,
             )
         coefficients.append(variable)

@@ -144,7 +144,7 @@ class Run(Mapping[str, np.ndarray]):
         if "t_s" not in schema.names or rows == 0 or any(field.type != pa.float64() for field in schema):
             raise refusal(
                 path,
-                ("is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns"),
+                "is not the telemetry of a run: it needs a column t_s, a row, and numbers in all columns",
             )
         return file
 

@@ -133,7 +133,7 @@ class State:
             if kind not in KIND_NAMES:
                 yield (
                     f"fsw.diagnosis.isolated.kind[{index}]",
-                    (f"must be one of {', '.join(map(str, KIND_NAMES))} (got {kind})"),
+                    f"must be one of {', '.join(map(str, KIND_NAMES))} (got {kind})",
                 )
 
     def _out_of_range(self, sizes: dict[str, int]) -> list[tuple[str, str]]:
@@ -148,7 +148,7 @@ def _read(archive: zipfile.ZipFile, path: Path) -> State:
     """The members of a saved state, none of them larger than it can be."""
     if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
         raise _problem(
-            path, ("was saved by another version of edl6dof whose records differ; fly to that time again")
+            path, "was saved by another version of edl6dof whose records differ; fly to that time again"
         )
     cycle = _member(archive, "cycle", 8)
     if cycle.shape != () or cycle.dtype != np.dtype("i8"):

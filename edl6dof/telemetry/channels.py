@@ -120,14 +120,14 @@ CHANNELS: tuple[Channel, ...] = (
         "estimate.force",
         "n",
         "x y z",
-        ("estimated disturbance force in B; the axial one contains engine and drag"),
+        "estimated disturbance force in B; the axial one contains engine and drag",
     ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
     Channel(
         "diagnosis.in_use",
-        ("thrusters that the flight computer may use: the sum of 2 to the power of their numbers"),
+        "thrusters that the flight computer may use: the sum of 2 to the power of their numbers",
     ),
     *_vector("control.unallocated", "nm", "x y z", "demanded torque that stays unallocated"),
 )

@@ -165,7 +165,7 @@ class ConstantAeroParams(Hardware):
     span_m: float = param(1.0, "reference length of roll and yaw", gt=0.0)
     chord_m: float = param(1.0, "reference length of pitch", gt=0.0)
     moment_reference_x_m: float = param(
-        0.0, ("station where the drag acts; the CG for a body without static moment")
+        0.0, "station where the drag acts; the CG for a body without static moment"
     )
 
 
@@ -175,7 +175,7 @@ class LiftDragParams(Hardware):
     reference_area_m2: float = param(1.0, "reference area", gt=0.0)
     drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
     lift_to_drag: float = param(
-        0.0, ("L/D; lift stands on the velocity in the plane of x and z of B, towards -z"), ge=-5.0, le=5.0
+        0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0
     )
 
 

@@ -56,7 +56,7 @@ class MassParams(Hardware):
 
     entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)
     entry_centre_m: Vec3 = param(
-        REQUIRED, ("centre of mass at entry interface in B; the radial offset sets the trim angle")
+        REQUIRED, "centre of mass at entry interface in B; the radial offset sets the trim angle"
     )
     entry_inertia_kg_m2: Vec3 | None = param(
         None, "Ixx, Iyy, Izz about the centre of mass at entry interface", record=False

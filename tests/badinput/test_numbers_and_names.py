@@ -27,32 +27,32 @@ def ended(monkeypatch, *words: str) -> int:
     [
         (
             ["campaign", "tianwen1_mc", "-n", HUGE],
-            (f"--cases: campaign.cases: must be >= 1 and <= 10000000 (got {HUGE})"),
+            f"--cases: campaign.cases: must be >= 1 and <= 10000000 (got {HUGE})",
         ),
         (
             ["campaign", "tianwen1_mc", "-n", "10000001"],
-            ("--cases: campaign.cases: must be >= 1 and <= 10000000 (got 10000001)"),
+            "--cases: campaign.cases: must be >= 1 and <= 10000000 (got 10000001)",
         ),
         (
             ["campaign", "tianwen1_mc", "--seed", HUGE],
-            (f"--seed: campaign.seed: must be >= 0 and <= 9223372036854775807 (got {HUGE})"),
+            f"--seed: campaign.seed: must be >= 0 and <= 9223372036854775807 (got {HUGE})",
         ),
         (["study", "guidance", "-n", HUGE], f"-n {HUGE}: must be 1 to {study.MOST_RUNS}"),
         (
             ["fly", "tianwen1", "--set", f"seed={HUGE}"],
-            (f"seed: must be >= 0 and <= 9223372036854775807 (got {HUGE})"),
+            f"seed: must be >= 0 and <= 9223372036854775807 (got {HUGE})",
         ),
         (
             ["fly", "tianwen1", "--set", f"profile={HUGE}"],
-            (f"profile: must be >= 0 and <= 9223372036854775807 (got {HUGE})"),
+            f"profile: must be >= 0 and <= 9223372036854775807 (got {HUGE})",
         ),
         (
             ["fly", "tianwen1", "--set", f"name={LONGEST}x"],
-            ("name: must do as a folder name: at most 150 bytes (got 151)"),
+            "name: must do as a folder name: at most 150 bytes (got 151)",
         ),
         (
             ["fly", "tianwen1", "--set", f"name={'é' * 76}"],
-            ("name: must do as a folder name: at most 150 bytes (got 152)"),
+            "name: must do as a folder name: at most 150 bytes (got 152)",
         ),
         *(
             (["fly", "tianwen1", "--set", f'name="{name}"'], "name: must do as a folder name")

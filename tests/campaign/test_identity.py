@@ -81,7 +81,7 @@ def test_vehicles_of_a_sweep_and_their_tables(tmp_path):
     named = text.replace("  capsule:\n", f"  capsule:\n    static_table: {tmp_path / 'aero.csv'}\n", 1)
     (tmp_path / "capsule.yaml").write_text(named)
     file = Path(
-        drop_with(tmp_path, ("sweep: {axes: [{path: vehicle, of: truth, values: [capsule.yaml, tianwen1]}]}"))
+        drop_with(tmp_path, "sweep: {axes: [{path: vehicle, of: truth, values: [capsule.yaml, tianwen1]}]}")
     )
     file.write_text(file.read_text().replace("    vehicle.", "    # vehicle."))
     found = input_files(load_plan(str(file)))

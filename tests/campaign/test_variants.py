@@ -54,7 +54,7 @@ CASES = {
 }
 BASES = {
     "plain": [],
-    "with a truth of its own": [("truth={vehicle.mass.entry_kg: 1300.0, atmosphere.density_factor: 0.9}")],
+    "with a truth of its own": ["truth={vehicle.mass.entry_kg: 1300.0, atmosphere.density_factor: 0.9}"],
 }
 
 

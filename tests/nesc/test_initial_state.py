@@ -65,7 +65,7 @@ def test_at_rest():
         (
             (),
             "initial.speed_m_s",
-            ("required key is missing: speed relative to the rotating planet, in m/s (or give"),
+            "required key is missing: speed relative to the rotating planet, in m/s (or give",
         ),
         (PATH[:2], "initial.azimuth_deg", "required key is missing"),
         ((NED, PATH[0]), "initial.speed_m_s", "must not stand beside velocity_ned_m_s"),

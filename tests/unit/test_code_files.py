@@ -127,7 +127,7 @@ class TestNowhereToWrite:
         assert (said, hits) == ("3.0", 0)
         folder = read_only / "tmp" / f"edl6dof-{os.getuid()}"
         assert lines == [
-            (f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)")
+            f"edl6dof: machine code is kept in {folder} (NUMBA_CACHE_DIR can name a better place)"
         ]
         assert folder.stat().st_mode & 0o777 == 0o700
         assert ended(start(read_only, **temporary))[:2] == ("3.0", 1)

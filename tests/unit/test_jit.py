@@ -127,7 +127,7 @@ def test_a_parenthesised_submodule_import_springs_the_trap_in_a_running_kernel(p
     write(
         package,
         "caller.py",
-        CALLER.format(("from probe.deep import (\n    helper as h,\n)\nfactor = h.factor"), "factor"),
+        CALLER.format("from probe.deep import (\n    helper as h,\n)\nfactor = h.factor", "factor"),
     )
     assert call(package)[:2] == (6.0, 0)
     write(package, "deep/helper.py", HELPER.format("7.0"))

@@ -24,7 +24,7 @@ class Correlated(Params):
     three_sigma: list[float] | None = param(None, "three standard deviations of each, with correlation")
     correlation: list[list[float]] | None = param(None, "correlation matrix")
     covariance: list[list[float]] | None = param(
-        None, ("covariance matrix, instead of three_sigma and correlation")
+        None, "covariance matrix, instead of three_sigma and correlation"
     )
 
     @model_validator(mode="after")
@@ -60,7 +60,7 @@ class FaultDraw(Params):
 
     chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
     one_of: list[dict[str, Any]] = param(
-        REQUIRED, ("faults as under faults:, one of which happens, each as likely"), min_length=1
+        REQUIRED, "faults as under faults:, one of which happens, each as likely", min_length=1
     )
     later_s: float = param(0.0, "up to this much later than the fault says, uniformly", ge=0.0)
 
@@ -87,7 +87,7 @@ class CampaignParams(Params):
         factory=dict,
     )
     belief: dict[str, Distribution] = param(
-        None, ("dispersions of what the flight computer is told, the truth staying"), factory=dict
+        None, "dispersions of what the flight computer is told, the truth staying", factory=dict
     )
     both: dict[str, Distribution] = param(
         None, "dispersions that are known to the flight computer", factory=dict

@@ -171,11 +171,7 @@ def plan_of(
     own = {key: document.data[key] for key in CAMPAIGN_SECTIONS if document.data.get(key) is not None}
     if not own:
         raise ConfigError(
-            [
-                document.problem(
-                    (), ("has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")
-                )
-            ]
+            [document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")]
         )
     marks = dict(document.marks)
     for key, value in (("cases", cases), ("seed", seed)):

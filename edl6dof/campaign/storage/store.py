@@ -72,7 +72,7 @@ class Store:
         plan = content(self._plan)
         if sha256(plan) != info.identity.plan:
             raise refused(
-                self._plan, ("is damaged: it is not as it was written; begin the campaign anew with --force")
+                self._plan, "is damaged: it is not as it was written; begin the campaign anew with --force"
             )
         return plan.decode()
 
@@ -95,7 +95,7 @@ class Store:
         if file_sha256(self._cases) != found.cases_sha256:
             raise refused(
                 self._cases,
-                ("is damaged: it is not as it was written, and its parts are gone; fly it anew with --force"),
+                "is damaged: it is not as it was written, and its parts are gone; fly it anew with --force",
             )
         return found
 
@@ -166,7 +166,7 @@ class Store:
         if not force:
             raise refused(
                 self.folder,
-                ("exists; go on with --resume, replace it with --force, or choose another with --out"),
+                "exists; go on with --resume, replace it with --force, or choose another with --out",
             )
         if not os.path.lexists(self._info) and not all(_LEFT.fullmatch(entry.name) for entry in entries):
             raise refused(
@@ -268,5 +268,5 @@ def _required(path: Path, names: re.Pattern[str]) -> Path:
     if path.is_file() and names.fullmatch(name):
         return path
     raise refused(
-        path, ("is not of the campaign: the folder is not replaced even with --force; move it elsewhere")
+        path, "is not of the campaign: the folder is not replaced even with --force; move it elsewhere"
     )

@@ -30,7 +30,7 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
     if len(content) > largest:
         raise OSError(
             errno.EFBIG,
-            (f"it has {max(found.st_size, len(content))} bytes; at most {largest} are allowed"),
+            f"it has {max(found.st_size, len(content))} bytes; at most {largest} are allowed",
             str(path),
         )
     return content

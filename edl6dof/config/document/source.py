@@ -121,7 +121,7 @@ def _base(document: Document, includes: Mapping[str, str], chain: tuple[Path, ..
     name = document.data.pop(EXTENDS)
     if not isinstance(name, str):
         raise ConfigError(
-            [document.problem((EXTENDS,), (f"must be the name or path of a scenario (got {got(name)})"))]
+            [document.problem((EXTENDS,), f"must be the name or path of a scenario (got {got(name)})")]
         )
     beside = chain[-1].parent / name
     try:
@@ -143,7 +143,7 @@ def parse_document(text: str, file: str) -> Document:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])
     if not isinstance(tree.data, dict):
         raise ConfigError(
-            [Problem(file, 1, 1, "", ("must be a mapping of keys (lines of the form 'key: value')"))]
+            [Problem(file, 1, 1, "", "must be a mapping of keys (lines of the form 'key: value')")]
         )
     return Document(tree.data, tree.marks, tree.status, tree.sources)
 
@@ -161,7 +161,7 @@ def include(document: Document, key: str, value: str, kind: str) -> None:
         raise ConfigError(
             [
                 document.problem(
-                    (key,), (f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})")
+                    (key,), f"no such file{hint} (got {value[:100]!r}; looked for {looked[:2000]})"
                 )
             ]
         )

@@ -37,11 +37,11 @@ class LeastSquaresParams(Params):
         lt=1.0,
     )
     force_scale_n: float = param(
-        600.0, ("lateral force error that weighs one while translating: torque comes first"), gt=0.0
+        600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0
     )
     stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
     axial_force_scale_n: float = param(
-        1000.0, ("axial force error that weighs one while the axial thrusters help the engine"), gt=0.0
+        1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0
     )
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
 

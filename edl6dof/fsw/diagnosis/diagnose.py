@@ -85,7 +85,7 @@ class DiagnosisParams(Params):
     )
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
     wing_patience_s: float = param(
-        2.0, ("time after which a trim wing that has not reported itself open counts as failed"), gt=0.0
+        2.0, "time after which a trim wing that has not reported itself open counts as failed", gt=0.0
     )
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     trust_s: float = param(

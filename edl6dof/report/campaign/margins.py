@@ -92,7 +92,7 @@ def convergence(results: Results) -> Figure:
         "convergence",
         "Success probability",
         [panel],
-        ("It has converged when the interval is narrow enough for the question."),
+        "It has converged when the interval is narrow enough for the question.",
     )
 
 

@@ -127,6 +127,6 @@ def propellant(run: Run) -> Figure:
         "propellant",
         "Propellant and mass",
         panels,
-        (f"{used:.1f} kg of {run['truth.propellant_kg'][0]:.1f} kg used."),
+        f"{used:.1f} kg of {run['truth.propellant_kg'][0]:.1f} kg used.",
         180,
     )

@@ -28,7 +28,7 @@ def figures(run: Run) -> Iterator[Figure]:
         "disturbance_torque",
         "Disturbance torque",
         panels,
-        ("Moment of everything but the thrusters, in body axes."),
+        "Moment of everything but the thrusters, in body axes.",
         160,
     )
     if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):

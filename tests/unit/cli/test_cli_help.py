@@ -65,7 +65,7 @@ def test_light_commands_import_nothing_heavy(words, tmp_path):
 def test_help_does_not_import_pydantic(tmp_path):
     """Typer loads pydantic when it parses a command's arguments; for the help alone nobody needs it."""
     code = IMPORTS.replace(
-        "name in sys.modules]", ("name in sys.modules] + ['pydantic'] * ('pydantic' in sys.modules)")
+        "name in sys.modules]", "name in sys.modules] + ['pydantic'] * ('pydantic' in sys.modules)"
     )
     done = subprocess.run(
         [sys.executable, "-c", code, "--help"],

@@ -76,7 +76,7 @@ def plugins_of_this_process(monkeypatch):
         (
             "law.py",
             LAW.replace("entry_law", "entry law"),
-            ("must say FAMILY = one of entry_law, reversal, .*got 'entry law'"),
+            "must say FAMILY = one of entry_law, reversal, .*got 'entry law'",
         ),
         ("law.py", LAW.replace("MEMBER =", "LAW ="), r"must define MEMBER = Member\(...\)"),
         (

@@ -33,11 +33,11 @@ TOP = {
     "window: [0, 1]": ("window", "unknown key; did you mean 'window_s'? (only the unit suffix differs)"),
     "stop_s: '12'": (
         "stop_s",
-        ("must be a number in s or null (got '12'); write the number without quotes or underscores"),
+        "must be a number in s or null (got '12'); write the number without quotes or underscores",
     ),
     "stop_s: 1_000": (
         "stop_s",
-        ("must be a number in s or null (got '1_000'); write the number without quotes or underscores"),
+        "must be a number in s or null (got '1_000'); write the number without quotes or underscores",
     ),
     "stop_s: true": ("stop_s", "must be a number in s or null (got true)"),
     "stop_s: [1]": ("stop_s", "must be a number in s or null (got [1])"),
@@ -45,7 +45,7 @@ TOP = {
     "seed: 1.5": ("seed", "must be a whole number (got 1.5)"),
     "seed: 100000000000000000000": (
         "seed",
-        ("must be >= 0 and <= 9223372036854775807 (got 100000000000000000000)"),
+        "must be >= 0 and <= 9223372036854775807 (got 100000000000000000000)",
     ),
     "seed: -1": ("seed", "must be >= 0 (got -1)"),
     "seed:": ("seed", "must be a whole number (got nothing)"),
@@ -63,11 +63,11 @@ TOP = {
     "window_s: [2, 1]": ("", "window_s: the first time must be before the last"),
     "guidance: {law: apolo}": (
         "guidance.law",
-        ("unknown name; did you mean 'apollo'? (got 'apolo'; allowed apollo, predictor)"),
+        "unknown name; did you mean 'apollo'? (got 'apolo'; allowed apollo, predictor)",
     ),
     "guidance: {gain: 1}": (
         "guidance",
-        ("needs the key 'law', which says which kind it is (allowed apollo, predictor)"),
+        "needs the key 'law', which says which kind it is (allowed apollo, predictor)",
     ),
     "guidance: {law: predictor, gain: 1}": ("guidance.gain", "unknown key; allowed: law, step_s"),
     "guidance: {law: predictor, step_s: 0}": ("guidance.step_s", "must be > 0 s (got 0)"),

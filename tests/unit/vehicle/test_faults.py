@@ -73,7 +73,7 @@ def test_stuck_thruster_burns_from_its_time_on_until_it_is_isolated(tables):
 
 def test_weak_thruster_gives_its_share_of_impulse_and_uses_its_share_of_propellant(tables):
     case, plant, command = broken(
-        tables, ("{thruster: D7, kind: degraded, degraded: {thrust_factor: 0.3}, at: {time_s: 0}}")
+        tables, "{thruster: D7, kind: degraded, degraded: {thrust_factor: 0.3}, at: {time_s: 0}}"
     )
     push, used = impulse(case, plant, command, 40, (D7, 0.1, 0.5))
     assert push[2] == pytest.approx(-0.3 * 250.0 * 0.4)
@@ -82,7 +82,7 @@ def test_weak_thruster_gives_its_share_of_impulse_and_uses_its_share_of_propella
 
 def test_fault_of_a_phase_counts_from_the_cycle_in_which_that_phase_was_entered(tables):
     case, plant, command = broken(
-        tables, ("{thruster: D7, kind: stuck_off, at: {phase: parachute, plus_s: 0.1}}")
+        tables, "{thruster: D7, kind: stuck_off, at: {phase: parachute, plus_s: 0.1}}"
     )
     for k in range(20):
         plant["t"], command["phase"] = k * CYCLE, 1 if k < 7 else 2
@@ -99,7 +99,7 @@ def test_phase_that_is_skipped_still_starts_its_fault(tables):
 
 def test_mortar_fires_late_by_the_delay_and_nothing_else_does(tables):
     case, plant, command = broken(
-        tables, ("{kind: parachute_delay, parachute_delay: {delay_s: 2.5}, at: {time_s: 0}}")
+        tables, "{kind: parachute_delay, parachute_delay: {delay_s: 2.5}, at: {time_s: 0}}"
     )
     command["request"][[MORTAR, IGNITION]] = 1
     actuate(case, command, plant)
@@ -156,11 +156,11 @@ def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
     [
         (
             "{thruster: D9, kind: stuck_off, at: {time_s: 1}}",
-            ("faults.0.thruster: no thruster named 'D9'; names: D1, D2"),
+            "faults.0.thruster: no thruster named 'D9'; names: D1, D2",
         ),
         (
             "{thruster: D7, kind: stuck_off, at: {phase: hazard}}",
-            ("faults.0.at.phase: no phase named 'hazard'; names: trim_aoa"),
+            "faults.0.at.phase: no phase named 'hazard'; names: trim_aoa",
         ),
         ("{thruster: D7, kind: stuck, at: {time_s: 1}}", "faults.0.kind: unknown name"),
         ("{kind: stuck_off, at: {time_s: 1}}", "faults.0: stuck_off must name its thruster"),

@@ -30,7 +30,7 @@ class PolynomialParams(Params):
         1.0, "time to go over 2 height / descent rate", status="estimate", gt=0.2, le=3.0
     )
     drift_share: float = param(
-        0.33, ("share of velocity times time to go by which the target leads the vehicle"), ge=0.0, le=1.0
+        0.33, "share of velocity times time to go by which the target leads the vehicle", ge=0.0, le=1.0
     )
     divert_m: float = param(
         120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0

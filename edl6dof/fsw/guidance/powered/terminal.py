@@ -52,7 +52,7 @@ class TerminalParams(Params):
         0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0
     )
     touchdown_settle_gain: float = param(
-        0.2, ("lateral acceleration per velocity in slow descent, by tilt, 1/s"), ge=0.0
+        0.2, "lateral acceleration per velocity in slow descent, by tilt, 1/s", ge=0.0
     )
 
 

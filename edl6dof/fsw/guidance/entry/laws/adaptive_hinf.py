@@ -53,13 +53,13 @@ class AdaptiveHinfParams(Params):
         200.0, "lambda: bound on the gain from disturbance to drag error, s2", gt=0.0, le=1e6
     )
     control_weight: float = param(
-        10000.0, ("rho: weight of the control in the Riccati equation, s4 (1 in the paper)"), gt=0.0, le=1e9
+        10000.0, "rho: weight of the control in the Riccati equation, s4 (1 in the paper)", gt=0.0, le=1e9
     )
     adaptation_energy: float = param(
         100.0, "epsilon: what the parameters may add to the error energy, m2/s3", gt=0.0, le=1e9
     )
     coefficient_rate_limit: float = param(
-        2e-3, ("bound on theta 1, the relative rate of the drag coefficient, 1/s"), gt=0.0, le=1.0
+        2e-3, "bound on theta 1, the relative rate of the drag coefficient, 1/s", gt=0.0, le=1.0
     )
     coefficient_acceleration_limit: float = param(
         1e-4, "bound on theta 2, its derivative, 1/s2", gt=0.0, le=1.0

@@ -34,7 +34,7 @@ class EtpcParams(Params):
 
     overcontrol: float = param(5.0, "overcontrol gain K", status="recalled", source="Apollo", gt=0.0, le=50.0)
     start_drag_m_s2: float = param(
-        2.0, ("drag at which range control begins; before, the reference bank is held"), ge=0.0
+        2.0, "drag at which range control begins; before, the reference bank is held", ge=0.0
     )
 
 

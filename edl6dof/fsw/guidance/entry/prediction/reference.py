@@ -45,7 +45,7 @@ class ReferenceBankParams(Params):
         1500.0, "speed below which the bank is constant", status="published", source="Yan 2016", gt=0.0
     )
     fit_range: bool = param(
-        True, ("whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point")
+        True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point"
     )
 
     @model_validator(mode="after")

@@ -34,5 +34,5 @@ MEMBER = Member(
     "crossrange_corridor",
     CrossrangeCorridorParams,
     {"side": side},
-    ("Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4"),
+    "Mendeck & Craig McGrew 2014; Wu, Cui & Cui 2013, section 4",
 )

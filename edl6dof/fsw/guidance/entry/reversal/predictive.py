@@ -25,7 +25,7 @@ class PredictiveParams(Params):
 
     ratio: float = param(
         0.5,
-        ("predicted crossrange of a reversal now, over that of going on, at which to reverse"),
+        "predicted crossrange of a reversal now, over that of going on, at which to reverse",
         gt=0.0,
         lt=1.0,
     )
