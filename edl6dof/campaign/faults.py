@@ -18,13 +18,15 @@ from edl6dof.vehicle.faults import THRUSTER_KINDS
 #: Ways in which a thruster can fail.
 KINDS = THRUSTER_KINDS
 
-#: Roles of the phases a fault begins in unless others are asked for: one of each kind of attitude control.
+#: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
+#: attitude control.
 USUAL_ROLES = (TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HAZARD_AVOIDANCE)
 
 
 def phases_of(scenario: Scenario) -> list[str]:
     """The usual phases as far as the scenario has them, otherwise all in which thrusters may fire."""
-    usual = [phase.name for phase in scenario.mission.phases if phase.role in USUAL_ROLES]
+    roles = scenario.phase_roles
+    usual = [scenario.phase_names[roles.index(role)] for role in USUAL_ROLES if role in roles]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
 
 

@@ -15,7 +15,6 @@ from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
 from edl6dof.fsw.diagnosis.exercise import NONE, pair_to_test
-from edl6dof.fsw.diagnosis.trim_wing import watch_trim_wing
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
@@ -59,8 +58,8 @@ def run(onboard, sensed, k, fsw):
         return
 
     # mission phases
-    before = fsw.mission.phase
-    sequence(onboard.mission, nav, goal, fsw.mission, command.request)
+    guided_by = onboard.mission.phases[fsw.mission.phase].guidance
+    sequence(onboard.mission, nav, state, goal, fsw.mission, command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)
     switch_engine(vehicle.engine, onboard.mission, command.request, state.ignited, goal)
@@ -70,13 +69,13 @@ def run(onboard, sensed, k, fsw):
             restart(fsw.diagnosis)
 
     # guidance
-    guide(onboard, phase.guidance, k, fsw.mission.phase != before, nav, state, fsw.guidance, goal)
+    guide(onboard, phase.guidance, k, phase.guidance != guided_by, nav, state, fsw.guidance, goal)
     command_angles_and_engine(vehicle.engine, goal, state, command)
     if k % rates.control_every != 0:
         return
 
     opens, closes, count = command.opens, command.closes, vehicle.n_thrusters
-    health, healthy, disturbance = fsw.health, fsw.health.thruster, fsw.disturbance
+    healthy, disturbance = fsw.health.thruster, fsw.disturbance
     update_effectiveness(vehicle, state.configuration, fsw.effectiveness)
     effectiveness = fsw.effectiveness.matrix
     inertia = vehicle.configuration[state.configuration].inertia
@@ -94,7 +93,7 @@ def run(onboard, sensed, k, fsw):
         disturbance,
     )
 
-    # fault isolation, and health
+    # fault isolation
     diagnose(
         onboard.diagnosis,
         count,
@@ -108,7 +107,6 @@ def run(onboard, sensed, k, fsw):
         healthy,
         command.isolate,
     )
-    watch_trim_wing(onboard.diagnosis.wing_patience, state, nav, health)
 
     if under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out):
         # check-out: attitude control rests
@@ -123,7 +121,6 @@ def run(onboard, sensed, k, fsw):
         gather_inputs(
             vehicle,
             state,
-            health,
             phase,
             nav.t - fsw.mission.phase_start,
             disturbance,

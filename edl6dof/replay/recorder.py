@@ -41,7 +41,8 @@ class Recorder:
         self.number, self.label, self.root = number, label, f"site/flight_{number}" if number else "site"
         self.names = flight.phase_names or ["free flight"]
         self.phase = np.clip(np.nan_to_num(flight["guide.phase"]).astype(int), 0, len(self.names) - 1)
-        self.colours = np.array([PHASES[i % len(PHASES)] for i in range(len(self.names))], np.uint8)
+        place = np.cumsum(np.isin(range(len(self.names)), self.phase)) - 1  # among the phases that were flown
+        self.colours = np.array(PHASES, np.uint8)[place % len(PHASES)]
 
     def statics(self) -> None:
         """What holds for all time; logged first, so that a slow viewer has it from the beginning."""

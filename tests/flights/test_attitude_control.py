@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 import edl6dof
+from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
+from edl6dof.telemetry.timeline import first_times
 
 PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
-HELD_BANK = ["mission.phases.1.guidance=hold_bank", "flight_software.guidance.entry.preset_bank_deg=60"]
+HELD_BANK = ["mission.phases.lift.guidance=hold_bank", "flight_software.guidance.entry.preset_bank_deg=60"]
 
 
 @pytest.fixture(scope="module")
@@ -59,24 +62,90 @@ def test_angle_of_attack_and_sideslip_stay_put_in_a_reversal(reversal):
     assert np.ptp(table["truth.alpha_deg"]) < 2.0
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(seed):
-    fault = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
-    flight = edl6dof.fly("tianwen1", [fault, f"seed={seed}", *PERTURBED])
-    assert flight.fsw["health"]["wing_failed"][0] == 1
+# ---- a failed trim wing ------------------------------------------------------------------------------------
+
+STUCK = "{kind: wing_stuck, at: {time_s: 0}}"
+
+
+def with_wing_fault(fault, *changes):
+    return edl6dof.fly("tianwen1", [f"faults=[{fault}]", *changes])
+
+
+def branched_s(flight):
+    """Time from the command of the trim wing to the branch, s; none if it was not taken."""
+    times = first_times(flight.events)
+    return times["phase.wing_failed"] - times["trim_wing"] if "phase.wing_failed" in times else None
+
+
+@pytest.mark.parametrize(
+    "fault, after_s",
+    [
+        pytest.param(STUCK, 2.0, id="stuck"),
+        pytest.param("{kind: wing_stuck, wing_stuck: {opening: 0.9}, at: {time_s: 0}}", 2.0, id="partly"),
+        pytest.param("{kind: wing_lost, at: {phase: lift, plus_s: 1}}", 2.0, id="lost"),
+        pytest.param("{kind: wing_lost, at: {time_s: 250}}", None, id="lost once open"),
+    ],
+)
+def test_a_wing_that_is_not_open_two_seconds_after_its_command_is_a_branch(fault, after_s):
+    flight = with_wing_fault(fault)
+    if after_s is None:
+        after_s = 250.0 - flight.metrics["trim_wing_s"]
+    assert branched_s(flight) == pytest.approx(after_s, abs=0.03)
+    branch, after = (flight.phase_names.index(name) for name in ("wing_failed", "parachute"))
+    flown = flight.telemetry["guide.phase"]
+    assert list(dict.fromkeys(flown))[1:4] == [branch - 1, branch, after]
+    assert flight.metrics["parachute_mach"] == pytest.approx(1.8, abs=0.02)
     assert flight.metrics["parachute_total_alpha_deg"] < 7.0
     assert flight.success, flight.outcome
 
 
-def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle(nominal):
+@pytest.mark.parametrize(
+    "fault",
+    [
+        pytest.param("{kind: wing_stuck, wing_stuck: {opening: 0.97}, at: {time_s: 0}}", id="open enough"),
+        pytest.param("{kind: wing_lost, at: {phase: parachute}}", id="no longer needed"),
+    ],
+)
+def test_a_wing_that_reported_itself_open_while_it_was_needed_is_none(fault):
+    flight = with_wing_fault(fault)
+    assert branched_s(flight) is None
+    assert flight.success, flight.outcome
+
+
+def test_the_branch_counts_as_lift(nominal):
+    """Its role is that of the phase it leaves, so the figures of lift reach to the parachute."""
+    flight = with_wing_fault(STUCK)
+    lift, t = flight.during(LIFT), flight.telemetry["t_s"]
+    assert t[lift][0] == nominal.metrics["lift_start_s"] == flight.metrics["lift_start_s"]
+    assert t[lift][-1] == pytest.approx(flight.metrics["parachute_s"], abs=0.1)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(seed):
+    flight = with_wing_fault(STUCK, f"seed={seed}", *PERTURBED)
+    assert branched_s(flight) == pytest.approx(2.0, abs=0.03)
+    assert flight.metrics["parachute_total_alpha_deg"] < 7.0
+    assert flight.success, flight.outcome
+
+
+def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle():
     """What the loop is for: with thrusters that do nothing about it, the total angle of attack stays near the
     trim angle.
     """
-    fault = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
-    deaf = "flight_software.diagnosis.wing_patience_s=1000"
-    flight = edl6dof.fly("tianwen1", [fault, deaf])
+    flight = with_wing_fault(STUCK, "mission.phases.wing_failed.hold_alpha=false")
     assert flight.metrics["parachute_total_alpha_deg"] > 8.0
-    assert nominal.fsw["health"]["wing_failed"][0] == 0
+
+
+def test_a_flight_broken_off_on_the_branch_goes_on_with_the_same_bits(tmp_path):
+    whole = fly(edl6dof.load("tianwen1", [f"faults=[{STUCK}]"]), save_at_s=250.0)
+    whole.saved.save(tmp_path / "state.npz")
+    state = State.load(tmp_path / "state.npz")
+    rest = fly(continue_from(state), start=state)
+    assert state.fsw["mission"]["phase"][0] == whole.phase_names.index("wing_failed")
+    assert rest.log.tobytes() == whole.log[-len(rest.log) :].tobytes()
+
+
+# ---- limit cycles, roll and damping ------------------------------------------------------------------------
 
 
 def test_limit_cycle_of_the_trim_phase_stays_within_its_deadband(nominal):

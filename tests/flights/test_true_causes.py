@@ -14,7 +14,7 @@ from edl6dof.sim.flight import fly, log_rows
 from edl6dof.sim.outcome import FLYING, LANDED, outcome_of
 from edl6dof.telemetry.channels import BRIEF
 
-CUT_HIGH = "mission.phases.6.until.latest_s=3"
+CUT_HIGH = "mission.phases.slow_descent.until.latest_s=3"
 SMALL_TANK = "vehicle.mass.propellant.mass_kg=80"
 
 
@@ -61,7 +61,7 @@ def test_crash_belongs_to_the_phase_that_met_the_ground():
 
 
 def test_vehicle_with_folded_legs_crashes_however_slow_and_says_why():
-    flight = edl6dof.fly("tianwen1", ["mission.phases.2.events.2.when.value=900"])
+    flight = edl6dof.fly("tianwen1", ["mission.phases.parachute.events.landing_legs.when.value=900"])
     assert flight.metrics["touchdown_vertical_m_s"] < flight.scenario.limits.crash_speed_m_s
     assert flight.cause == "crashed in phase slow_descent with its legs folded"
 

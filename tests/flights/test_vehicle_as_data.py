@@ -1,5 +1,5 @@
 """Other vehicles and missions by their YAML alone: a ballast mass, a drogue, a second engine, other models of
-parachute and engine, a branch.
+parachute and engine.
 
 What each of them must do follows from sums and closed forms of its own, taken here in numpy.
 """
@@ -260,44 +260,6 @@ def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     assert thrust > 500.0
     assert after - before == pytest.approx(lever * thrust, rel=0.1)
     assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
-
-
-# ---- a branch ----------------------------------------------------------------------------------
-
-
-def branched(table):
-    """A trim wing that is not open two seconds after its command ends the lift phase in one of its own."""
-    lift = table.pop("lift")
-    follow = {name: table.pop(name) for name in list(table) if name != "trim_aoa"}
-    straight = {**lift, "name": "straight", "events": lift.pop("events")}
-    straight["events"][0]["when"] = when("phase_time_s", "above", -1.0)
-    lift["until"] = when("mach", "below", 2.8, earliest_s=120.0)
-    not_open = [when("wing_open", "below", 0.5), when("mach", "below", 2.8)]
-    slow_enough = [when("mach", "below", 1.8), when("time_s", "above", 1e4)]
-    straight["ways_out"] = [
-        {"when": not_open, "join": "all", "earliest_s": 2.0, "next": "wing_failed"},
-        {"when": slow_enough, "join": "any", "next": "parachute"},
-    ]
-    straight.pop("until")
-    failed = {**straight, "name": "wing_failed", "events": [], "until": when("mach", "below", 1.8)}
-    failed.pop("ways_out")
-    table.update({"lift": lift, "straight": straight, "wing_failed": failed, **follow})
-
-
-def entered(flight):
-    return [one["key"].removeprefix("phase.") for one in flight.events if one["key"].startswith("phase.")]
-
-
-@pytest.mark.parametrize("failed", [False, True])
-def test_a_failed_trim_wing_is_a_branch(failed):
-    faults = ["faults=[{kind: wing_lost, at: {phase: lift}}]"] if failed else []
-    flight = edl6dof.fly("tianwen1", [phases(branched), "mission.goal=deployment", *faults])
-    assert flight.outcome.startswith("deployed")
-    way = ["trim_aoa", "lift", "straight", "parachute"]
-    assert entered(flight) == ([*way[:3], "wing_failed", "parachute"] if failed else way)
-    if failed:
-        times = {one["key"]: one["t_s"] for one in flight.events}
-        assert times["phase.wing_failed"] - times["phase.straight"] == pytest.approx(2.0, abs=0.03)
 
 
 # ---- order of separation -----------------------------------------------------------------------

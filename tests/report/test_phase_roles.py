@@ -34,7 +34,9 @@ def renamed_file(name, folder):
         return f"- name: stage_{len(old) - 1}\n"
 
     path = folder / f"{name}.yaml"
-    path.write_text(re.sub(r"- name: (\w+)\n(?=      (?:role|guidance): )", renamed, text), encoding="utf-8")
+    text = re.sub(r"- name: (\w+)\n(?=      (?:role|guidance): )", renamed, text)
+    new = {name: stage for stage, name in old.items()}
+    path.write_text(re.sub(r"(?<=next: )\w+", lambda match: new[match[0]], text), encoding="utf-8")
     return path, old
 
 

@@ -7,9 +7,9 @@ inertia.  Afterwards it is computed in the body, with a larger derivative gain o
 is weakly damped then.
 
 Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit
-of error.  When the wing is known to have failed (:mod:`edl6dof.fsw.diagnosis.trim_wing`), the angle of attack
-is closed around zero at once: the thrusters then hold it against the trim moment of the centre-of-mass
-offset, so that the parachute can open.
+of error.  In a phase that says ``hold_alpha``, as after a trim wing that did not open (section 4.3), the
+angle of attack is closed around its goal at once: the thrusters then hold it against the trim moment of the
+centre-of-mass offset, so that the parachute can open.
 
 Margins of the bank loop with the gains of the Tianwen-1 scenario (:mod:`edl6dof.studies.attitude_loops`):
 crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
@@ -31,6 +31,7 @@ from edl6dof.fsw.control.frames import (
     velocity_axes,
 )
 from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
+from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import wrap
@@ -40,7 +41,7 @@ from edl6dof.spatial.vector import add, dot, scale, sub, take3
 class BankToSteerParams(Params):
     """Bank tracking in four zones; rate damping of angle of attack and sideslip."""
 
-    moved: ClassVar = {"wing_patience_s": "flight_software.diagnosis.wing_patience_s"}
+    former: ClassVar = {"wing_patience_s": WING_PATIENCE}
 
     bank: ZoneParams = group(ZoneParams, "bank channel")
     damping: float = param(0.8, "acceleration per rate of angle of attack and sideslip, 1/s", ge=0.0)
@@ -56,7 +57,7 @@ class BankToSteerParams(Params):
         gt=0.0,
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
-    held_alpha: ZoneParams = group(ZoneParams, "angle of attack held by thrusters after a failed trim wing")
+    held_alpha: ZoneParams = group(ZoneParams, "angle of attack where a phase holds it by thrusters")
 
 
 MEMORY = np.dtype([("bank", AXIS), ("alpha", AXIS)], align=True)
@@ -80,7 +81,7 @@ def control(params, nav, goal, inputs, dt, memory):
     bank_error = wrap(goal.bank - nav.bank)
     alpha_error = wrap((0.0 if wing_out else goal.alpha) - nav.alpha)
     roll = follow(p.bank, memory.bank, bank_error, dot(rate, along), dt, frozen)
-    if inputs.wing_failed != 0:
+    if inputs.hold_alpha != 0:
         pitch = follow(p.held_alpha, memory.alpha, alpha_error, dot(rate, across), dt, frozen)
     else:
         damping = p.damping_after_wing if wing_out else p.damping

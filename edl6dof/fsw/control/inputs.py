@@ -12,10 +12,10 @@ CONTROL_INPUTS = np.dtype(
     [
         ("phase_time", "f8"),  # s since the mission phase began
         ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
+        ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
         ("inertia", "f8", (3,)),  # kg m2, believed principal moments about the axes of B
         ("saturated", FLAG),  # the thrusters could not deliver the last demand
         ("wing_commanded", FLAG),  # the trim wing was commanded open
-        ("wing_failed", FLAG),  # and is known not to have opened
         ("disturbance_torque", "f8", (3,)),  # N m, B: estimated
         ("disturbance_pole", "f8"),  # rad/s, convergence speed of that estimate
         # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
@@ -26,13 +26,12 @@ CONTROL_INPUTS = np.dtype(
 
 
 @kernel
-def gather_inputs(vehicle, state, health, phase, phase_time, disturbance, saturated, excess, inputs):
+def gather_inputs(vehicle, state, phase, phase_time, disturbance, saturated, excess, inputs):
     """Fill the ``CONTROL_INPUTS`` record of this control cycle.
 
     Args:
         vehicle: believed vehicle.
         state: ``VEHICLE_STATE`` record.
-        health: ``HEALTH`` record.
         phase: mission phase.
         phase_time: since it began, s.
         disturbance: ``DISTURBANCE`` record.
@@ -40,10 +39,10 @@ def gather_inputs(vehicle, state, health, phase, phase_time, disturbance, satura
         excess: torque that modulation gave beyond its duties, N m, B.
         inputs: written.
     """
-    inputs.phase_time, inputs.bandwidth = phase_time, phase.bandwidth
+    inputs.phase_time, inputs.bandwidth, inputs.hold_alpha = phase_time, phase.bandwidth, phase.hold_alpha
     put3(inputs.inertia, 0, take3(vehicle.configuration[state.configuration].inertia, 0))
     inputs.saturated = saturated
-    inputs.wing_commanded, inputs.wing_failed = state.wing_commanded, health.wing_failed
+    inputs.wing_commanded = state.wing_commanded
     put3(inputs.disturbance_torque, 0, take3(disturbance.torque, 0))
     inputs.disturbance_pole = disturbance.pole
     put3(inputs.modulation_torque, 0, excess)

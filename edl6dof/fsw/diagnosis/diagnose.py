@@ -12,6 +12,8 @@ harm.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from edl6dof.config.base import Params, group, param
@@ -37,6 +39,7 @@ from edl6dof.fsw.diagnosis.probe import (
     open_probe,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
+from edl6dof.fsw.mission.former import WING_PATIENCE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
@@ -48,6 +51,8 @@ KIND_NAMES = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"
 
 class DiagnosisParams(Params):
     """Diagnosis of thruster faults."""
+
+    former: ClassVar = {"wing_patience_s": WING_PATIENCE}
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(
@@ -84,9 +89,6 @@ class DiagnosisParams(Params):
         0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0
     )
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
-    wing_patience_s: float = param(
-        2.0, "time after which a trim wing that has not reported itself open counts as failed", gt=0.0
-    )
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     trust_s: float = param(
         5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0

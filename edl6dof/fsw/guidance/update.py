@@ -69,30 +69,30 @@ def descend_by_engine(onboard, kind, nav, state, memory, goal):
 
 
 @kernel
-def guide(onboard, kind, k, entered, nav, state, memory, goal):
-    """Run the guidance of the present phase when its division of the base cycle comes up, and at once in a
-    new phase.
+def guide(onboard, kind, k, begins, nav, state, memory, goal):
+    """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
+    the phase before had another.
 
     Args:
         onboard: what the flight computer believes.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission.phases`.
         k: number of the base cycle.
-        entered: whether the phase begins in this cycle.
+        begins: whether this guidance begins in this cycle.
         nav: ``NAV`` record.
         state: ``VEHICLE_STATE`` record (mass, engine).
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
     """
     rates = onboard.rates
-    if entered:
+    if begins:
         goal.translating = 0
     if kind == G_HOLD_BANK or kind == G_ENTRY:
-        if entered or k % rates.entry_guidance_every == 0:
+        if begins or k % rates.entry_guidance_every == 0:
             entry = onboard.guidance.entry
             goal.alpha = entry.trim_alpha
             if kind == G_HOLD_BANK:
                 hold_bank(onboard, nav, goal)
             else:
                 entry_guidance(entry.law, onboard, nav, memory.entry, goal)
-    elif entered or k % rates.powered_guidance_every == 0:
+    elif begins or k % rates.powered_guidance_every == 0:
         descend_by_engine(onboard, kind, nav, state, memory, goal)

@@ -38,6 +38,7 @@ Quantity = Literal[
     "time_to_go_s",
     "footpad_contact",
     "wing_open",
+    "wing_time_s",  # since the trim wing was commanded; 0 before
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -53,6 +54,7 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_TIME_TO_GO,
     Q_CONTACT,
     Q_WING_OPEN,
+    Q_WING_TIME,
 ) = range(len(QUANTITIES))
 
 
@@ -115,6 +117,9 @@ class Phase(Params):
     control: ControllerName = param("off", "attitude controller of the phase")
     thrusters: Annotated[list[ThrusterGroup], Capacity(len(THRUSTER_GROUPS))] = param(
         None, "thruster groups that may fire for attitude", factory=list, max_length=len(THRUSTER_GROUPS)
+    )
+    hold_alpha: bool = param(
+        False, "whether bank_to_steer holds the angle of attack by thrusters, which trims itself otherwise"
     )
     bandwidth: float = param(
         1.0,

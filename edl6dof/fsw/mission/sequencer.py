@@ -1,6 +1,7 @@
 """The compiled sequencer: requests events and changes phase when triggers fire.
 
-It belongs to the flight software: it looks only at navigated quantities and never sees the truth.
+It belongs to the flight software: it looks only at navigated quantities, at what guidance expects and at what
+was commanded, and never sees the truth.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from edl6dof.fsw.mission.phases import (
     Q_TIME,
     Q_TIME_TO_GO,
     Q_WING_OPEN,
+    Q_WING_TIME,
 )
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_PHASES
 from edl6dof.jit import kernel
@@ -39,7 +41,7 @@ JOIN_ALL = 0
 
 
 @kernel
-def watched(quantity, nav, guide, elapsed):
+def watched(quantity, nav, vehicle, guide, elapsed):
     """Present value of a trigger quantity."""
     if quantity == Q_TIME:
         return nav.t
@@ -63,30 +65,32 @@ def watched(quantity, nav, guide, elapsed):
         return guide.time_to_go
     if quantity == Q_WING_OPEN:
         return 1.0 if nav.wing_open != 0 else 0.0
+    if quantity == Q_WING_TIME:
+        return nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0
     return 1.0 if nav.footpad_contact != 0 else 0.0
 
 
 @kernel
-def holds(condition, nav, guide, elapsed):
+def holds(condition, nav, vehicle, guide, elapsed):
     """Whether a condition holds."""
-    value = watched(condition.quantity, nav, guide, elapsed)
+    value = watched(condition.quantity, nav, vehicle, guide, elapsed)
     if condition.goes == 0:
         return value < condition.value
     return value > condition.value
 
 
 @kernel
-def fires(trigger, nav, guide, elapsed):
+def fires(trigger, nav, vehicle, guide, elapsed):
     """Whether a trigger fires ``elapsed`` seconds into its phase."""
     if elapsed < trigger.earliest - 1e-9:
         return False
     if elapsed >= trigger.latest:
         return True
-    return holds(trigger, nav, guide, elapsed)
+    return holds(trigger, nav, vehicle, guide, elapsed)
 
 
 @kernel
-def is_open(way, nav, guide, elapsed):
+def is_open(way, nav, vehicle, guide, elapsed):
     """Whether a way out of a phase is taken ``elapsed`` seconds into it."""
     if elapsed < way.earliest - 1e-9:
         return False
@@ -94,7 +98,7 @@ def is_open(way, nav, guide, elapsed):
         return True
     count = 0
     for i in range(way.n_when):
-        if holds(way.when[i], nav, guide, elapsed):
+        if holds(way.when[i], nav, vehicle, guide, elapsed):
             count += 1
     return count == way.n_when if way.join == JOIN_ALL else count > 0
 
@@ -108,12 +112,13 @@ def enter(phase, t, memory):
 
 
 @kernel
-def sequence(mission, nav, guide, memory, request):
+def sequence(mission, nav, vehicle, guide, memory, request):
     """Advance the phase table: request events whose triggers fire, and change phase.
 
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
+        vehicle: ``VEHICLE_STATE`` record (trim wing).
         guide: guidance record (time to go).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.
@@ -124,9 +129,9 @@ def sequence(mission, nav, guide, memory, request):
     phase = mission.phases[memory.phase]
     for i in range(phase.n_events):
         number = mission.number[memory.phase, i]
-        if memory.event_done[number] == 0 and fires(phase.events[i].when, nav, guide, elapsed):
+        if memory.event_done[number] == 0 and fires(phase.events[i].when, nav, vehicle, guide, elapsed):
             memory.event_done[number] = request[number] = 1
     for i in range(phase.n_ways_out):
-        if is_open(phase.ways_out[i], nav, guide, elapsed):
+        if is_open(phase.ways_out[i], nav, vehicle, guide, elapsed):
             enter(mission.follows[memory.phase, i], nav.t, memory)
             return

@@ -100,8 +100,8 @@ def phase_keys(run: Run) -> list[str]:
 
 
 def phase_colours(run: Run) -> Mapping[str, str]:
-    """Colour of each phase by its event key."""
-    return {f"phase.{name}": PHASES[i % len(PHASES)] for i, name in enumerate(run.phase_names)}
+    """Colour of each phase that was flown by its event key."""
+    return {key: PHASES[i % len(PHASES)] for i, key in enumerate(phase_keys(run))}
 
 
 def has_signal(run: Run, channel: str, rows: np.ndarray | slice = slice(None)) -> bool:

@@ -60,13 +60,9 @@ AVOIDANCE: dict[str, tuple[bool, tuple[str, ...]]] = {
     "D7 dead, integral alone": (True, (_NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4")),
 }
 
-#: A trim wing that stays shut, with the angle of attack held by thrusters or left to trim.
+#: A trim wing that stays shut: whether thrusters hold the angle of attack, or it is left to trim.
 HELD = "alpha held"
-_STUCK_WING = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
-WING: dict[str, tuple[str, ...]] = {
-    HELD: (_STUCK_WING,),
-    "left to trim": (_STUCK_WING, "flight_software.diagnosis.wing_patience_s=1000"),
-}
+WING = {HELD: True, "left to trim": False}
 
 
 @dataclass(frozen=True)
@@ -175,7 +171,12 @@ def avoidance() -> dict[str, Flight]:
 
 def failed_wings() -> dict[str, Flight]:
     """Entries whose trim wing stays shut."""
-    return {name: fly(nominal(changes)) for name, changes in WING.items()}
+    stuck = "faults=[{kind: wing_stuck, at: {time_s: 0}}]"
+    branch = [phase.hold_alpha for phase in nominal().scenario.mission.phases].index(True)
+    return {
+        name: fly(nominal([stuck, f"mission.phases.{branch}.hold_alpha={str(held).lower()}"]))
+        for name, held in WING.items()
+    }
 
 
 def thrust_error_deg(flight: Flight) -> np.ndarray:

@@ -148,12 +148,12 @@ def test_integral_takes_out_the_bank_error_of_an_aerodynamic_bank_moment(onboard
     assert degrees(bank) == pytest.approx(expected, abs=0.05)
 
 
-@pytest.mark.parametrize("failed", [0, 1])
-def test_angle_of_attack_is_closed_around_zero_once_the_wing_has_failed(onboard, failed):
+@pytest.mark.parametrize("held", [0, 1])
+def test_angle_of_attack_is_closed_around_zero_where_the_phase_holds_it(onboard, held):
     fsw = memory(ENTRY)
-    fsw.inputs["wing_commanded"], fsw.inputs["wing_failed"] = 1, failed
+    fsw.inputs["wing_commanded"], fsw.inputs["hold_alpha"] = 1, held
     torque = demand("bank_to_steer", onboard, flying(alpha_deg=-8.0), commanded(), fsw)
-    assert (torque[1] > 50.0) == bool(failed)
+    assert (torque[1] > 50.0) == bool(held)
 
 
 # ---- rate damping under the parachute (S1 section 5) -------------------------------------------------------
