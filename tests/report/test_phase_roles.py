@@ -91,7 +91,9 @@ def test_report_is_the_same(run, other, other_run):
 
 
 def rows_of(flight, path, old):
-    """What a recording holds of each entity, without the times of writing."""
+    """What a recording holds of each entity row by row: how many rows a chunk takes depends on the time that
+    passes while they are written.
+    """
     from rerun.chunk import RrdReader
 
     write_replay([history(flight)], path)
@@ -105,8 +107,9 @@ def rows_of(flight, path, old):
         }
         if "sim_time" in batch.schema.names:
             columns["sim_time"] = batch.column("sim_time").cast("int64")
-        text = repr([(name, column.to_pylist()) for name, column in columns.items()])
-        found.setdefault(chunk.entity_path, []).append(with_old_names(text, old))
+        rows = zip(*(column.to_pylist() for column in columns.values()), strict=True)
+        texts = [with_old_names(repr(list(zip(columns, row, strict=True))), old) for row in rows]
+        found.setdefault(chunk.entity_path, []).extend(texts)
     return {entity: sorted(parts) for entity, parts in found.items()}
 
 
