@@ -215,6 +215,12 @@ def test_each_quantity_is_watched_on_both_sides_of_its_threshold(quantity, field
         assert s.fsw["phase"] == 1
 
 
+def test_time_of_the_trim_wing_counts_from_its_command():
+    s = Sequencer(plan(Phase(name="a", until=trigger("wing_time_s", "above", 2.0)), last())).run(5.0)
+    s.vehicle["wing_commanded"], s.vehicle["wing_time"] = 1, 4.0
+    assert s.run(5.0).entered[1][0] == pytest.approx(6.0, abs=1.01 * DT)
+
+
 def test_empty_mission_does_nothing():
     s = Sequencer(plan()).run(1.0)
     assert s.fsw["phase"] == 0
