@@ -16,7 +16,6 @@ G0 = 9.80665
 VEHICLE_STATE = np.dtype(
     [
         ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
-        ("packs", whole(0, 2**MAX_PARTS - 1)),  # parachutes ejected since the last jettison
         ("mass", "f8"),  # kg
         ("wing_commanded", FLAG),  # the trim wing was commanded open
         ("wing_time", "f8"),  # s, flight time: when
@@ -32,8 +31,7 @@ VEHICLE_STATE = np.dtype(
 def take_off(vehicle, part, state):
     """Believe that a part is gone."""
     before = state.configuration
-    state.configuration = before | (1 << part) | state.packs
-    state.packs = 0
+    state.configuration = before | (1 << part)
     state.mass += vehicle.configuration[state.configuration].mass - vehicle.configuration[before].mass
 
 
@@ -55,8 +53,10 @@ def follow_events(vehicle, mission, t, request, state):
         if event.action == JETTISON:
             take_off(vehicle, event.thing, state)
         elif event.action == DEPLOY:
-            if vehicle.pack[event.thing] >= 0:
-                state.packs |= 1 << vehicle.pack[event.thing]
+            if (
+                vehicle.pack[event.thing] >= 0
+            ):  # the mortar throws the pack off: what it opens to is a body of its own
+                take_off(vehicle, vehicle.pack[event.thing], state)
         elif event.action == EXTEND and event.thing != LANDING_GEAR:
             state.wing_commanded = 1
             state.wing_time = t

@@ -163,6 +163,15 @@ def test_a_drogue_flies_before_the_main_parachute():
     assert flight.outcome == "landed within limits"
 
 
+def test_the_flight_computer_takes_a_pack_off_its_mass_when_the_mortar_throws_it(nominal):
+    """To what is left of the small error in the propellant it counts; 38 kg of pack."""
+    mortar, shield = (
+        next(one["t_s"] for one in nominal.events if one["key"] == key) for key in ("mortar", "heat_shield")
+    )
+    for t in (mortar - 0.2, mortar + 0.2, shield - 0.2, shield + 0.2):
+        assert at(nominal, "nav.mass_kg", t) == pytest.approx(at(nominal, "truth.mass_kg", t), abs=0.01)
+
+
 # ---- another model of a parachute, of an engine -------------------------------------------------
 
 CUT_S = 5.0
