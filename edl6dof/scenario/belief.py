@@ -115,14 +115,10 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     hung = np.zeros(len(record["pack"]), SUSPENSION)
     fill_suspension(hung, vehicle)
     record["pack"] = hung["pack"]
-    believed, engines = record["engine"], vehicle.engines
-    believed["count"] = len(engines)
-    for name in ("full_thrust", "throttle_min", "throttle_max"):
-        believed[name] = sum(getattr(engine, f"{name}_n") for engine in engines)
-    believed["full_thrust_of"][: len(engines)] = [engine.full_thrust_n for engine in engines]
-    if engines:  # the mean that uses the propellant that all use together
-        flow = sum(engine.full_thrust_n / engine.full_specific_impulse_s for engine in engines)
-        believed["specific_impulse"] = believed["full_thrust"] / flow
+    record["n_engines"] = len(vehicle.engines)
+    for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
+        slot["full_thrust"], slot["specific_impulse"] = engine.full_thrust_n, engine.full_specific_impulse_s
+        slot["throttle_min"], slot["throttle_max"] = engine.throttle_min_n, engine.throttle_max_n
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction

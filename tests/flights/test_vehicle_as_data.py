@@ -267,6 +267,10 @@ def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     lever = ARM_M - at(flight, "truth.centre_y_m", t + step)
     before, after = (at(flight, "truth.disturbance_z_nm", s) for s in (t - 0.05, t + step))
     assert thrust > 500.0
+    # no more is asked for than the other can give
+    asked = table["guide.thrust_n"]
+    rows = table["t_s"] > t + 0.2
+    assert asked[rows].max() <= 2500.0 < asked[~rows].max()
     assert after - before == pytest.approx(lever * thrust, rel=0.1)
     assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
 
