@@ -28,12 +28,12 @@ from edl6dof.spatial.vector import take3
 
 
 @kernel
-def command_angles_and_engine(engine, goal, state, command):
+def command_angles_and_engine(vehicle, goal, state, command):
     """Tell the effectors the angles and the thrust that guidance wants."""
     command.steering, command.bank = 1, goal.bank
     command.alpha = 0.0 if state.wing_commanded != 0 else goal.alpha
     command.engine_mode = goal.engine_mode if state.ignited != 0 else ENGINE_OFF
-    share_thrust(engine, goal.thrust, state.burning, command.thrust)
+    share_thrust(vehicle, goal.thrust, state, command.thrust)
 
 
 @kernel
@@ -62,7 +62,7 @@ def run(onboard, sensed, k, fsw):
     sequence(onboard.mission, nav, state, goal, fsw.mission, command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)
-    switch_engine(vehicle.engine, onboard.mission, command.request, state.ignited, goal)
+    switch_engine(onboard.mission, command.request, state, goal)
     count_propellant(vehicle, goal.thrust, command, dt, control_dt, state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
@@ -70,7 +70,7 @@ def run(onboard, sensed, k, fsw):
 
     # guidance
     guide(onboard, phase.guidance, k, phase.guidance != guided_by, nav, state, fsw.guidance, goal)
-    command_angles_and_engine(vehicle.engine, goal, state, command)
+    command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
 

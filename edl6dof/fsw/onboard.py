@@ -37,7 +37,7 @@ from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
 from edl6dof.fsw.navigation import NAV
-from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
 from edl6dof.spatial.frames import LOCAL_FRAME
@@ -207,20 +207,8 @@ ONBOARD = np.dtype(
                     # by the set of the parts that are gone, a bit for each
                     ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
                     ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
-                    (
-                        "engine",
-                        np.dtype(
-                            [
-                                ("full_thrust", "f8"),
-                                ("throttle_min", "f8"),
-                                ("throttle_max", "f8"),
-                                ("specific_impulse", "f8"),
-                                ("full_thrust_of", "f8", (MAX_ENGINES,)),
-                                ("count", "i8"),
-                            ],
-                            align=True,
-                        ),
-                    ),
+                    ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),
+                    ("n_engines", "i8"),
                     *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
                 ],
                 align=True,

@@ -13,15 +13,26 @@ from edl6dof.records import FLAG, whole
 
 G0 = 9.80665
 
+#: What engines can do: one of them, or those that burn taken together.
+ENGINE_ABILITY = np.dtype(
+    [
+        ("full_thrust", "f8"),  # N
+        ("throttle_min", "f8"),  # N
+        ("throttle_max", "f8"),  # N
+        ("specific_impulse", "f8"),  # s, at full thrust
+    ],
+    align=True,
+)
+
 VEHICLE_STATE = np.dtype(
     [
         ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
-        ("packs", whole(0, 2**MAX_PARTS - 1)),  # parachutes ejected since the last jettison
         ("mass", "f8"),  # kg
         ("wing_commanded", FLAG),  # the trim wing was commanded open
         ("wing_time", "f8"),  # s, flight time: when
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
+        ("engine", ENGINE_ABILITY),  # of them together
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],
     align=True,
@@ -32,8 +43,7 @@ VEHICLE_STATE = np.dtype(
 def take_off(vehicle, part, state):
     """Believe that a part is gone."""
     before = state.configuration
-    state.configuration = before | (1 << part) | state.packs
-    state.packs = 0
+    state.configuration = before | (1 << part)
     state.mass += vehicle.configuration[state.configuration].mass - vehicle.configuration[before].mass
 
 
@@ -55,8 +65,10 @@ def follow_events(vehicle, mission, t, request, state):
         if event.action == JETTISON:
             take_off(vehicle, event.thing, state)
         elif event.action == DEPLOY:
-            if vehicle.pack[event.thing] >= 0:
-                state.packs |= 1 << vehicle.pack[event.thing]
+            if (
+                vehicle.pack[event.thing] >= 0
+            ):  # the mortar throws the pack off: what it opens to is a body of its own
+                take_off(vehicle, vehicle.pack[event.thing], state)
         elif event.action == EXTEND and event.thing != LANDING_GEAR:
             state.wing_commanded = 1
             state.wing_time = t
@@ -65,29 +77,42 @@ def follow_events(vehicle, mission, t, request, state):
             state.ignition_time = t + event.delay
         elif event.action == CUT_OFF:
             state.burning[event.thing] = 0
-    count = 0
-    for i in range(vehicle.engine.count):
-        count += state.burning[i]
-    state.ignited = 1 if count > 0 else 0
+    take_together(vehicle.engines, vehicle.n_engines, state)
 
 
 @kernel
-def share_thrust(engine, thrust, burning, command):
+def take_together(engines, count, state):
+    """What those of ``count`` ``engines`` that burn can do together; their specific impulse is the mean that
+    uses the propellant that all use.
+    """
+    full = low = high = flow = 0.0
+    for i in range(count):
+        if state.burning[i] != 0:
+            one = engines[i]
+            full += one.full_thrust
+            low += one.throttle_min
+            high += one.throttle_max
+            flow += one.full_thrust / one.specific_impulse
+    state.ignited = 1 if full > 0.0 else 0
+    state.engine.full_thrust, state.engine.throttle_min, state.engine.throttle_max = full, low, high
+    state.engine.specific_impulse = full / flow if full > 0.0 else 0.0
+
+
+@kernel
+def share_thrust(vehicle, thrust, state, command):
     """Command each engine that burns its share of the thrust (N), in proportion to what it can give.
 
     Args:
-        engine: believed engines.
+        vehicle: believed vehicle.
         thrust: of all together, N.
-        burning: one flag for each engine.
+        state: ``VEHICLE_STATE`` record.
         command: thrust of each engine, N, written.
     """
-    total = 0.0
-    for i in range(engine.count):
-        if burning[i] != 0:
-            total += engine.full_thrust_of[i]
-    for i in range(engine.count):
-        full = engine.full_thrust_of[i]
-        command[i] = min(thrust * (full / total), full) if burning[i] != 0 else 0.0
+    for i in range(vehicle.n_engines):
+        full = vehicle.engines[i].full_thrust
+        command[i] = 0.0
+        if state.burning[i] != 0:
+            command[i] = min(thrust * (full / state.engine.full_thrust), full)
 
 
 @kernel
@@ -104,7 +129,7 @@ def count_propellant(vehicle, thrust, command, dt, control_dt, state):
     """
     used = 0.0
     if state.ignited != 0:
-        used = thrust / vehicle.engine.specific_impulse
+        used = thrust / state.engine.specific_impulse
     for i in range(vehicle.n_thrusters):
         on = command.closes[i] - command.opens[i]
         if on > 0.0:

@@ -9,6 +9,8 @@ MAX_PARTS = 8
 #: Engines, and deployable surfaces, of a vehicle.
 MAX_ENGINES = 4
 MAX_SURFACES = 4
+#: Propellant tanks of a vehicle.
+MAX_TANKS = 4
 #: Parachutes of a vehicle.
 MAX_PARACHUTES = 4
 #: Phases of a mission.

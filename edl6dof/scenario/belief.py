@@ -22,7 +22,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
 from edl6dof.spatial.frames import great_circle
 from edl6dof.vehicle.aerodynamics import capsule_coefficients
-from edl6dof.vehicle.mass import MassParams, Part, loaded
+from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
@@ -111,18 +111,14 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
             vehicle.aero.lift_drag.drag_coefficient * vehicle.aero.lift_drag.reference_area_m2
         )
         record["lift_to_drag"] = vehicle.aero.lift_drag.lift_to_drag
-    record["configuration"] = _configurations(mass, tuple(vehicle.parts))
+    record["configuration"] = _configurations(mass, tuple(vehicle.parts), tuple(vehicle.tanks))
     hung = np.zeros(len(record["pack"]), SUSPENSION)
     fill_suspension(hung, vehicle)
     record["pack"] = hung["pack"]
-    believed, engines = record["engine"], vehicle.engines
-    believed["count"] = len(engines)
-    for name in ("full_thrust", "throttle_min", "throttle_max"):
-        believed[name] = sum(getattr(engine, f"{name}_n") for engine in engines)
-    believed["full_thrust_of"][: len(engines)] = [engine.full_thrust_n for engine in engines]
-    if engines:  # the mean that uses the propellant that all use together
-        flow = sum(engine.full_thrust_n / engine.full_specific_impulse_s for engine in engines)
-        believed["specific_impulse"] = believed["full_thrust"] / flow
+    record["n_engines"] = len(vehicle.engines)
+    for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
+        slot["full_thrust"], slot["specific_impulse"] = engine.full_thrust_n, engine.full_specific_impulse_s
+        slot["throttle_min"], slot["throttle_max"] = engine.throttle_min_n, engine.throttle_max_n
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction
@@ -132,12 +128,12 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
 
 
 @lru_cache(maxsize=16)
-def _configurations(mass: MassParams, parts: tuple[Part, ...]) -> np.ndarray:
-    """Mass, centre and principal inertia of the loaded vehicle by the set of the parts that are gone."""
+def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]) -> np.ndarray:
+    """Mass, centre and principal inertia, with full tanks, by the set of the parts that are gone."""
     table = np.zeros(2**MAX_PARTS, CONFIGURATION)
     for gone, record in enumerate(table[: 2 ** len(parts)]):
         attached = tuple(part for bit, part in enumerate(parts) if not gone >> bit & 1)
-        record["mass"], record["centre"], inertia = loaded(mass, parts, attached)
+        record["mass"], record["centre"], inertia = loaded(mass, parts, tanks, attached)
         record["inertia"] = np.diag(inertia)
     return table
 

@@ -42,6 +42,7 @@ from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
+from edl6dof.vehicle.tanks import FEEDS, fill_feeds
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(
@@ -53,6 +54,7 @@ CASE = np.dtype(
         ("site", LOCAL_FRAME),
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
+        ("feeds", FEEDS),
         ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
         ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
         ("events", EVENT_TABLE),
@@ -128,7 +130,10 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     fill_wind(case["wind"], s.wind, table["atmosphere"], s.seed, s.profile)
     fill_terrain(case["terrain"], s.terrain, table["terrain"], s.planet.mean_radius_m)
     fill_site(case["site"], s)
-    fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts))
+    fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts), tuple(s.vehicle.tanks))
+    jets, engines, tanks = s.vehicle.rcs.thrusters, s.vehicle.engines, s.vehicle.tanks
+    fill_feeds(case["feeds"]["engines"], [engine.draws_from for engine in engines], tanks)
+    fill_feeds(case["feeds"]["thrusters"], [jet.draws_from for jet in jets], tanks)
     fill_suspension(case["suspension"], s.vehicle)
     case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
     fill_events(case["events"], s.mission, s.vehicle)
@@ -195,7 +200,8 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     y[RATE : RATE + 3] = np.radians(initial.rate_deg_s)
     record["bank"] = record["bank_command"] = initial.wind_angles[0]
     record["alpha"] = initial.wind_angles[1]
-    y[PROPELLANT] = scenario.vehicle.mass.propellant.mass_kg
+    loads = [tank.mass_kg for tank in scenario.vehicle.tanks]
+    y[PROPELLANT : PROPELLANT + len(loads)] = loads
     return plant
 
 

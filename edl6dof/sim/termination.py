@@ -95,9 +95,9 @@ def _circumstances(flight: Flight) -> tuple[str, str]:
     """
     plant = flight.plant[0]
     told, plain = [], []
-    if isfinite(t := float(plant["exhausted_time"])):
-        plain.append("the propellant was exhausted")
-        told.append(f"{plain[-1]} at t = {t:.1f} s")
+    for words, t in _empty_tanks(flight).items():
+        plain.append(words)
+        told.append(f"{words} at t = {t:.1f} s")
     events, met = flight.scenario.mission.events.values(), float(plant["touchdown_time"])
     done = zip(events, plant["done"], strict=False)
     cut_off = float(min((t for event, t in done if event.action == "cut_off" and isfinite(t)), default=inf))
@@ -108,6 +108,15 @@ def _circumstances(flight: Flight) -> tuple[str, str]:
     legs = " with its legs folded" if flight.code == CRASHED and _slow_enough(flight) else ""
     after_told, after_plain = (f" after {' and '.join(words)}" if words else "" for words in (told, plain))
     return legs + after_told, legs + after_plain
+
+
+def _empty_tanks(flight: Flight) -> dict[str, float]:
+    """What ran empty, in words, and when (s): each tank, or all propellant."""
+    tanks, times = flight.loaded.truth.vehicle.tanks, flight.plant["exhausted_time"][0]
+    empty = {tank.name: float(t) for tank, t in zip(tanks, times, strict=False) if isfinite(t)}
+    if empty and len(empty) == len(tanks):
+        return {"the propellant was exhausted": max(empty.values())}
+    return {f"tank {name} ran empty": t for name, t in empty.items()}
 
 
 def _slow_enough(flight: Flight) -> bool:

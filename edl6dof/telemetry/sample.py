@@ -24,11 +24,11 @@ from edl6dof.vehicle.plant import (
     CANOPY_POSITION,
     HEAT,
     POSITION,
-    PROPELLANT,
     RATE,
     VELOCITY,
 )
 from edl6dof.vehicle.surroundings import planet_rotation
+from edl6dof.vehicle.tanks import propellant_left
 
 
 @kernel
@@ -54,7 +54,7 @@ def record_brief(case, plant, outputs, fsw, tick):
     truth.total_alpha = total_angle_of_attack(v_air)
     truth.mach, truth.dynamic_pressure = out.mach, out.dynamic_pressure
     truth.rate_p, truth.rate_q, truth.rate_r = take3(y, RATE)
-    truth.propellant = y[PROPELLANT]
+    truth.propellant = propellant_left(case.vehicle.n_tanks, y)
     truth.disturbance_x, truth.disturbance_y, truth.disturbance_z = take3(out.disturbance_moment_B, 0)
     truth.backshell_east = truth.backshell_north = truth.backshell_up = nan
     shell = showing(case.vehicle.parts, case.vehicle.n_parts, CONFIG_BACKSHELL)

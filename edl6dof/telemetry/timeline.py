@@ -10,6 +10,7 @@ import numpy as np
 
 from edl6dof.fsw.mission.phases import Event, MissionParams
 from edl6dof.fsw.mission.roles import NO_ROLE, begun
+from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: What an action did to its thing, in plain words; of what is extended, the command: that it is open is
@@ -73,9 +74,17 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
         for event, t in zip(mission.events.values(), plant["done"], strict=False)
     ]
     found += [moment(t, "line_stretch", "line stretch, inflation begins") for t in plant["line_stretch_time"]]
-    found.append(moment(plant["exhausted_time"], "propellant_exhausted", "propellant exhausted"))
+    found += [
+        moment(t, "propellant_exhausted", ran_empty(tank, vehicle))
+        for tank, t in zip(vehicle.tanks, plant["exhausted_time"], strict=False)
+    ]
     found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first footpad"))
     return [one for one in found if isfinite(one["t_s"])]
+
+
+def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
+    """That a tank is empty: ``propellant exhausted`` where there is no other."""
+    return "propellant exhausted" if len(vehicle.tanks) == 1 else f"tank {tank.name} empty"
 
 
 def in_words(event: Event) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import acos, cos, sin, sqrt
 
 from edl6dof.environment.gas import stagnation_heat_flux
-from edl6dof.interface.capacities import MAX_ENGINES
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
@@ -31,7 +31,6 @@ from edl6dof.spatial.vector import (
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
-from edl6dof.vehicle.mass import with_propellant
 from edl6dof.vehicle.parachute import (
     EXTRACTING,
     INFLATING,
@@ -54,6 +53,7 @@ from edl6dof.vehicle.plant import (
 from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.surfaces import extension, wing_force
 from edl6dof.vehicle.surroundings import gravity, surroundings
+from edl6dof.vehicle.tanks import draw, load_within_reach, with_propellant
 
 
 @kernel
@@ -177,7 +177,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     else:
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     v_air = to_frame(q, v_air_I)
-    mass, centre, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, y[PROPELLANT])
+    mass, centre, inertia = with_propellant(plant.dry, case.vehicle.tanks, case.vehicle.n_tanks, y)
 
     aero_force, aero_moment, mach, qbar, opening = aero_loads(case, tables, plant, t, gas, v_air, w, centre)
     force, moment = aero_force, aero_moment
@@ -216,26 +216,33 @@ def loads(case, tables, plant, t, rotation, y, outputs):
 
 @kernel
 def propulsion(case, plant, t, y, centre, dy):
-    """Force and moment about the centre of mass (B) of the engines, sum of the thrusts delivered (N) and
-    propellant flow (kg/s); writes the rates of the thrusts into ``dy``.
+    """Force and moment about the centre of mass (B) of the engines, and sum of the thrusts delivered (N);
+    writes the rates of the thrusts, and of the propellant that they use, into ``dy``.
     """
     force = moment = (0.0, 0.0, 0.0)
-    delivered = flow = 0.0
+    delivered = 0.0
+    for k in range(MAX_TANKS):
+        dy[PROPELLANT + k] = 0.0
     for i in range(MAX_ENGINES):
         dy[THRUST + i] = 0.0
     for i in range(case.vehicle.n_engines):
         level, running = y[THRUST + i], plant.running[i] != 0
-        command = plant.thrust_command[i] if running and plant.inputs.fuelled != 0 else 0.0
+        command = plant.thrust_command[i] if running else 0.0
         if command == 0.0 and level == 0.0:
             continue
+        loads, filled = case.feeds.engines, plant.inputs.filled
+        within = load_within_reach(loads, i, filled)
+        if within <= 0.0:
+            command = 0.0
         engine, thrust = case.vehicle.engines[i], level * (1.0 - plant.thrust_lost[i])
         own_force, own_moment = thrust_wrench(engine, thrust)
         force = add(force, own_force)
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
-        flow += propellant_flow(engine, thrust)
+        if within > 0.0:
+            draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
         dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
-    return force, moment, delivered, flow
+    return force, moment, delivered
 
 
 @kernel
@@ -250,7 +257,7 @@ def motion(case, plant, t, y, outputs, dy):
     centre = take3(out.centre, 0)
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
-    engine_force, engine_moment, delivered, flow = propulsion(case, plant, t, y, centre, dy)
+    engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
     rcs_force = take3(inputs.rcs_force, 0)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
@@ -268,9 +275,8 @@ def motion(case, plant, t, y, outputs, dy):
     for k in range(4):
         dy[ATTITUDE + k] = q_dot[k]
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
-    dy[PROPELLANT] = 0.0
-    if inputs.fuelled != 0:
-        dy[PROPELLANT] = -flow - inputs.rcs_flow
+    for k in range(MAX_TANKS):
+        dy[PROPELLANT + k] -= inputs.rcs_flow[k]
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, add(take3(out.canopy_acceleration_I, 0), scale(out.canopy_weight, g)))

@@ -42,6 +42,7 @@ class EngineParams(EngineChoice, Hardware):
     direction: Vec3 = param((-1.0, 0.0, 0.0), "unit vector of the thrust in B; -x is up when landed")
     misalignment_y_deg: float = param(0.0, "thrust direction turned about y of B", ge=-5.0, le=5.0)
     misalignment_z_deg: float = param(0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0)
+    draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
     thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
     specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)
 

@@ -1,6 +1,8 @@
-"""Mass, centre of mass and inertia of what is still attached, with the propellant that is left.
+"""Mass, centre of mass and inertia of what is still attached; the propellant that is left is added by
+:mod:`edl6dof.vehicle.tanks`.
 
-The file gives the whole entry vehicle and the parts that leave it; the dry lander is what remains.
+The file gives the whole entry vehicle, its propellant and the parts that leave it; the dry lander is what
+remains.
 Composition and decomposition use the parallel-axis theorem, so the parts always add up to the entry vehicle.
 The lander's inertia may be given itself instead of the whole vehicle's.  Stations are in B (origin at the
 nose, x forward).
@@ -14,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param, stated
+from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.jit import kernel
 from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
 
@@ -40,6 +42,17 @@ class Part(Body):
     drag_area_m2: float = param(0.0, "drag area once it falls alone", status="estimate", ge=0.0)
 
 
+class Tank(Body):
+    """The propellant of a tank; the tank itself is a piece of the lander."""
+
+    name: Key = param(REQUIRED, "name that engines and thrusters call it by", record=False)
+    mass_kg: float = param(REQUIRED, "propellant loaded at entry interface", ge=0.0)
+    centre_m: Vec3 = param((0.0, 0.0, 0.0), "centre of mass of the propellant in B")
+    inertia_kg_m2: Vec3 = param(
+        (0.0, 0.0, 0.0), "Ixx, Iyy, Izz of the load about its own centre; it shrinks with what is left"
+    )
+
+
 #: How a part is written.
 PART_FORM = (
     "vehicle.parts, a list: {name: NAME, mass_kg: ..., centre_m: [...], inertia_kg_m2: [...], "
@@ -48,10 +61,12 @@ PART_FORM = (
 
 
 class MassParams(Hardware):
-    """Mass properties of the entry vehicle and of its propellant."""
+    """Mass properties of the entry vehicle, with its propellant."""
 
     former: ClassVar = {
-        name: PART_FORM.replace("NAME", name) for name in ("heat_shield", "backshell", "parachute")
+        "propellant": "vehicle.tanks, a list: {name: main, mass_kg: ..., centre_m: [...], "
+        "inertia_kg_m2: [...]}",
+        **{name: PART_FORM.replace("NAME", name) for name in ("heat_shield", "backshell", "parachute")},
     }
 
     entry_kg: float = param(REQUIRED, "mass of the whole vehicle at entry interface", gt=0.0)
@@ -66,7 +81,6 @@ class MassParams(Hardware):
         "Ixx, Iyy, Izz of the dry lander without any part about its own centre, in place of those at entry",
         record=False,
     )
-    propellant: Body = group(Body, "propellant loaded at entry interface")
 
     @model_validator(mode="after")
     def _one_inertia(self) -> MassParams:
@@ -75,11 +89,12 @@ class MassParams(Hardware):
         return self
 
 
-def lander_problem(mass: MassParams, parts: tuple[Part, ...]) -> str:
-    """Why the lander that the parts leave over cannot be; empty for one that can."""
-    dry, inertia, _ = lander_dry(mass, parts)
+def lander_problem(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]) -> str:
+    """Why the lander that parts and propellant leave over cannot be; empty for one that can."""
+    dry, inertia, _ = lander_dry(mass, parts, tanks)
     if dry <= 0.0:
-        return f"the parts weigh {mass.entry_kg - dry:.1f} kg together, more than entry_kg {mass.entry_kg:g}"
+        heavy = f"{mass.entry_kg - dry:.1f} kg together, more than entry_kg {mass.entry_kg:g}"
+        return f"parts and propellant weigh {heavy}"
     principal = np.linalg.eigvalsh(inertia)
     if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
         return (
@@ -103,11 +118,13 @@ def _shift(mass: float, arm: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def lander_dry(params: MassParams, parts: tuple[Part, ...]) -> tuple[float, np.ndarray, np.ndarray]:
+def lander_dry(
+    params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]
+) -> tuple[float, np.ndarray, np.ndarray]:
     """Mass (kg), inertia tensor about its centre (3x3, kg m2) and centre (3, m, B) of the lander without
     propellant.
     """
-    others = (*parts, params.propellant)
+    others = (*parts, *tanks)
     mass = params.entry_kg - sum(part.mass_kg for part in others)
     if mass <= 0.0:
         return mass, np.zeros((3, 3)), np.zeros(3)
@@ -125,14 +142,14 @@ def lander_dry(params: MassParams, parts: tuple[Part, ...]) -> tuple[float, np.n
 
 
 def loaded(
-    params: MassParams, parts: tuple[Part, ...], attached: tuple[Part, ...]
+    params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...], attached: tuple[Part, ...]
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with all its
-    propellant and the ``attached`` ones of its ``parts``.
+    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with full
+    ``tanks`` and the ``attached`` ones of its ``parts``.
     """
-    mass, tensor, centre = lander_dry(params, parts)
+    mass, tensor, centre = lander_dry(params, parts, tanks)
     bodies = [(mass, np.asarray(centre), tensor)]
-    for body in (*attached, params.propellant):
+    for body in (*attached, *tanks):
         bodies.append((body.mass_kg, np.asarray(body.centre_m), np.diag(body.inertia_kg_m2)))
     whole = sum(m for m, _, _ in bodies)
     middle = sum((m * c for m, c, _ in bodies), np.zeros(3)) / whole
@@ -140,9 +157,11 @@ def loaded(
     return whole, middle, inertia
 
 
-def fill_lander(record: np.ndarray | np.void, params: MassParams, parts: tuple[Part, ...]) -> None:
-    """Fill a ``BODY`` record with the dry lander that the parts leave over."""
-    record["mass"], inertia, record["centre"] = lander_dry(params, parts)
+def fill_lander(
+    record: np.ndarray | np.void, params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]
+) -> None:
+    """Fill a ``BODY`` record with the dry lander that parts and propellant leave over."""
+    record["mass"], inertia, record["centre"] = lander_dry(params, parts, tanks)
     record["inertia"] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
@@ -176,7 +195,7 @@ def body_of(record):
 
 @kernel
 def part_of(part):
-    """A ``Part`` or ``Body`` record as (mass, centre, inertia) tuples."""
+    """A ``Part`` record as (mass, centre, inertia) tuples."""
     c, i = part.centre, part.inertia
     return part.mass, (c[0], c[1], c[2]), (i[0], i[1], i[2], 0.0, 0.0, 0.0)
 
@@ -221,17 +240,3 @@ def showing(parts, count, shape):
         if parts[i].shape == shape:
             return i
     return -1
-
-
-@kernel
-def with_propellant(dry, load, propellant):
-    """Mass properties of ``dry`` with ``propellant`` kg left of the part ``load``; its own inertia shrinks in
-    proportion.
-    """
-    body = body_of(dry)
-    if propellant <= 0.0:
-        return body
-    share = propellant / load.mass
-    c, i = load.centre, load.inertia
-    tank = (propellant, (c[0], c[1], c[2]), (i[0] * share, i[1] * share, i[2] * share, 0.0, 0.0, 0.0))
-    return join(body, tank)

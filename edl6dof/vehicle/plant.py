@@ -15,6 +15,7 @@ from edl6dof.interface.capacities import (
     MAX_PARACHUTES,
     MAX_PARTS,
     MAX_SURFACES,
+    MAX_TANKS,
     MAX_THRUSTERS,
 )
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
@@ -25,8 +26,9 @@ from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachute import PACKED, RELEASED
 
 #: Layout of the integrated state ``y``.
-POSITION, VELOCITY, ATTITUDE, RATE, PROPELLANT, HEAT, THRUST = 0, 3, 6, 10, 13, 14, 15
-#: Components that exist without a free canopy: thrust of each engine last.
+POSITION, VELOCITY, ATTITUDE, RATE, HEAT, PROPELLANT = 0, 3, 6, 10, 13, 14
+#: Components that exist without a free canopy: propellant of each tank, and thrust of each engine last.
+THRUST = PROPELLANT + MAX_TANKS
 STATES_VEHICLE = THRUST + MAX_ENGINES
 CANOPY_POSITION = STATES_VEHICLE
 CANOPY_VELOCITY = CANOPY_POSITION + 3
@@ -36,8 +38,8 @@ STATE_NAMES = (
     *(f"velocity {c} (I)" for c in "xyz"),
     *(f"attitude quaternion {c}" for c in "wxyz"),
     *(f"body rate {c}" for c in "pqr"),
-    "propellant mass",
     "heat load",
+    *(f"propellant in tank {k}" for k in range(MAX_TANKS)),
     *(f"thrust of engine {k}" for k in range(MAX_ENGINES)),
     *(f"canopy position {c} (I)" for c in "xyz"),
     *(f"canopy velocity {c} (I)" for c in "xyz"),
@@ -129,8 +131,8 @@ INPUTS = np.dtype(
     [
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step
         ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: mean over the step
-        ("rcs_flow", "f8"),  # kg/s: mean over the step
-        ("fuelled", FLAG),  # whether there is propellant
+        ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
+        ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant
         ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
         ("ground_elevation", "f8"),  # m: the plane of the ground
         ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
@@ -165,7 +167,7 @@ STATE = np.dtype(
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),
-        ("exhausted_time", TIME_IF_EVER),  # when the propellant was used up
+        ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
         ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
         ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
         ("dry", BODY),  # of the parts that are attached

@@ -14,10 +14,11 @@ from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import clamp
+from edl6dof.spatial.vector import clamp, put3
+from edl6dof.vehicle.tanks import draw, load_within_reach
 
 G0 = 9.80665
 
@@ -40,6 +41,7 @@ class Thruster(Hardware):
     minimum_pulse_s: float = param(REQUIRED, "shortest commanded pulse", gt=0.0, le=1.0)
     rise_s: float = param(0.012, "time from valve opening to full thrust", status="estimate", gt=0.0, le=0.2)
     decay_s: float = param(0.012, "time from valve closing to no thrust", status="estimate", gt=0.0, le=0.2)
+    draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
 
     @field_validator("direction")
     @classmethod
@@ -99,15 +101,19 @@ def mean_level(level, rise, decay, start, step, opens, closes):
 
 
 @kernel
-def fire(rcs, valves, t, step, dynamic_pressure):
+def fire(rcs, loads, valves, t, step, dynamic_pressure, inputs):
     """Mean force and moment of all thrusters over a step and their propellant flow, for constant application
     in that step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
-    as plumes). Returns (Fx, Fy, Fz, Mx, My, Mz about the origin of B, kg/s).
+    as plumes); writes ``rcs_force``, ``rcs_moment`` (N and N m about the origin of B) and ``rcs_flow``
+    (kg/s out of each tank) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are the
+    thrusters' ``FEEDS``.
     """
+    for k in range(MAX_TANKS):
+        inputs.rcs_flow[k] = 0.0
     efficiency = 1.0 - rcs.flow_loss * clamp(dynamic_pressure / rcs.flow_loss_pressure, 0.0, 1.0)
-    fx = fy = fz = mx = my = mz = flow = 0.0
+    fx = fy = fz = mx = my = mz = 0.0
     for i in range(rcs.n_thrusters):
         if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
             valves.mean[i] = 0.0
@@ -117,10 +123,14 @@ def fire(rcs, valves, t, step, dynamic_pressure):
             valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i]
         )
         valves.level[i] = level
+        within = load_within_reach(loads, i, inputs.filled)
         mean *= 1.0 - valves.lost[i]
-        valves.mean[i] = mean
+        valves.mean[i] = mean if within > 0.0 else 0.0
+        if valves.mean[i] == 0.0:
+            continue
         force = mean * jet.thrust
-        flow += force / (jet.specific_impulse * G0)
+        flow = force / (jet.specific_impulse * G0)
+        draw(loads, i, inputs.filled, within, flow, inputs.rcs_flow, 0)
         force *= efficiency
         x, y, z = force * jet.direction[0], force * jet.direction[1], force * jet.direction[2]
         px, py, pz = jet.position[0], jet.position[1], jet.position[2]
@@ -130,4 +140,5 @@ def fire(rcs, valves, t, step, dynamic_pressure):
         mx += py * z - pz * y
         my += pz * x - px * z
         mz += px * y - py * x
-    return fx, fy, fz, mx, my, mz, flow
+    put3(inputs.rcs_force, 0, (fx, fy, fz))
+    put3(inputs.rcs_moment, 0, (mx, my, mz))

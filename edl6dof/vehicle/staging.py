@@ -15,18 +15,18 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.debris import LOOSE
-from edl6dof.vehicle.mass import compose, with_propellant
+from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
     CANOPY_VELOCITY,
     POSITION,
-    PROPELLANT,
     RATE,
     VELOCITY,
 )
 from edl6dof.vehicle.point_mass import POINT_MASS
+from edl6dof.vehicle.tanks import with_propellant
 
 
 @kernel
@@ -42,11 +42,10 @@ def separate(case, plant, index, velocity):
     part, debris = vehicle.parts[index], plant.debris[index]
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     r, v, w = take3(y, POSITION), take3(y, VELOCITY), take3(y, RATE)
-    load = vehicle.mass.propellant
-    _, old, _ = with_propellant(plant.dry, load, y[PROPELLANT])
+    _, old, _ = with_propellant(plant.dry, vehicle.tanks, vehicle.n_tanks, y)
     plant.attached[index] = 0
     compose(case, plant)
-    mass, new, inertia = with_propellant(plant.dry, load, y[PROPELLANT])
+    mass, new, inertia = with_propellant(plant.dry, vehicle.tanks, vehicle.n_tanks, y)
     part_arm = sub(take3(part.centre, 0), old)
     remaining_arm = sub(new, old)
     push = from_frame(q, velocity)

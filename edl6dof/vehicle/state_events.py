@@ -32,7 +32,7 @@ class StateEvent(NamedTuple):
         name: what happens.
         value: kernel ``(case, plant, outputs) -> float``: positive before the event, at or below zero from it
             on, ``NOT_ARMED`` while it cannot happen.
-        action: kernel ``(plant)`` that carries the event out at ``plant.t``, and so disarms it.
+        action: kernel ``(case, plant)`` that carries the event out at ``plant.t``, and so disarms it.
     """
 
     name: str
@@ -52,7 +52,7 @@ def slack(case, plant, outputs):
 
 
 @kernel
-def stretch(plant):
+def stretch(case, plant):
     """Line stretch: the canopy begins to fill."""
     plant.canopy = INFLATING
     plant.line_stretch_time[plant.parachute] = plant.t
@@ -82,7 +82,7 @@ def clearance(case, plant, outputs):
 
 
 @kernel
-def touch_down(plant):
+def touch_down(case, plant):
     """First contact with the ground: from now on it carries the vehicle."""
     plant.touched = 1
     plant.touchdown_time = plant.t
@@ -91,29 +91,39 @@ def touch_down(plant):
 
 
 @kernel
-def propellant_left(case, plant, outputs):
-    """Propellant left, kg."""
-    if case.vehicle.mass.propellant.mass > 0.0 and isnan(plant.exhausted_time):
-        return plant.y[PROPELLANT]
-    return NOT_ARMED
+def still_to_empty(case, plant, tank):
+    """Whether a tank was loaded and has not run empty."""
+    return case.vehicle.tanks[tank].mass > 0.0 and isnan(plant.exhausted_time[tank])
 
 
 @kernel
-def run_dry(plant):
-    """The tank is empty: engine and thrusters go out."""
-    plant.exhausted_time = plant.t
-    plant.y[PROPELLANT] = 0.0
+def least_propellant(case, plant, outputs):
+    """Least propellant left in a tank that has not run empty, kg."""
+    least = NOT_ARMED
+    for k in range(case.vehicle.n_tanks):
+        if still_to_empty(case, plant, k):
+            least = min(least, plant.y[PROPELLANT + k])
+    return least
+
+
+@kernel
+def run_dry(case, plant):
+    """Tanks are empty: what none but they feed goes out."""
+    for k in range(case.vehicle.n_tanks):
+        if still_to_empty(case, plant, k) and plant.y[PROPELLANT + k] <= 0.0:
+            plant.exhausted_time[k] = plant.t
+            plant.y[PROPELLANT + k] = 0.0
 
 
 #: In the order in which those of one moment are carried out.
 STATE_EVENTS = (
-    StateEvent("propellant exhausted", propellant_left, run_dry),
+    StateEvent("tank empty", least_propellant, run_dry),
     StateEvent("line stretch", slack, stretch),
     StateEvent("touchdown", clearance, touch_down),
 )
 
 _value = switch([event.value for event in STATE_EVENTS], "case", "plant", "outputs")
-_carry_out = switch([event.action for event in STATE_EVENTS], "plant")
+_carry_out = switch([event.action for event in STATE_EVENTS], "case", "plant")
 _COUNT = len(STATE_EVENTS)
 
 
@@ -131,4 +141,4 @@ def carry_out_state_events(case, plant, outputs):
     """Carry out every event of the state that has come."""
     for event in range(_COUNT):
         if _value(event, case, plant, outputs) <= 0.0:
-            _carry_out(event, plant)
+            _carry_out(event, case, plant)

@@ -18,11 +18,11 @@ from edl6dof.config.base import (
     unique_names,
 )
 from edl6dof.config.errors import Inconsistent
-from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.vehicle.aerodynamics import AeroParams
 from edl6dof.vehicle.engine import EngineParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
-from edl6dof.vehicle.mass import MassParams, Part, lander_problem
+from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachute import ParachuteParams
 from edl6dof.vehicle.rcs import RcsParams
 from edl6dof.vehicle.surfaces import SurfaceParams
@@ -63,6 +63,9 @@ class VehicleParams(Hardware):
     parts: Annotated[list[Part], Capacity(MAX_PARTS)] = param(
         None, "parts that can be jettisoned, the outermost first", factory=list, max_length=MAX_PARTS
     )
+    tanks: Annotated[list[Tank], Capacity(MAX_TANKS)] = param(
+        None, "propellant tanks; empty for none", factory=list, max_length=MAX_TANKS
+    )
     aero: AeroParams = section("aerodynamics")
     surfaces: Annotated[list[SurfaceParams], Capacity(MAX_SURFACES)] = param(
         None, "surfaces that unfold, such as a trim wing", factory=list, max_length=MAX_SURFACES
@@ -76,7 +79,7 @@ class VehicleParams(Hardware):
     )
     landing_gear: LandingGearParams = group(LandingGearParams, "landing legs")
 
-    @field_validator("parts", "surfaces", "engines", "parachutes")
+    @field_validator("parts", "tanks", "surfaces", "engines", "parachutes")
     @classmethod
     def _names_differ(cls, value: list[Any]) -> list[Any]:
         return unique_names(value)
@@ -84,7 +87,7 @@ class VehicleParams(Hardware):
     @model_validator(mode="after")
     def _parts_fit(self) -> VehicleParams:
         problems = {}
-        if words := lander_problem(self.mass, tuple(self.parts)):
+        if words := lander_problem(self.mass, tuple(self.parts), tuple(self.tanks)):
             problems["mass"] = words
         if self.aero.model == "capsule" and self.showing("capsule") is None:
             problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
@@ -95,6 +98,7 @@ class VehicleParams(Hardware):
         for place, part in named.items():
             if part is not None and part not in names:
                 problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"
+        problems |= self._feed_problems()
         for k, engine in enumerate(self.engines):
             low, high = engine.throttle_min_n, engine.throttle_max_n
             if low > high:
@@ -106,6 +110,18 @@ class VehicleParams(Hardware):
         if problems:
             raise Inconsistent(problems)
         return self
+
+    def _feed_problems(self) -> dict[str, str]:
+        """Tanks that engines or thrusters name and that do not exist, by dotted key."""
+        drawing = {f"engines.{k}": one.draws_from for k, one in enumerate(self.engines)}
+        drawing |= {f"rcs.thrusters.{k}": one.draws_from for k, one in enumerate(self.rcs.thrusters)}
+        names = [tank.name for tank in self.tanks]
+        return {
+            f"{place}.draws_from.{k}": f"no tank named {name!r}; names: {', '.join(names) or 'none'}"
+            for place, drawn in drawing.items()
+            for k, name in enumerate(drawn)
+            if name not in names
+        }
 
     def showing(self, shape: str) -> Part | None:
         """The first part that shows ``shape`` to the air."""

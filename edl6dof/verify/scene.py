@@ -35,7 +35,7 @@ UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_
 #: vehicle.
 ONE_BODY = tuple(
     f"vehicle.{body}.{value}"
-    for body in ("parts.heat_shield", "parts.backshell", "parts.parachute_pack", "mass.propellant")
+    for body in ("parts.heat_shield", "parts.backshell", "parts.parachute_pack", "tanks.main")
     for value in ("mass_kg=0", "inertia_kg_m2=[0, 0, 0]")
 )
 #: Nothing ends the flight but the time limit.

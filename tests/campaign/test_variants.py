@@ -146,7 +146,7 @@ def test_belief_follows_from_what_is_declared_alone(section):
     [
         ({"truth": {"vehicle.mass.entry_mass_kg": 1.0}}, "unknown key"),
         ({"truth": {"vehicle.mass.entry_kg": -5.0}}, "must be > 0 kg"),
-        ({"truth": {"vehicle.mass.entry_kg": 300.0}}, "the parts weigh"),
+        ({"truth": {"vehicle.mass.entry_kg": 300.0}}, "parts and propellant weigh"),
         ({"belief": {"initial.speed_m_s": 100.0}}, "must be above"),
     ],
 )

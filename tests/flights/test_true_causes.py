@@ -15,7 +15,7 @@ from edl6dof.sim.outcome import FLYING, LANDED, outcome_of
 from edl6dof.telemetry.channels import BRIEF
 
 CUT_HIGH = "mission.phases.slow_descent.until.latest_s=3"
-SMALL_TANK = "vehicle.mass.propellant.mass_kg=80"
+SMALL_TANK = "vehicle.tanks.main.mass_kg=80"
 
 
 def event(flight, key):
@@ -38,7 +38,7 @@ def test_tank_that_runs_empty_is_told_before_the_crash():
 
 def test_vehicle_without_propellant_has_none_to_exhaust():
     flight = edl6dof.fly("nesc/case06")
-    assert math.isnan(flight.plant["exhausted_time"][0])
+    assert math.isnan(flight.plant["exhausted_time"][0, 0])
     assert "propellant" not in flight.outcome
 
 

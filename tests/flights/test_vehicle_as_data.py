@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import edl6dof
+from edl6dof.vehicle.plant import PROPELLANT
 
 
 @pytest.fixture(scope="module")
@@ -163,6 +164,15 @@ def test_a_drogue_flies_before_the_main_parachute():
     assert flight.outcome == "landed within limits"
 
 
+def test_the_flight_computer_takes_a_pack_off_its_mass_when_the_mortar_throws_it(nominal):
+    """To what is left of the small error in the propellant it counts; 38 kg of pack."""
+    mortar, shield = (
+        next(one["t_s"] for one in nominal.events if one["key"] == key) for key in ("mortar", "heat_shield")
+    )
+    for t in (mortar - 0.2, mortar + 0.2, shield - 0.2, shield + 0.2):
+        assert at(nominal, "nav.mass_kg", t) == pytest.approx(at(nominal, "truth.mass_kg", t), abs=0.01)
+
+
 # ---- another model of a parachute, of an engine -------------------------------------------------
 
 CUT_S = 5.0
@@ -258,8 +268,63 @@ def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     lever = ARM_M - at(flight, "truth.centre_y_m", t + step)
     before, after = (at(flight, "truth.disturbance_z_nm", s) for s in (t - 0.05, t + step))
     assert thrust > 500.0
+    # no more is asked for than the other can give
+    asked = table["guide.thrust_n"]
+    rows = table["t_s"] > t + 0.2
+    assert asked[rows].max() <= 2500.0 < asked[~rows].max()
     assert after - before == pytest.approx(lever * thrust, rel=0.1)
     assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
+
+
+# ---- tanks -------------------------------------------------------------------------------------
+
+
+def tanks(**loads):
+    """Override: tanks of these loads (kg), all in the place of the one."""
+    own = edl6dof.load("tianwen1").scenario.vehicle.tanks[0].model_dump(mode="json")
+    whole = np.array(own["inertia_kg_m2"]) / own["mass_kg"]
+    rows = [
+        {**own, "name": name, "mass_kg": load, "inertia_kg_m2": (whole * load).tolist()}
+        for name, load in loads.items()
+    ]
+    return f"vehicle.tanks={json.dumps(rows)}"
+
+
+def test_tanks_that_share_a_place_fly_as_one(nominal):
+    flight = edl6dof.fly("tianwen1", [tanks(front=120.0, aft=70.0)])
+    assert flight.outcome == "landed within limits"
+    for name in ("parachute_height_m", "backshell_height_m", "touchdown_s", "propellant_used_kg"):
+        assert flight.metrics[name] == pytest.approx(nominal.metrics[name], rel=1e-2)
+    left = flight.plant["y"][0, PROPELLANT : PROPELLANT + 2]
+    assert left / (120.0, 70.0) == pytest.approx(
+        np.full(2, 1.0 - flight.metrics["propellant_used_kg"] / 190.0), rel=1e-9
+    )
+    # the first minute, before chaos: masses, truth and belief
+    for column in ("truth.mass_kg", "nav.mass_kg", "truth.centre_y_m"):
+        assert at(flight, column, 60.0) == pytest.approx(at(nominal, column, 60.0), rel=1e-9)
+
+
+def test_thrusters_on_a_small_tank_of_their_own_starve_and_the_engine_does_not():
+    scenario = edl6dof.load("tianwen1").scenario.vehicle
+    own = [{**jet.model_dump(mode="json"), "draws_from": ["rcs"]} for jet in scenario.rcs.thrusters]
+    flight = edl6dof.fly(
+        "tianwen1",
+        [
+            tanks(main=178.0, rcs=12.0),
+            f"vehicle.rcs.thrusters={json.dumps(own)}",
+            "vehicle.engines.main.draws_from=[main]",
+        ],
+    )
+    empty = next(one for one in flight.events if one["key"] == "propellant_exhausted")
+    assert empty["name"] == "tank rcs empty"
+    assert f"tank rcs ran empty at t = {empty['t_s']:.1f} s" in flight.outcome
+    t, table = flight.telemetry["t_s"], flight.telemetry
+    after = t > empty["t_s"] + 0.02
+    jets = np.stack([table[f"rcs.{jet['name']}"] for jet in own])
+    assert jets[:, ~after].max() == pytest.approx(1.0) and np.all(jets[:, after] == 0.0)
+    assert table["truth.engine_thrust_n"][after].max() > 1000.0
+    used = -np.diff(table["truth.propellant_kg"][after])
+    assert used.min() >= 0.0 and used.sum() > 5.0
 
 
 # ---- order of separation -----------------------------------------------------------------------

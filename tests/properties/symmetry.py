@@ -39,7 +39,7 @@ def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7
     parts = {
         "parts.heat_shield": (-0.30, 0.01, -0.035),
         "parts.backshell": (-1.70, -0.0687, -0.284),
-        "mass.propellant": (-0.80, 0.047, 0.0),
+        "tanks.main": (-0.80, 0.047, 0.0),
     }
     return [
         f"initial.latitude_deg={latitude}",

@@ -26,16 +26,16 @@ GUIDANCE = np.dtype(
 
 
 @kernel
-def switch_engine(engine, mission, request, ignited, goal):
-    """Full level when an engine is ignited, nothing after the last one that was ``ignited`` is cut off."""
+def switch_engine(mission, request, state, goal):
+    """Full level when an engine is ignited, nothing after the last one that burnt is cut off."""
     for i in range(mission.n_events):
         if request[i] == 0:
             continue
         action = mission.events[i].action
         if action == IGNITE:
             goal.engine_mode = ENGINE_FULL
-            goal.thrust = engine.full_thrust
-        elif action == CUT_OFF and ignited == 0:
+            goal.thrust = state.engine.full_thrust
+        elif action == CUT_OFF and state.ignited == 0:
             goal.engine_mode = ENGINE_OFF
             goal.thrust = 0.0
 
@@ -54,7 +54,7 @@ def hold_bank(onboard, nav, goal):
 @kernel
 def descend_by_engine(onboard, kind, nav, state, memory, goal):
     """Thrust, and lateral force where the phase flies sideways, of a phase on the main engine."""
-    p, engine = onboard.guidance.powered, onboard.vehicle.engine
+    p, engine = onboard.guidance.powered, state.engine
     if kind == G_POWERED:
         north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
         command_thrust(state.mass, (north, east, up), tilt_limit, goal)

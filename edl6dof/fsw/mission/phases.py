@@ -7,9 +7,10 @@ on both sides.
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
+from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Key, Params, param, section, stated
 from edl6dof.config.dtype import dtype_of
@@ -73,6 +74,15 @@ class Trigger(Condition):
     latest_s: float = param(NEVER, "phase time at which it fires whatever the quantity", gt=0.0)
 
 
+#: Words of the field that are no action of their own, and what says the same.
+SAID_OTHERWISE = {
+    "eject": "jettison, which throws a part off at its separation_velocity_m_s, or deploy, which fires a "
+    "parachute's pack at its mortar_speed_m_s",
+    "arm": "the 'thrusters' of a phase, the groups that may fire for attitude in it, the ignite of an "
+    "engine, or the 'when' with earliest_s of the event that is to wait",
+}
+
+
 class Event(Params):
     """Something that is done once inside a phase; two phases may hold the same one, as on branches."""
 
@@ -92,6 +102,13 @@ class Event(Params):
         0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
     )
     when: Trigger = section("condition")
+
+    @field_validator("action", mode="before")
+    @classmethod
+    def _said_otherwise(cls, value: Any) -> Any:
+        if isinstance(value, str) and value in SAID_OTHERWISE:
+            raise ValueError(f"{value!r} is no action of its own: write {SAID_OTHERWISE[value]}")
+        return value
 
 
 class WayOut(Params):

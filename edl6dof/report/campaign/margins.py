@@ -98,7 +98,7 @@ def convergence(results: Results) -> Figure:
 
 def propellant(results: Results) -> Iterator[Block]:
     """Propellant left."""
-    loaded = float(results.document["vehicle"]["mass"]["propellant"]["mass_kg"])
+    loaded = sum(float(tank["mass_kg"]) for tank in results.document["vehicle"]["tanks"])
     if not results.has("propellant_used_kg") or not loaded:
         return
     left = loaded - results["propellant_used_kg"]

@@ -14,7 +14,7 @@ import numpy as np
 
 from edl6dof.scenario import records
 from edl6dof.vehicle.integrate import advance
-from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
+from edl6dof.vehicle.plant import OUTPUTS, PROPELLANT, WORKSPACE
 from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
@@ -31,7 +31,7 @@ _SCENE = (
     *WEIGHTLESS,
     *ONE_BODY,
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-    "vehicle.mass.propellant={mass_kg: 190, centre_m: [-0.85, 0, 0], inertia_kg_m2: [0, 0, 0]}",
+    "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.rcs.thrusters=[{_JET}]",
     "flight_software.check_out.thrusters=[]",
     "initial.speed_m_s=0",
@@ -61,7 +61,7 @@ def run(planted: Sequence[str] = ()) -> Outcome:
         plant["valves"]["opens"][0, 0], plant["valves"]["closes"][0, 0] = begin, begin + length
         for cut in [*np.sort(rng.uniform(k * CYCLE, (k + 1) * CYCLE, 9)), (k + 1) * CYCLE]:
             advance(*flown, cut)
-        delivered.append(190.0 - plant["y"][0, 13])
+        delivered.append(190.0 - plant["y"][0, PROPELLANT])
         speed.append(float(np.linalg.norm(plant["y"][0, 3:6] - v0)))
     used = THRUST * np.cumsum(closed_form(lengths)) / (ISP * G0)
     mass = nominal.vehicle.mass.entry_kg

@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.mass import with_propellant
-from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, PROPELLANT
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
+from edl6dof.vehicle.tanks import with_propellant
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, doing, scenes, state_of, to_the_end
 
@@ -43,12 +43,12 @@ CASES = (
 )
 
 
-def _vehicle(plant: np.void, load: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and spin angular momentum in I of the vehicle with what is left of its propellant
-    ``load``.
+def _vehicle(plant: np.void, tanks: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position, velocity and spin angular momentum in I of the vehicle with what is left in its ``count``
+    ``tanks``.
     """
     y = plant["y"]
-    i = with_propellant(plant["dry"], load, y[PROPELLANT])[2]
+    i = with_propellant(plant["dry"], tanks, count, y)[2]
     inertia = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
     turn = Rotation.from_quat(y[6:10], scalar_first=True)
     return y[0:3].copy(), y[3:6].copy(), turn.apply(inertia @ y[10:13])
@@ -72,8 +72,9 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds:
     """
     before, after = start.plant[0], flight.plant[0]
     index = [one.name for one in nominal.vehicle.parts].index(part)
-    properties, load = nominal.vehicle.parts[index], flight.case[0]["vehicle"]["mass"]["propellant"]
-    r, v, spin = _vehicle(before, load)
+    properties, vehicle = nominal.vehicle.parts[index], flight.case[0]["vehicle"]
+    tanks = vehicle["tanks"], vehicle["n_tanks"]
+    r, v, spin = _vehicle(before, *tanks)
     origin, mass = r.copy(), nominal.vehicle.mass.entry_kg
     first = _sums([(mass, r, v)], spin, origin)
     turn = Rotation.from_quat(before["y"][6:10], scalar_first=True)
@@ -86,7 +87,7 @@ def balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds:
         if part == nominal.vehicle.main_parachute.pack
         else (after["debris"][index]["r_I"], after["debris"][index]["v_I"])
     )
-    r, v, spin = _vehicle(after, load)
+    r, v, spin = _vehicle(after, *tanks)
     second = _sums([(mass - properties.mass_kg, r, v), (properties.mass_kg, *gone)], spin + own, origin)
     impulse = properties.mass_kg * np.linalg.norm(gone[1] - v)
     change = [second[0] - first[0] - seconds * first[1], second[1] - first[1], second[2] - first[2]]

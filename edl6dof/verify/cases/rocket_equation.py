@@ -37,7 +37,7 @@ _SCENE = (
     *ONE_BODY,
     *ENDLESS,
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-    "vehicle.mass.propellant={mass_kg: 190, centre_m: [-0.85, 0, 0], inertia_kg_m2: [0, 0, 0]}",
+    "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.engines.main.full_specific_impulse_s={ISP}",
     f"vehicle.engines.main.throttled.low_specific_impulse_s={ISP}",
     "vehicle.engines.main.nozzle_m=[-0.3, 0, 0]",

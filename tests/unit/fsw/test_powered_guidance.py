@@ -56,7 +56,7 @@ def given(record):
 
 def terminal(onboard):
     """Settings and believed engine that a terminal law gets."""
-    return onboard[0]["guidance"]["powered"]["terminal"], onboard[0]["vehicle"]["engine"]
+    return onboard[0]["guidance"]["powered"]["terminal"], onboard[0]["vehicle"]["engines"][0]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, h
 
 
 def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
-    engine = onboard[0]["vehicle"]["engine"]
+    engine = onboard[0]["vehicle"]["engines"][0]
     out = np.zeros(1, GUIDE)[0]
     for wish in (-100.0, 0.0, 1499.0, 3000.0, 5001.0, 9000.0):
         out["thrust"] = wish

@@ -45,9 +45,11 @@ def impulse(case, plant, command, cycles, pulse=None):
         if pulse is not None:
             command["opens"][pulse[0]], command["closes"][pulse[0]] = pulse[1:]
         actuate(case, command, plant)
-        wrench = fire(case["vehicle"]["rcs"], plant["valves"], plant["t"], CYCLE, 0.0)
-        total += np.array(wrench[:3]) * CYCLE
-        used += wrench[6] * CYCLE
+        inputs, loads = plant["inputs"], case["feeds"]["thrusters"]
+        inputs["filled"] = 1
+        fire(case["vehicle"]["rcs"], loads, plant["valves"], plant["t"], CYCLE, 0.0, inputs)
+        total += inputs["rcs_force"] * CYCLE
+        used += inputs["rcs_flow"].sum() * CYCLE
     return total, used
 
 

@@ -10,19 +10,20 @@ import pytest
 from pydantic import ValidationError
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.interface.capacities import MAX_PARTS
+from edl6dof.interface.capacities import MAX_PARTS, MAX_TANKS
 from edl6dof.vehicle.mass import (
     BODY,
-    Body,
     MassParams,
     Part,
+    Tank,
     compose_dry,
     fill_lander,
     join,
     lander_problem,
     loaded,
-    with_propellant,
 )
+from edl6dof.vehicle.plant import PROPELLANT, STATES
+from edl6dof.vehicle.tanks import with_propellant
 
 
 def part(name, **numbers):
@@ -38,13 +39,16 @@ PARTS = {
     ),
     "parachute": part("parachute", mass_kg=38.0, centre_m=(-2.35, 0.0, 0.01), inertia_kg_m2=(2.0, 1.5, 1.6)),
 }
-PROPELLANT = Body(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0))
+TANKS = (
+    Tank(name="main", mass_kg=180.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
+    Tank(name="side", mass_kg=40.0, centre_m=(-0.7, 0.6, -0.3), inertia_kg_m2=(2.0, 2.5, 3.0)),
+)
+LOADS = np.array([tank.mass_kg for tank in TANKS])
 JETTISONED = tuple(PARTS.values())
 VEHICLE = MassParams(
     entry_kg=1285.0,
     entry_centre_m=(-0.85, 0.004, -0.034),
     entry_inertia_kg_m2=(1150.0, 1020.0, 990.0),
-    propellant=PROPELLANT,
 )
 
 
@@ -53,23 +57,25 @@ def records():
     return filled(VEHICLE, JETTISONED)
 
 
-def filled(mass, parts):
-    """Records of mass, parts and lander."""
-    masses = np.zeros(1, dtype_of(MassParams)).view(np.recarray)[0]
-    fill(masses, mass)
+def filled(mass, parts, tanks=TANKS):
+    """Records of tanks, parts and lander."""
     slots = np.zeros(MAX_PARTS, dtype_of(Part)).view(np.recarray)
-    for slot, one in zip(slots, parts, strict=False):
+    loads = np.zeros(MAX_TANKS, dtype_of(Tank)).view(np.recarray)
+    for slot, one in (*zip(slots, parts, strict=False), *zip(loads, tanks, strict=False)):
         fill(slot, one)
     lander = np.zeros(1, BODY).view(np.recarray)[0]
-    fill_lander(lander, mass, parts)
-    return masses, slots, len(parts), lander
+    fill_lander(lander, mass, parts, tanks)
+    return loads, slots, len(parts), lander
 
 
-def composed(records, attached, propellant):
-    mass, slots, count, lander = records
+def composed(records, attached, left=LOADS):
+    """Mass properties with the ``attached`` parts and what is ``left`` in the tanks, kg."""
+    tanks, slots, count, lander = records
     dry = np.zeros(1, BODY).view(np.recarray)[0]
     compose_dry(slots, count, lander, np.array(attached), dry)
-    total, centre, inertia = with_propellant(dry, mass.propellant, propellant)
+    y = np.zeros(STATES)
+    y[PROPELLANT : PROPELLANT + len(left)] = left
+    total, centre, inertia = with_propellant(dry, tanks, len(left), y)
     return total, np.array(centre), tensor(inertia)
 
 
@@ -105,13 +111,13 @@ def part_cloud(part, share=1.0):
 
 
 def test_parts_and_lander_add_up_to_the_entry_vehicle(records):
-    total, centre, inertia = composed(records, (1, 1, 1), PROPELLANT.mass_kg)
+    total, centre, inertia = composed(records, (1, 1, 1))
     assert total == pytest.approx(1285.0, rel=1e-15)
     assert centre == pytest.approx(VEHICLE.entry_centre_m, abs=1e-15)
     assert inertia == pytest.approx(np.diag(VEHICLE.entry_inertia_kg_m2), abs=1e-11)
 
 
-@pytest.mark.parametrize("share", [1.0, 0.37, 0.0])
+@pytest.mark.parametrize("share", [(1.0, 1.0), (0.37, 0.37), (0.2, 0.9), (0.0, 0.4), (0.0, 0.0)])
 @pytest.mark.parametrize("attached", [(1, 1, 1), (1, 1, 0), (0, 1, 0), (0, 0, 0), (1, 0, 1)])
 def test_what_is_left_after_a_jettison_is_the_cloud_of_what_was_not_thrown_off(records, attached, share):
     lander = records[3]
@@ -119,10 +125,9 @@ def test_what_is_left_after_a_jettison_is_the_cloud_of_what_was_not_thrown_off(r
     for index, name in enumerate(PARTS):
         if attached[index]:
             points.append(part_cloud(PARTS[name]))
-    if share > 0.0:
-        points.append(part_cloud(PROPELLANT, share))
+    points += [part_cloud(tank, left) for tank, left in zip(TANKS, share, strict=True) if left > 0.0]
     mass, centre, inertia = summed(np.vstack(points))
-    got = composed(records, attached, share * PROPELLANT.mass_kg)
+    got = composed(records, attached, np.array(share) * LOADS)
     assert got[0] == pytest.approx(mass, rel=1e-14)
     assert got[1] == pytest.approx(centre, abs=1e-14)
     assert got[2] == pytest.approx(inertia, abs=1e-10)
@@ -146,13 +151,11 @@ def test_two_bodies_joined_have_the_inertia_of_their_point_masses_in_either_orde
 
 
 def test_the_last_drop_of_propellant_leaves_without_a_jump(records):
-    dry = composed(records, (0, 0, 0), 0.0)
-    drop = composed(records, (0, 0, 0), 1e-9)
-    overdrawn = composed(records, (0, 0, 0), -1e-3)
+    dry, drop, overdrawn = (composed(records, (0, 0, 0), (left, left)) for left in (0.0, 1e-9, -1e-3))
     for part, last, none in zip(dry, drop, overdrawn, strict=True):
         assert np.asarray(last) == pytest.approx(np.asarray(part), abs=1e-8)
         assert np.array_equal(none, part)
-    levels = [composed(records, (1, 1, 1), p)[0] for p in np.linspace(0.0, 220.0, 23)]
+    levels = [composed(records, (1, 1, 1), (p, 40.0))[0] for p in np.linspace(0.0, 180.0, 19)]
     assert np.diff(levels) == pytest.approx(10.0, rel=1e-12)
 
 
@@ -160,7 +163,7 @@ def test_a_vehicle_without_propellant_or_parts_is_its_own_lander():
     bare = MassParams(
         entry_kg=500.0, entry_centre_m=(-0.8, 0.0, 0.0), entry_inertia_kg_m2=(300.0, 200.0, 210.0)
     )
-    total, centre, inertia = composed(filled(bare, ()), (1, 1, 1), 0.0)
+    total, centre, inertia = composed(filled(bare, (), ()), (1, 1, 1), ())
     assert (
         total == 500.0
         and tuple(centre) == (-0.8, 0.0, 0.0)
@@ -195,7 +198,7 @@ def test_a_lander_that_cannot_exist_is_refused(change, words):
         change = {"entry_inertia_kg_m2": None, **change}
     parts = tuple({**PARTS, **{name: one for name, one in change.items() if name in PARTS}}.values())
     mass = MassParams(**{**dict(VEHICLE), **{name: one for name, one in change.items() if name not in PARTS}})
-    assert words in lander_problem(mass, parts)
+    assert words in lander_problem(mass, parts, TANKS)
 
 
 def test_the_landers_inertia_may_be_given_itself():
@@ -203,10 +206,9 @@ def test_the_landers_inertia_may_be_given_itself():
         entry_kg=1285.0,
         entry_centre_m=(-0.85, 0.004, -0.034),
         lander_inertia_kg_m2=(500.0, 420.0, 410.0),
-        propellant=PROPELLANT,
     )
-    derived = composed(filled(VEHICLE, JETTISONED), (0, 0, 0), 0.0)
-    mass, centre, inertia = composed(filled(direct, JETTISONED), (0, 0, 0), 0.0)
+    derived = composed(filled(VEHICLE, JETTISONED), (0, 0, 0), (0.0, 0.0))
+    mass, centre, inertia = composed(filled(direct, JETTISONED), (0, 0, 0), (0.0, 0.0))
     assert (mass, tuple(centre)) == (derived[0], tuple(derived[1]))
     assert np.array_equal(inertia, np.diag([500.0, 420.0, 410.0]))
     for both in ({}, {"entry_inertia_kg_m2": (1.0, 1.0, 1.0), "lander_inertia_kg_m2": (1.0, 1.0, 1.0)}):
@@ -217,8 +219,8 @@ def test_the_landers_inertia_may_be_given_itself():
 @pytest.mark.parametrize("attached", [(1, 1, 1), (1, 0, 1), (0, 1, 0), (0, 0, 0)])
 def test_the_flight_computers_masses_are_those_of_the_truth(records, attached):
     kept = tuple(one for one, there in zip(JETTISONED, attached, strict=True) if there)
-    mass, centre, inertia = loaded(VEHICLE, JETTISONED, kept)
-    truth = composed(records, attached, PROPELLANT.mass_kg)
+    mass, centre, inertia = loaded(VEHICLE, JETTISONED, TANKS, kept)
+    truth = composed(records, attached)
     assert mass == pytest.approx(truth[0], rel=1e-14) and centre == pytest.approx(truth[1], abs=1e-14)
     assert inertia == pytest.approx(truth[2], abs=1e-10)
 
@@ -227,9 +229,9 @@ def test_a_ballast_mass_is_one_part_more():
     """With it the vehicle is the same at entry; without it the centre moves by its share of the arm."""
     ballast = Part(name="ballast", mass_kg=60.0, centre_m=(-0.9, 0.0, 1.2))
     records = filled(VEHICLE, (*JETTISONED, ballast))
-    total, centre, inertia = composed(records, (1, 1, 1, 1), PROPELLANT.mass_kg)
+    total, centre, inertia = composed(records, (1, 1, 1, 1))
     assert total == pytest.approx(1285.0, rel=1e-15)
     assert inertia == pytest.approx(np.diag(VEHICLE.entry_inertia_kg_m2), abs=1e-11)
-    lighter, moved, _ = composed(records, (1, 1, 1, 0), PROPELLANT.mass_kg)
+    lighter, moved, _ = composed(records, (1, 1, 1, 0))
     assert lighter == pytest.approx(1225.0, rel=1e-15)
     assert moved - centre == pytest.approx(60.0 / 1225.0 * (centre - np.array(ballast.centre_m)), abs=1e-14)

@@ -11,8 +11,11 @@ import pytest
 from pydantic import ValidationError
 
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle.plant import VALVES
-from edl6dof.vehicle.rcs import RCS, RcsParams, Thruster, climb, fire, mean_level
+from edl6dof.vehicle.mass import Tank
+from edl6dof.vehicle.plant import INPUTS, VALVES
+from edl6dof.vehicle.rcs import RCS, RcsParams, Thruster, climb, mean_level
+from edl6dof.vehicle.rcs import fire as fire_from_tanks
+from edl6dof.vehicle.tanks import FEEDS, fill_feeds
 
 G0 = 9.80665
 RISE, DECAY, THRUST, ISP = 0.012, 0.019, 25.0, 220.0
@@ -33,6 +36,15 @@ def thrusters(*jets, **interaction):
     rcs = np.zeros(1, RCS).view(np.recarray)[0]
     fill(rcs, RcsParams(thrusters=list(jets), **interaction))
     return rcs, np.zeros(1, VALVES).view(np.recarray)[0]
+
+
+def fire(rcs, valves, t, step, qbar):
+    """Mean wrench of the thrusters, and flow out of the one tank that feeds them, in a row of 7."""
+    feeds, inputs = np.zeros(1, FEEDS)[0], np.zeros(1, INPUTS)[0]
+    fill_feeds(feeds["thrusters"], [()] * rcs.n_thrusters, [Tank(name="main", mass_kg=9.0)])
+    inputs["filled"][0] = 1
+    fire_from_tanks(rcs, feeds["thrusters"], valves, t, step, qbar, inputs)
+    return (*inputs["rcs_force"].tolist(), *inputs["rcs_moment"].tolist(), float(inputs["rcs_flow"][0]))
 
 
 def closed_form(length):

@@ -12,15 +12,14 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_PARTS
+from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_PARTS, MAX_TANKS
 from edl6dof.vehicle.mass import (
     BODY,
-    Body,
     MassParams,
     Part,
+    Tank,
     compose_dry,
     fill_lander,
-    with_propellant,
 )
 from edl6dof.vehicle.parachute import (
     EXTRACTING,
@@ -43,10 +42,12 @@ from edl6dof.vehicle.plant import (
 )
 from edl6dof.vehicle.point_mass import SIX_DOF
 from edl6dof.vehicle.staging import deploy, jettison, release, separate
+from edl6dof.vehicle.tanks import with_propellant
 
 VEHICLE = np.dtype(
     [
-        ("mass", dtype_of(MassParams)),
+        ("tanks", dtype_of(Tank), (MAX_TANKS,)),
+        ("n_tanks", "i8"),
         ("parts", dtype_of(Part), (MAX_PARTS,)),
         ("n_parts", "i8"),
         ("parachutes", PARACHUTE_PARAMS, (MAX_PARACHUTES,)),
@@ -66,7 +67,10 @@ MASS = MassParams(
     entry_kg=1285.0,
     entry_centre_m=(-0.85, 0.004, -0.034),
     entry_inertia_kg_m2=(1150.0, 1020.0, 990.0),
-    propellant=Body(mass_kg=220.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
+)
+TANKS = (
+    Tank(name="main", mass_kg=180.0, centre_m=(-1.0, 0.005, 0.0), inertia_kg_m2=(60.0, 35.0, 33.0)),
+    Tank(name="side", mass_kg=40.0, centre_m=(-0.7, 0.6, -0.3), inertia_kg_m2=(2.0, 2.5, 3.0)),
 )
 HEAT_SHIELD, BACKSHELL, MAIN_PACK, BALLAST, DROGUE_PACK = range(5)
 PARTS = (
@@ -87,7 +91,9 @@ def tumbling(seed, gone=()):
     rng = np.random.default_rng(seed)
     case = np.zeros(1, CASE).view(np.recarray)[0]
     case.dynamics = SIX_DOF
-    fill(case.vehicle.mass, MASS)
+    for slot, tank in zip(case.vehicle.tanks, TANKS, strict=False):
+        fill(slot, tank)
+    case.vehicle.n_tanks = len(TANKS)
     for slot, part in zip(case.vehicle.parts, PARTS, strict=False):
         fill(slot, part)
     case.vehicle.n_parts = len(PARTS)
@@ -95,7 +101,7 @@ def tumbling(seed, gone=()):
         fill(slot, chute)
     case.suspension["pack"][:2] = MAIN_PACK, DROGUE_PACK
     case.suspension["carrier"] = BACKSHELL
-    fill_lander(case.lander, MASS, PARTS)
+    fill_lander(case.lander, MASS, PARTS, TANKS)
     plant = np.zeros(1, STATE).view(np.recarray)[0]
     plant.attached[:] = [index not in gone for index in range(MAX_PARTS)]
     compose_dry(case.vehicle.parts, len(PARTS), case.lander, plant.attached, plant.dry)
@@ -104,7 +110,7 @@ def tumbling(seed, gone=()):
     quaternion = rng.normal(size=4)
     plant.y[ATTITUDE : ATTITUDE + 4] = quaternion / np.linalg.norm(quaternion)
     plant.y[RATE : RATE + 3] = rng.normal(size=3) * 0.4
-    plant.y[PROPELLANT] = rng.uniform(0.0, 220.0)
+    plant.y[PROPELLANT : PROPELLANT + 2] = rng.uniform(0.0, 1.0, 2) * (180.0, 40.0)
     return case, plant
 
 
@@ -116,7 +122,7 @@ def tensor(elements):
 def vehicle_body(case, plant):
     """Mass, position, velocity and spin angular momentum (all in I) of the vehicle."""
     turn = Rotation.from_quat(plant.y[ATTITUDE : ATTITUDE + 4], scalar_first=True)
-    mass, _, inertia = with_propellant(plant.dry, case.vehicle.mass.propellant, plant.y[PROPELLANT])
+    mass, _, inertia = with_propellant(plant.dry, case.vehicle.tanks, case.vehicle.n_tanks, plant.y)
     spin = turn.apply(tensor(inertia) @ plant.y[RATE : RATE + 3])
     return mass, plant.y[POSITION : POSITION + 3].copy(), plant.y[VELOCITY : VELOCITY + 3].copy(), spin
 
@@ -242,7 +248,7 @@ def test_the_mortar_throws_the_pack_aft_and_it_becomes_the_canopy():
 
 
 def centre_of(case, plant):
-    return np.array(with_propellant(plant.dry, case.vehicle.mass.propellant, plant.y[PROPELLANT])[1])
+    return np.array(with_propellant(plant.dry, case.vehicle.tanks, case.vehicle.n_tanks, plant.y)[1])
 
 
 @pytest.mark.parametrize(

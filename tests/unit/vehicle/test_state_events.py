@@ -24,7 +24,7 @@ SCENE = (
     *BARE,
     *VACUUM,
     *ONE_BODY,
-    "vehicle.mass.propellant={mass_kg: 190, centre_m: [-0.85, 0, 0], inertia_kg_m2: [0, 0, 0]}",
+    "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.rcs.thrusters=[{{name: A, direction: [1, 0, 0], {_JET}}}, {_OPPOSED}]",
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
     "flight_software.check_out.thrusters=[]",
@@ -80,9 +80,49 @@ def test_tank_runs_dry_when_its_mass_over_the_flow_says(step):
     flown = Flown(*WEIGHTLESS)
     flown.plant["y"][0, PROPELLANT] = 7.777 * FLOW
     flown.to(10.0, step)
-    assert flown.plant["exhausted_time"][0] == pytest.approx(7.777, abs=2e-9)
+    assert flown.plant["exhausted_time"][0, 0] == pytest.approx(7.777, abs=2e-9)
     assert flown.plant["y"][0, PROPELLANT] == 0.0
-    assert flown.plant["inputs"]["rcs_flow"][0] == 0.0
+    assert flown.plant["inputs"]["rcs_flow"][0, 0] == 0.0
+
+
+#: Two tanks in one place.
+LOADS_KG = np.array([3.0, 1.0])
+_PLACE = "centre_m: [-0.85, 0, 0]"
+TWO_TANKS = f"vehicle.tanks=[{{name: a, mass_kg: 3, {_PLACE}}}, {{name: b, mass_kg: 1, {_PLACE}}}]"
+
+
+def test_tanks_drawn_on_together_run_empty_together():
+    flown = Flown(*WEIGHTLESS, TWO_TANKS)
+    left = flown.plant["y"][0, PROPELLANT : PROPELLANT + 2]
+    flown.to(20.0)
+    assert left == pytest.approx(LOADS_KG * (1.0 - 20.0 * FLOW / LOADS_KG.sum()), rel=1e-12)
+    flown = Flown(*WEIGHTLESS, TWO_TANKS).to(60.0, 1.0)
+    assert flown.plant["exhausted_time"][0, :2] == pytest.approx(LOADS_KG.sum() / FLOW, abs=3e-9)
+    assert flown.plant["y"][0, PROPELLANT : PROPELLANT + 2].tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("step", [0.01, 1.0])
+def test_an_empty_tank_starves_what_it_alone_feeds_and_the_others_give_all(step):
+    """A draws on both tanks, B on the small one: that is empty first, B goes out, and A pushes alone on what
+    is left in the other.
+    """
+    flown = Flown(*WEIGHTLESS, TWO_TANKS, "vehicle.rcs.thrusters.B.draws_from=[b]")
+    start = flown.plant["y"][0, 3:6].copy()
+    each, (a, b) = FLOW / 2.0, LOADS_KG
+    b_empty = b / (each + b / (a + b) * each)
+    a_empty = b_empty + (a - a / (a + b) * each * b_empty) / each
+    flown.to(100.0, step)
+    assert flown.plant["exhausted_time"][0, :2] == pytest.approx([a_empty, b_empty], abs=3e-9)
+    mass = flown.case["vehicle"]["mass"]["entry"][0]
+    gained = ISP_S * 9.80665 * np.log((mass - 2.0 * each * b_empty) / (mass - a - b))  # Tsiolkovsky
+    assert flown.plant["y"][0, 3:6] - start == pytest.approx(thrust_axis(flown) * gained, rel=1e-9, abs=1e-9)
+    assert flown.plant["valves"]["mean"][0, :2].tolist() == [0.0, 0.0]
+
+
+def thrust_axis(flown):
+    """Unit vector of +x of B in I."""
+    w, x, y, z = flown.plant["y"][0, 6:10]
+    return np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)])
 
 
 def test_line_stretch_is_that_of_a_straight_line():
@@ -116,7 +156,7 @@ def test_two_events_in_one_step_both_come_each_in_its_time(apart):
     evaluate(*flown)
     flown.to(20.0, 1.0)
     assert flown.plant["touchdown_time"][0] == pytest.approx(fall, abs=3e-9)
-    assert flown.plant["exhausted_time"][0] == pytest.approx(fall + apart, abs=3e-9)
+    assert flown.plant["exhausted_time"][0, 0] == pytest.approx(fall + apart, abs=3e-9)
     assert flown.plant["touched"][0] == 1
 
 

@@ -92,7 +92,7 @@ def start_or_throttle(engine, full_time, elapsed, out):
     never back.
 
     Args:
-        engine: believed engine.
+        engine: ``ENGINE_ABILITY`` record of those that burn.
         full_time: shortest time at full level, s.
         elapsed: time since ignition, s.
         out: ``GUIDE`` record: thrust and engine mode are written.

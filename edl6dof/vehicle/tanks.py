@@ -1,0 +1,72 @@
+"""Tanks in flight: what each engine and thruster draws from which, and the mass of what is left.
+
+An engine or thruster draws on the tanks that it names, on all where it names none.  Tanks drawn on together
+give in proportion to their loads, as on one manifold at one pressure: they run empty together.  One that
+is empty is shut off, and the others give all; what has none but empty ones gives no thrust.  A tank is a
+piece of the lander: no separation takes its propellant away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS, MAX_THRUSTERS
+from edl6dof.jit import kernel
+from edl6dof.vehicle.mass import Tank, body_of, join
+from edl6dof.vehicle.plant import PROPELLANT
+
+#: Load (kg) of each tank that feeds an engine or thruster, in rows; 0 for one that does not.
+FEEDS = np.dtype(
+    [("engines", "f8", (MAX_ENGINES, MAX_TANKS)), ("thrusters", "f8", (MAX_THRUSTERS, MAX_TANKS))], align=True
+)
+
+
+def fill_feeds(rows: np.ndarray, drawing: Iterable[Sequence[str]], tanks: Sequence[Tank]) -> None:
+    """Fill the ``rows`` of ``FEEDS`` of those whose names of tanks are ``drawing``."""
+    for row, names in zip(rows, drawing, strict=False):
+        row[: len(tanks)] = [tank.mass_kg if tank.name in names or not names else 0.0 for tank in tanks]
+
+
+@kernel
+def load_within_reach(loads, row, filled):
+    """Load (kg) of the tanks that feed ``row`` and are not empty; 0: it starves."""
+    total = 0.0
+    for k in range(MAX_TANKS):
+        if filled[k] != 0:
+            total += loads[row, k]
+    return total
+
+
+@kernel
+def draw(loads, row, filled, within, flow, taken, first):
+    """Add what each tank gives of a ``flow`` (kg/s) to ``taken[first:]``, for ``row`` with ``within`` kg of
+    load in reach.
+    """
+    for k in range(MAX_TANKS):
+        if filled[k] != 0:
+            taken[first + k] += flow * (loads[row, k] / within)
+
+
+@kernel
+def with_propellant(dry, tanks, count, y):
+    """Mass properties of ``dry`` with what the state ``y`` has left in each of its ``count`` ``tanks``."""
+    body = body_of(dry)
+    for k in range(count):
+        left = y[PROPELLANT + k]
+        if left > 0.0:
+            share = left / tanks[k].mass
+            c, i = tanks[k].centre, tanks[k].inertia
+            inertia = (i[0] * share, i[1] * share, i[2] * share, 0.0, 0.0, 0.0)
+            body = join(body, (left, (c[0], c[1], c[2]), inertia))
+    return body
+
+
+@kernel
+def propellant_left(count, y):
+    """Propellant (kg) in all ``count`` tanks."""
+    total = 0.0
+    for k in range(count):
+        total += y[PROPELLANT + k]
+    return total

@@ -1,0 +1,64 @@
+"""What the flight computer believes of its vehicle follows the events it commands, whatever their order."""
+
+import numpy as np
+import pytest
+
+from edl6dof.fsw.mission.phases import MISSION
+from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events, share_thrust
+from edl6dof.interface.capacities import MAX_ENGINES
+from edl6dof.interface.events import ACTIONS
+
+#: Full thrust, ends of the throttle band (N), specific impulse (s) of two unlike engines.
+LARGE, SMALL = (6000.0, 1200.0, 4000.0, 310.0), (1500.0, 300.0, 1500.0, 220.0)
+DO = (("ignite", 0), ("ignite", 1), ("cut_off", 0), ("cut_off", 1))
+
+
+class Computer:
+    """A flight computer that believes in two engines and is told events by their action and thing."""
+
+    def __init__(self):
+        self.vehicle, self.mission, self.state = (
+            np.zeros(1, dtype)[0] for dtype in (ONBOARD["vehicle"], MISSION, VEHICLE_STATE)
+        )
+        self.vehicle["n_engines"], self.vehicle["engines"][:2] = 2, [LARGE, SMALL]
+        self.mission["n_events"] = len(DO)
+        for slot, (action, thing) in zip(self.mission["events"], DO, strict=False):
+            slot["action"], slot["thing"] = ACTIONS.index(action), thing
+
+    def tell(self, *events):
+        request = np.array([event in events for event in DO], dtype=np.int64)
+        follow_events(self.vehicle, self.mission, 100.0, request, self.state)
+        return self.state["engine"]
+
+    def shares(self, thrust):
+        command = np.full(MAX_ENGINES, np.nan)
+        share_thrust(self.vehicle, thrust, self.state, command)
+        return command[:2]
+
+
+def test_the_throttle_band_is_that_of_the_engines_that_burn():
+    computer = Computer()
+    assert computer.tell(("ignite", 1)).tolist() == pytest.approx(SMALL)
+    assert computer.tell(("ignite", 0)).tolist()[:3] == pytest.approx(np.add(LARGE, SMALL)[:3])
+    assert computer.tell(("cut_off", 1)).tolist() == pytest.approx(LARGE)
+    assert computer.state["ignited"] == 1
+    assert computer.tell(("cut_off", 0)).tolist() == (0.0,) * 4
+    assert computer.state["ignited"] == 0
+
+
+def test_engines_together_use_what_each_uses():
+    computer = Computer()
+    both = computer.tell(("ignite", 0), ("ignite", 1))
+    thrust = 3000.0
+    own = computer.shares(thrust)
+    assert own.sum() == pytest.approx(thrust)
+    assert thrust / both["specific_impulse"] == pytest.approx(own[0] / LARGE[3] + own[1] / SMALL[3])
+
+
+def test_an_engine_that_does_not_burn_is_asked_for_nothing():
+    computer = Computer()
+    computer.tell(("ignite", 1))
+    assert computer.shares(9000.0).tolist() == [0.0, SMALL[0]]
+    computer.tell(("cut_off", 1))
+    assert computer.shares(9000.0).tolist() == [0.0, 0.0]
