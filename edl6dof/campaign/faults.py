@@ -13,7 +13,7 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.faults import THRUSTER_KINDS
+from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 #: Ways in which a thruster can fail.
 KINDS = THRUSTER_KINDS

@@ -10,6 +10,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 
@@ -260,6 +261,38 @@ def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     assert thrust > 500.0
     assert after - before == pytest.approx(lever * thrust, rel=0.1)
     assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
+
+
+def test_a_fault_of_one_engine_leaves_the_other_all_its_thrust():
+    """Forces and moments balance: the velocity lacks the share of one engine, which no longer turns it."""
+    fault = (
+        "faults=[{kind: engine_shortfall, engine: left, engine_shortfall: {thrust_factor: 0.7}, "
+        "at: {phase: powered_deceleration, plus_s: 6}}]"
+    )
+    flight = edl6dof.fly("tianwen1", [two_engines(), phases(both), fault, "simulation.time_limit_s=440"])
+    event = next(one for one in flight.events if one["key"] == "fault")
+    assert event["name"] == "fault: left engine shortfall"
+    table, t, span = flight.telemetry, event["t_s"], 0.2
+
+    def mean_force(begin):
+        """Force (N, I) over a short while, from velocity and mass, without that of the thrusters."""
+        velocities = [
+            np.array([at(flight, f"truth.v_I_{axis}_m_s", s) for axis in "xyz"])
+            for s in (begin, begin + span)
+        ]
+        rows = (table["t_s"] > begin) & (table["t_s"] <= begin + span)
+        gas = np.array([table[f"truth.rcs_force_{axis}_n"][rows].mean() for axis in "xyz"])
+        return at(flight, "truth.mass_kg", begin) * (velocities[1] - velocities[0]) / span, gas
+
+    # x of B points down, against the thrust; gravity and air are the same before and after
+    (before, gas_before), (after, gas_after) = mean_force(t - span - 0.02), mean_force(t + 0.02)
+    attitude = np.array([at(flight, f"truth.q_I2B_{part}", t) for part in "xyzw"])
+    lost = Rotation.from_quat(attitude).inv().apply(after - before)[0] - (gas_after - gas_before)[0]
+    share = 0.3 * at(flight, "truth.engine_thrust_n", t - 0.02) / 2.0
+    assert lost == pytest.approx(share, rel=0.01)
+    # r x F of what the left engine, at y = -ARM_M, no longer pushes along -x
+    turned = at(flight, "truth.disturbance_z_nm", t + 0.04) - at(flight, "truth.disturbance_z_nm", t - 0.02)
+    assert turned == pytest.approx(share * (ARM_M + at(flight, "truth.centre_y_m", t)), rel=0.01)
 
 
 # ---- a branch ----------------------------------------------------------------------------------
