@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 
 import edl6dof
@@ -14,6 +16,10 @@ def nominal():
 
 
 def pytest_sessionstart(session):
-    """Compile the simulator before several processes start, so that only one of them does."""
+    """Compile the simulator before several processes start, so that only one of them does.
+
+    Programs that tests start answer Ctrl-C, which a shell has those ignore that it runs in the background.
+    """
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if not hasattr(session.config, "workerinput") and session.config.getoption("numprocesses", None):
         edl6dof.fly("tianwen1", ["simulation.time_limit_s=1"])

@@ -25,10 +25,11 @@ import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
+from edl6dof.campaign.faults import fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
+from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 HORIZONTAL = [f"D{i}" for i in range(1, 9)]
 LATEST_S = 8.0
@@ -114,8 +115,8 @@ def matrix() -> str:
     """Every thruster, kind and usual phase in the nominal flight."""
     loaded = edl6dof.load("tianwen1")
     lines = []
-    for kind in KINDS:
-        cases = fault_cases(loaded.scenario.thruster_names, [kind], phases_of(loaded.scenario), 1.0)
+    for kind in THRUSTER_KINDS:
+        cases = fault_cases({kind: loaded.scenario.thruster_names}, phases_of(loaded.scenario), 1.0)
         rows = list(fly_rows(loaded, cases, collect=fault_response))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
         lines.append(
@@ -123,7 +124,7 @@ def matrix() -> str:
             f"{wrong} healthy thrusters isolated"
         )
         lines += [
-            f"  {row['thruster']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]
+            f"  {row['component']} in {row['phase']}: {row['outcome']}" for row in rows if not row["success"]
         ]
     return "\n".join(lines)
 

@@ -1,4 +1,4 @@
-"""``edl6dof faults``: the matrix of single thruster faults."""
+"""``edl6dof faults``: the matrix of single faults."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import KINDS, fault_cases, fault_response, phases_of
+from edl6dof.campaign.faults import fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import ConfigError, Problem
@@ -27,10 +27,13 @@ from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS, component_of
+from edl6dof.vehicle.faults import component_names
+from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 _LEGEND = """\
 matrix: s from the fault to its isolation; a name: another thruster was named;
--: never fired after the fault; ?: fired, but not named
+-: never fired after the fault; ?: in use, but not named
 below it: medians of s to the isolation, from the fault and from its first use;
 largest distance from the site (m) and attitude error (deg)"""
 
@@ -54,9 +57,10 @@ class FaultOptions:
 def run_faults(options: FaultOptions) -> int:
     """Fly the matrix, write its table, show it; returns the exit status."""
     loaded = load_scenario(options.scenario, options.sets)
-    kinds, phases, thrusters = _grid(options, loaded)
+    components, phases = _grid(options, loaded)
+    kinds = list(components)
     target = options.out or Path("runs") / f"faults-{loaded.scenario.name}"
-    cases = fault_cases(thrusters, kinds, phases, options.after_s)
+    cases = fault_cases(components, phases, options.after_s)
     with atomic_folder(target, "faults", options.force) as folder:
         with _progress(len(cases), quiet=options.as_json) as progress:
             rows = list(
@@ -68,19 +72,16 @@ def run_faults(options: FaultOptions) -> int:
     if options.as_json:
         print(summary, end="")
     else:
-        _show(Console(highlight=False, soft_wrap=True), rows, kinds, phases, thrusters, target)
+        _show(Console(highlight=False, soft_wrap=True), rows, kinds, phases, target)
     return 0 if all(row["success"] for row in rows) else 1
 
 
-def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], list[str], list[str]]:
+def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[dict[str, list[str]], list[str]]:
+    """What is to fail, by kind of fault, and the phases in which it fails."""
     scenario = loaded.scenario
     if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
         raise ConfigError(
             [Problem("--after", 0, 0, "", f"must be a time in s, 0 or more (got {options.after_s:g})")]
-        )
-    if not scenario.thruster_names:
-        raise ConfigError(
-            [Problem(options.scenario, 0, 0, "vehicle.rcs.thrusters", "there is no thruster that could fail")]
         )
     if not (usual := phases_of(scenario)):
         raise ConfigError(
@@ -90,13 +91,17 @@ def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[list[str], lis
                 )
             ]
         )
-    kinds = list(KINDS) if options.kinds == "all" else _chosen("--kinds", options.kinds, KINDS, ["stuck_off"])
-    phases = _chosen("--phases", options.phases, scenario.phase_names, usual)
-    return (
-        kinds,
-        phases,
-        _chosen("--thrusters", options.thrusters, scenario.thruster_names, scenario.thruster_names),
-    )
+    asked = ",".join(THRUSTER_KINDS) if options.kinds == "all" else options.kinds
+    components = {}
+    for kind in _chosen("--kinds", asked, FAULT_KINDS.names, ["stuck_off"]):
+        what = component_of(kind)
+        names = component_names(scenario.vehicle, what)
+        if not names:
+            words = f"there is no {what} that could fail"
+            raise ConfigError([Problem(options.scenario, 0, 0, f"--kinds {kind}", words)])
+        only = options.thrusters if what == "thruster" else ""
+        components[kind] = _chosen("--thrusters", only, names, names)
+    return components, _chosen("--phases", options.phases, scenario.phase_names, usual)
 
 
 def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]) -> list[str]:
@@ -129,7 +134,7 @@ def _summary(rows: Sequence[Row], kinds: Sequence[str], phases: Sequence[str]) -
 
 def _group(rows: Sequence[Row]) -> dict[str, Any]:
     """Figures of one kind of fault in one phase."""
-    named = [row for row in rows if row.get("named") == row["thruster"]]
+    named = [row for row in rows if row.get("named") == row["component"]]
     times = [row["time_to_detect_s"] for row in named if "time_to_detect_s" in row]
     in_use = [
         max(row["time_to_detect_s"] - (row["unused_s"] or 0.0), 0.0)
@@ -142,7 +147,7 @@ def _group(rows: Sequence[Row]) -> dict[str, Any]:
         "flights": len(rows),
         "survived": sum(row["success"] for row in rows),
         "named_right": len(named),
-        "named_wrong": sum(row.get("named") not in (None, row["thruster"]) for row in rows),
+        "named_wrong": sum(row.get("named") not in (None, row["component"]) for row in rows),
         "never_used": sum(row["kind"] != "stuck_on" and row.get("unused_s") is None for row in rows),
         "median_time_to_detect_s": statistics.median(times) if times else None,
         "median_from_first_use_s": statistics.median(in_use) if in_use else None,
@@ -155,17 +160,15 @@ def _group(rows: Sequence[Row]) -> dict[str, Any]:
     }
 
 
-def _show(
-    console: Console, rows: list[Row], kinds: list[str], phases: list[str], thrusters: list[str], target: Path
-) -> None:
+def _show(console: Console, rows: list[Row], kinds: list[str], phases: list[str], target: Path) -> None:
     for kind in kinds:
-        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases, thrusters))
+        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases))
         console.print(_overview(_summary(rows, [kind], phases)["groups"]))
     console.print(_LEGEND, style="dim")
     for row in rows:
         if not row["success"]:
             console.print(
-                Text(f"{row['thruster']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red")
+                Text(f"{row['component']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red")
             )
     lost = sum(not row["success"] for row in rows)
     flights = counted(len(rows), "flight")
@@ -174,8 +177,8 @@ def _show(
     console.print(Text(outcome, style="bold red" if lost else "bold green"))
 
 
-def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str]) -> Table:
-    """Thrusters by phases: green landed and named, yellow landed and not named, red not within limits."""
+def _matrix(rows: list[Row], kind: str, phases: list[str]) -> Table:
+    """Components by phases: green landed and named, yellow landed and not named, red not within limits."""
     table = Table(
         title=kind.replace("_", " "),
         title_justify="left",
@@ -186,14 +189,14 @@ def _matrix(rows: list[Row], kind: str, phases: list[str], thrusters: list[str])
     table.add_column("", header_style="")
     for phase in phases:
         table.add_column(phase, justify="right", header_style="")
-    cells = {(row["thruster"], row["phase"]): _cell(row) for row in rows}
-    for thruster in thrusters:
-        table.add_row(thruster, *(cells[thruster, phase] for phase in phases))
+    cells = {(row["component"], row["phase"]): _cell(row) for row in rows}
+    for name in dict.fromkeys(row["component"] for row in rows):
+        table.add_row(name, *(cells[name, phase] for phase in phases))
     return table
 
 
 def _cell(row: Row) -> Text:
-    right = row.get("named") == row["thruster"]
+    right = row.get("named") == row["component"]
     if right:
         found = f"{row['time_to_detect_s']:.2f}"
     elif row.get("named"):
@@ -243,6 +246,6 @@ def _progress(total: int, quiet: bool) -> Iterator[Callable[[int, Row], None] | 
         task = bar.add_task("faults", total=total, last="")
 
         def report(done: int, row: Row) -> None:
-            bar.update(task, completed=done, last=f"{row['thruster']} {row['kind']} {row['phase']}")
+            bar.update(task, completed=done, last=f"{row['component']} {row['kind']} {row['phase']}")
 
         yield report

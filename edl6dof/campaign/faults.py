@@ -1,4 +1,4 @@
-"""One flight for each way in which one thruster can fail: cases of the fault matrix, and what a row says
+"""One flight for each way in which one component can fail: cases of the fault matrix, and what a row says
 about each.
 """
 
@@ -13,10 +13,7 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.faults import THRUSTER_KINDS
-
-#: Ways in which a thruster can fail.
-KINDS = THRUSTER_KINDS
+from edl6dof.vehicle.fault_kinds.registry import component_of
 
 #: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
 #: attitude control.
@@ -30,24 +27,25 @@ def phases_of(scenario: Scenario) -> list[str]:
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
 
 
-def fault_cases(
-    thrusters: Sequence[str], kinds: Sequence[str], phases: Sequence[str], after_s: float
-) -> list[Case]:
-    """A case for each kind, phase and thruster; the fault begins ``after_s`` s into the phase."""
-    grid = [(kind, phase, thruster) for kind in kinds for phase in phases for thruster in thrusters]
+def fault_cases(components: Mapping[str, Sequence[str]], phases: Sequence[str], after_s: float) -> list[Case]:
+    """A case for each kind, phase and component; the fault begins ``after_s`` s into the phase.
+
+    ``components``: names of what is to fail, by kind of fault.
+    """
+    grid = [(kind, phase, name) for kind, names in components.items() for phase in phases for name in names]
     return [
-        Case(index, truth={"faults": [fault]}, label={"thruster": thruster, "kind": kind, "phase": phase})
-        for index, (kind, phase, thruster) in enumerate(grid)
-        for fault in ({"thruster": thruster, "kind": kind, "at": {"phase": phase, "plus_s": after_s}},)
+        Case(index, truth={"faults": [fault]}, label={"component": name, "kind": kind, "phase": phase})
+        for index, (kind, phase, name) in enumerate(grid)
+        for fault in ({component_of(kind): name, "kind": kind, "at": {"phase": phase, "plus_s": after_s}},)
     ]
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
     """What the fault did to a flight, and what was made of it.
 
-    ``unused_s`` is the time from the fault to the thruster's first use after it, null if there was none:
-    before that nobody can tell that it is dead.  ``peak_attitude_error_deg`` is the largest error of pitch
-    and yaw control between fault and touchdown.
+    ``unused_s`` is the time from the fault to a thruster's first use after it, null if there was none: before
+    that nobody can tell that it is dead; 0 for other components.  ``peak_attitude_error_deg`` is the largest
+    error of pitch and yaw control between fault and touchdown.
     """
     fault = flight.loaded.truth.faults[0]
     since = float(flight.plant["fault_since"][0][0])
@@ -55,7 +53,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     t, end = table["t_s"], flight.metrics.get("touchdown_s", flight.time_s)
     after = (t >= since) & (t < end)
     error = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])
-    used = after & (table[f"valve.{fault.thruster}"] != 0)
+    used = after & (table[f"valve.{fault.thruster}"] != 0) if fault.component == "thruster" else after
     named = flight.isolated_faults[0] if flight.isolated_faults else None
     return {
         "fault_s": since if since <= end else None,

@@ -108,7 +108,11 @@ def faults(
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
     ] = "tianwen1",
     kinds: Annotated[
-        str, typer.Option(metavar="LIST", help=("Kinds, with commas: stuck_off, stuck_on, degraded, or all."))
+        str,
+        typer.Option(
+            metavar="LIST",
+            help="Kinds of fault, with commas, or all: those of thrusters.",
+        ),
     ] = "stuck_off",
     phases: Annotated[
         str,
@@ -117,7 +121,8 @@ def faults(
         ),
     ] = "",
     thrusters: Annotated[
-        str, typer.Option(metavar="LIST", help="Thrusters, with commas; all if not given.")
+        str,
+        typer.Option(metavar="LIST", help="Thrusters, with commas; all if not given."),
     ] = "",
     after: Annotated[
         float, typer.Option(metavar="S", help="Time from the start of the phase to the fault.")
@@ -135,6 +140,8 @@ def faults(
     trust: Trust = False,
 ) -> None:
     """Fail every thruster in every phase, one flight each.
+
+    Kinds of fault of engines, surfaces and parachutes fail each of these.
 
     The matrix tells which flights survive, which faults are found out, and how fast.
 

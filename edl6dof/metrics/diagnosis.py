@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
-from edl6dof.vehicle.faults import THRUSTER_KINDS, FaultParams
+from edl6dof.vehicle.faults import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
+from edl6dof.vehicle.vehicle import VehicleParams
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,18 @@ def isolated_faults(fsw: np.void, thrusters: Sequence[str]) -> list[IsolatedFaul
 
 
 def diagnosis_figures(
-    isolated: Sequence[IsolatedFault], faults: Sequence[FaultParams], plant: np.void
+    isolated: Sequence[IsolatedFault],
+    faults: Sequence[FaultParams],
+    vehicle: VehicleParams,
+    plant: np.void,
 ) -> dict[str, float]:
     """Number of healthy thrusters isolated, and time from the first thruster fault to its isolation if there
     was one.
     """
     since = {
-        fault.thruster: float(begun)
+        fault.acts_on(vehicle): float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)
-        if fault.kind in THRUSTER_KINDS and begun != NOT_BEGUN
+        if fault.component == "thruster" and begun != NOT_BEGUN
     }
     right = [one for one in isolated if one.t_s >= since.get(one.thruster, np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}

@@ -153,12 +153,14 @@ class Panel:
         low, high = float(values.min()), float(values.max())
         if mine.log:
             return low / 1.2, high * 1.2
-        if axis == "x" and not any(
+        if low == high:
+            room = 0.1 * max(abs(high), 1.0)  # more than the rounding of a large number
+        elif axis == "x" and not any(
             trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces
         ):
-            return (low, high) if high > low else (low - 0.5, high + 0.5)
-        share = 0.12 if any(trace.labels for trace in self.traces) else 0.05
-        room = share * (high - low) if high > low else 0.1 * max(abs(high), 1.0)
+            room = 0.0
+        else:
+            room = (0.12 if any(trace.labels for trace in self.traces) else 0.05) * (high - low)
         return low - room, high + room
 
     def coloured(self) -> list[Trace]:

@@ -137,7 +137,7 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     fill_suspension(case["suspension"], s.vehicle)
     case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
     fill_events(case["events"], s.mission, s.vehicle)
-    fill_faults(case["faults"], s.faults, s.thruster_names, s.phase_names)
+    fill_faults(case["faults"], s.faults, s.vehicle, s.phase_names)
     case["dynamics"] = DYNAMICS.index(s.dynamics)
     case["ends_at_deployment"] = s.mission.goal == "deployment"
     if s.mission.goal == "time":

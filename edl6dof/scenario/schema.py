@@ -189,7 +189,7 @@ class Scenario(Params):
             **self._entry_problems(),
             **published_problems(self.published),
             **check_out_problems(self.flight_software.check_out, self.thruster_names),
-            **fault_problems(self.faults, self.thruster_names, self.phase_names),
+            **fault_problems(self.faults, self.vehicle, self.phase_names),
         }
 
     def _cycle_problems(self) -> dict[str, str]:

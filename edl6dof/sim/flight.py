@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 #: Flight time between two calls of ``progress``, and between two chances to interrupt a flight without it.
 CHUNK_S, QUIET_CHUNK_S = 5.0, 50.0
 
-_WING_FAULTS = ("wing_stuck", "wing_lost")
-
 #: Called between chunks with (time s, time limit s, phase name, altitude m, Mach).
 Progress = Callable[[float, float, str, float, float], None]
 
@@ -126,18 +124,24 @@ class Flight:
 
     @property
     def _wing(self) -> list[Moment]:
-        """The trim wing at the end of its way, unless a fault stopped it before."""
-        starts = zip(self.plant["wing_start"][0], self.loaded.truth.vehicle.surfaces, strict=False)
-        opened = max((float(t) + one.deploy_time_s for t, one in starts if t < NOT_BEGUN), default=np.inf)
-        begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
-        stopped = any(fault.kind in _WING_FAULTS and since < opened for fault, since in begun)
+        """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
+        truth, plant = self.loaded.truth, self.plant[0]
+        starts = zip(truth.vehicle.surfaces, plant["wing_start"], strict=False)
+        ends = {one.name: float(t) + one.deploy_time_s for one, t in starts if t < NOT_BEGUN}
+        opened = max(ends.values(), default=np.inf)
+        stopped = any(
+            fault.component == "surface" and since < ends.get(fault.acts_on(truth.vehicle), -np.inf)
+            for fault, since in zip(truth.faults, plant["fault_since"], strict=False)
+        )
         return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
 
     @property
     def _faults(self) -> list[Moment]:
-        begun = zip(self.loaded.truth.faults, self.plant["fault_since"][0], strict=False)
+        truth = self.loaded.truth
         rows = [
-            moment(since, "fault", f"fault: {fault.label}") for fault, since in begun if since != NOT_BEGUN
+            moment(since, "fault", f"fault: {fault.label(truth.vehicle)}")
+            for fault, since in zip(truth.faults, self.plant["fault_since"][0], strict=False)
+            if since != NOT_BEGUN
         ]
         found = [
             moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
@@ -158,7 +162,8 @@ class Flight:
             figures |= peak_figures(self.plant[0], self.peaks[0], happened) | touchdown_state(
                 self.case, self.plant
             )
-            figures |= diagnosis_figures(self.isolated_faults, self.loaded.truth.faults, self.plant[0])
+            truth = self.loaded.truth
+            figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.vehicle, self.plant[0])
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:

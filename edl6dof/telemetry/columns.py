@@ -10,7 +10,7 @@ import numpy as np
 from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
-from edl6dof.vehicle.faults import THRUSTER_KINDS
+from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 
 class Telemetry(Mapping[str, np.ndarray]):

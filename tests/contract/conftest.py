@@ -1,6 +1,7 @@
 """The Tianwen-1 onboard record, built once."""
 
 import pytest
+from onboard_states import states
 
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.scenario.records import build_onboard
@@ -20,3 +21,13 @@ def shared_onboard(scenario):
         if law.plan is not None:
             law.plan(onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle))
     return onboard
+
+
+@pytest.fixture(scope="session")
+def whole_grid(shared_onboard):
+    return list(states(shared_onboard))
+
+
+@pytest.fixture(scope="session")
+def grid(whole_grid):
+    return [nav for nav in whole_grid if nav["speed"] > 0.0]

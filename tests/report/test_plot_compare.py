@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import sys
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,8 +19,10 @@ from edl6dof.app.compare import MOST
 from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table
+from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.pdf import write_pdf
 from edl6dof.runs.run import Run
 
@@ -211,3 +214,14 @@ def test_export_wants_exactly_one_form(run, tmp_path, capsys, monkeypatch):
     code, out, _ = command(capsys, monkeypatch, "export", run.folder, "-", "--format", "oem")
     assert code == 0 and out.startswith("CCSDS_OEM_VERS = 2.0")
     assert command(capsys, monkeypatch, "export", run.folder, "-", "--format", "mat")[0] == 2
+
+
+@pytest.mark.parametrize("t_s", [0.0, 300.0, 1e17])
+def test_a_plot_of_a_single_time_has_an_axis_around_it(t_s, tmp_path):
+    trace = Trace(np.full(3, t_s), np.arange(3.0))
+    figure = Figure("single", "", [Panel(Axis("time, s"), Axis("height, m"), [trace])])
+    low, high = figure.spans(0)[0]
+    assert low < t_s < high
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        write_figure(figure, tmp_path / "single.png")

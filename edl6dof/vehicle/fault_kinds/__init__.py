@@ -1,0 +1,1 @@
+"""Models of a landing engine's thrust: one file for each, one line for each in the registry."""
