@@ -15,7 +15,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, group, param, stated
-from edl6dof.jit import kernel
+from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
 
 
@@ -223,7 +223,7 @@ def showing(parts, count, shape):
     return -1
 
 
-@kernel
+@inlined_kernel
 def with_propellant(dry, load, propellant):
     """Mass properties of ``dry`` with ``propellant`` kg left of the part ``load``; its own inertia shrinks in
     proportion.
