@@ -23,7 +23,7 @@ from pydantic import model_validator
 from edl6dof.config.base import Hardware, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.environment.gas import inverse_knudsen_number
-from edl6dof.jit import kernel
+from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.spatial.lookups import cell, cell_among
 
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
@@ -297,7 +297,7 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
     """Force and moment of the capsule in `B`, moment about (table.moment_reference_x, 0, 0).  No roll damping
     (``p`` is unused).
@@ -378,7 +378,7 @@ def lift_drag_aero(lift_drag, qbar, u, v, w):
     return along * u + across * w, along * v, along * w - across * u
 
 
-@kernel
+@inlined_kernel
 def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
     """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
     (``CONFIG_...``).

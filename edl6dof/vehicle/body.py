@@ -12,7 +12,7 @@ from math import acos, cos, sin, sqrt
 
 from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
-from edl6dof.jit import kernel
+from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, rate, to_frame
 from edl6dof.spatial.vector import (
@@ -72,7 +72,7 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
         motion(case, plant, t, y, outputs, dy)
 
 
-@kernel
+@inlined_kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     """Aerodynamic force and moment about the centre of mass (two tuples, B), surfaces included; also Mach
     number, dynamic pressure and least opening of the surfaces.
@@ -161,7 +161,7 @@ def ground_loads(case, inputs, y, q, w, centre, rotation, place):
     return force, sub(moment, cross(centre, force)), pads
 
 
-@kernel
+@inlined_kernel
 def loads(case, tables, plant, t, rotation, y, outputs):
     """Surroundings, mass properties and everything that acts on the vehicle but its propulsion at time ``t``
     (s), written into ``outputs``.
@@ -214,7 +214,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
         out.inertia[i] = inertia[i]
 
 
-@kernel
+@inlined_kernel
 def propulsion(case, plant, t, y, centre, dy):
     """Force and moment about the centre of mass (B) of the engines, and sum of the thrusts delivered (N);
     writes the rates of the thrusts, and of the propellant that they use, into ``dy``.
@@ -245,7 +245,7 @@ def propulsion(case, plant, t, y, centre, dy):
     return force, moment, delivered
 
 
-@kernel
+@inlined_kernel
 def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.

@@ -7,7 +7,7 @@ from math import cos, sin
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import central, noncentral_F
 from edl6dof.environment.wind import wind
-from edl6dof.jit import kernel
+from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.vector import add, take3
 
@@ -19,7 +19,7 @@ def planet_rotation(planet, t):
     return cos(angle), sin(angle)
 
 
-@kernel
+@inlined_kernel
 def surroundings(case, tables, rotation, r_I):
     """What surrounds the point ``r_I`` (m) at the time to which ``rotation`` (:func:`planet_rotation`)
     belongs.

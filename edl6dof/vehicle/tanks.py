@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS, MAX_THRUSTERS
-from edl6dof.jit import kernel
+from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.vehicle.mass import Tank, body_of, join
 from edl6dof.vehicle.plant import PROPELLANT
 
@@ -49,7 +49,7 @@ def draw(loads, row, filled, within, flow, taken, first):
             taken[first + k] += flow * (loads[row, k] / within)
 
 
-@kernel
+@inlined_kernel
 def with_propellant(dry, tanks, count, y):
     """Mass properties of ``dry`` with what the state ``y`` has left in each of its ``count`` ``tanks``."""
     body = body_of(dry)

@@ -121,7 +121,7 @@ def has_kernels(source: str) -> bool:
 
 def _is_kernel(function: ast.FunctionDef) -> bool:
     return any(
-        getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "njit", "jit")
+        getattr(mark, "id", getattr(mark, "attr", "")) in ("kernel", "inlined_kernel", "njit", "jit")
         for mark in function.decorator_list
     )
 
