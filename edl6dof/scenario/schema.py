@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from math import cos, radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -293,6 +294,7 @@ _LABELS = re.compile(
 )
 
 
+@cache
 def truth_problem(path: str) -> str:
     """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
     path.

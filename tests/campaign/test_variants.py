@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 import edl6dof
 from edl6dof.campaign.design import variants
@@ -153,6 +154,49 @@ def test_belief_follows_from_what_is_declared_alone(section):
 def test_impossible_case_is_refused(base, changes, words):
     with pytest.raises(ConfigError, match=words):
         Variants(base).build(Case(0, **changes))
+
+
+REFUSED = {
+    "a bound": {"truth": {"vehicle.rcs.thrusters.D3.thrust_n": -1.0}},
+    "a bound of the unit": {"truth": {"initial.altitude_m": 1e300}},
+    "a fraction for a whole number": {"belief": {"simulation.log_every": 1.5}},
+    "no number for a number": {"truth": {"wind.scale": True}},
+    "an element too many": {"truth": {"vehicle.mass.entry_inertia_kg_m2": [1.0, 2.0, 3.0, 4.0]}},
+    "a check of a field": {"truth": {"vehicle.engines.main.direction": [-1.0, 0.5, 0.0]}},
+    "a check of a model": {"truth": {"wind.gust.altitudes_m.0": 30e3}},
+    "a check of the model around": {"truth": {"vehicle.engines.main.throttle_max_n": 9000.0}},
+    "a check of sections": {"belief": {"simulation.step_s": 0.0123}},
+    "an item that is not there": {"truth": {"vehicle.rcs.thrusters.-1.thrust_n": 250.0}},
+    "a key that is not there": {"truth": {"initial.speed": 4000.0}},
+    "inside a number": {"truth": {"initial.speed_m_s.real": 4000.0}},
+    "no truth": {"truth": {"mission.phases.0.bandwidth": 1.5}},
+}
+
+
+@pytest.mark.parametrize("changes", REFUSED.values(), ids=REFUSED)
+def test_a_case_is_refused_in_the_words_of_the_whole_check(base, changes):
+    case = Case(0, **changes)
+    with pytest.raises(ConfigError) as quick:
+        Variants(base).build(case)
+    with pytest.raises(ConfigError) as whole:
+        variants.scenario_of(base, case)
+    assert [(one.path, one.message) for one in quick.value.problems] == [
+        (one.path, one.message) for one in whole.value.problems
+    ]
+
+
+@pytest.mark.parametrize("name", ["tianwen1", "msl"])
+def test_validating_again_changes_nothing(name):
+    """What cases rely on: the other numbers of a model that a case changes keep their bits."""
+    scenario = edl6dof.load(name).scenario
+    assert again(scenario) == scenario
+
+
+def again(value):
+    """Every model inside made from its own values."""
+    if isinstance(value, BaseModel):
+        return type(value).model_validate({key: again(inside) for key, inside in vars(value).items()})
+    return [again(item) for item in value] if isinstance(value, list) else value
 
 
 def test_the_shipped_campaign_never_checks_a_whole_document_again(monkeypatch):
