@@ -17,6 +17,7 @@ from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
 from edl6dof.scenario.belief import believe
+from edl6dof.scenario.cross_checks import CROSS_CHECKS
 from edl6dof.scenario.schema import Scenario, check_document
 from edl6dof.vehicle.aerotable import FLOWN, AeroInputs, aero_inputs, build_aero_table
 
@@ -140,6 +141,14 @@ def test_belief_follows_from_what_is_declared_alone(section):
         believe(without, records.build_tables(scenario)).tobytes()
         == records.build_onboard(scenario).tobytes()
     )
+
+
+@pytest.mark.parametrize("check", CROSS_CHECKS, ids=lambda check: "-".join(sorted(check.sections)))
+def test_what_fits_together_follows_from_what_is_declared_alone(check):
+    """What ``CrossCheck.sections`` promises: a case that changes none of them fits too."""
+    scenario = edl6dof.load("tianwen1").scenario
+    others = Scenario.model_fields.keys() - check.sections
+    assert not check.problems(scenario.model_copy(update=dict.fromkeys(others)))
 
 
 @pytest.mark.parametrize(

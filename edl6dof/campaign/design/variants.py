@@ -18,6 +18,7 @@ from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.model_paths import Keys, overridden, walk
+from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.records import Records, build_records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, truth_problem
 
@@ -92,7 +93,7 @@ def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
         ValueError, LookupError: they are not allowed.
     """
     changed = overridden(scenario, values)
-    if problems := changed.section_problems():
+    if problems := section_problems(changed, like=scenario):
         raise Inconsistent(problems)
     return changed
 
