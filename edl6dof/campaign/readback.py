@@ -19,7 +19,7 @@ from edl6dof.config.dtype import in_record
 from edl6dof.config.model_paths import Keys, walk
 from edl6dof.config.units import split_unit
 from edl6dof.records import offset
-from edl6dof.scenario.records import CASE
+from edl6dof.scenario.case import CASE
 from edl6dof.scenario.schema import Scenario
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from edl6dof.config.model_paths import changed_fields
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.metrics.figures import published_problems
 from edl6dof.scenario.events import event_problems, way_problems
@@ -26,14 +27,10 @@ class CrossCheck(NamedTuple):
 
 
 def section_problems(scenario: Scenario, like: Scenario | None = None) -> dict[str, str]:
-    """Dotted path to message of values of different sections that do not fit together; only what sections
-    not shared with ``like``, in which all fits, may have brought.
+    """Dotted path to message of values of different sections that do not fit together; only of sections that
+    differ from ``like``, where everything fits.
     """
-    changed = {
-        name
-        for name in type(scenario).model_fields
-        if like is None or getattr(scenario, name) is not getattr(like, name)
-    }
+    changed = set(type(scenario).model_fields) if like is None else changed_fields(scenario, like)
     found: dict[str, str] = {}
     for check in CROSS_CHECKS:
         if not check.sections.isdisjoint(changed):

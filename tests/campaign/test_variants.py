@@ -17,6 +17,7 @@ from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
 from edl6dof.scenario.belief import believe
+from edl6dof.scenario.case import CASE, CASE_PARTS
 from edl6dof.scenario.cross_checks import CROSS_CHECKS
 from edl6dof.scenario.schema import Scenario, check_document
 from edl6dof.vehicle.aerotable import FLOWN, AeroInputs, aero_inputs, build_aero_table
@@ -141,6 +142,23 @@ def test_belief_follows_from_what_is_declared_alone(section):
         believe(without, records.build_tables(scenario)).tobytes()
         == records.build_onboard(scenario).tobytes()
     )
+
+
+@pytest.mark.parametrize("part", CASE_PARTS, ids=lambda part: "-".join(part.fields))
+def test_a_part_of_a_case_follows_from_what_is_declared_alone(part):
+    """What ``CasePart.sections`` promises: cases that share them share the fields."""
+    scenario = edl6dof.load("tianwen1").scenario
+    tables, case = records.build_tables(scenario), np.zeros(1, CASE)
+    others = Scenario.model_fields.keys() - part.sections
+    part.fill(case[0], scenario.model_copy(update=dict.fromkeys(others)), tables[0])
+    expected = records.build_case(scenario, tables)
+    for name in part.fields:
+        assert case[name].tobytes() == expected[name].tobytes()
+
+
+def test_every_field_of_a_case_is_a_part():
+    filled = [name for part in CASE_PARTS for name in part.fields]
+    assert sorted(filled) == sorted(CASE.names)
 
 
 @pytest.mark.parametrize("check", CROSS_CHECKS, ids=lambda check: "-".join(sorted(check.sections)))
