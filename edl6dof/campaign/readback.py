@@ -16,13 +16,11 @@ from pydantic import BaseModel
 
 from edl6dof.campaign.design.variants import Variant
 from edl6dof.config.dtype import in_record
+from edl6dof.config.model_paths import Keys, walk
 from edl6dof.config.units import split_unit
 from edl6dof.records import offset
-from edl6dof.scenario.records import CASE
+from edl6dof.scenario.case import CASE
 from edl6dof.scenario.schema import Scenario
-
-#: Names of fields and indices of list items, from a model inwards.
-Keys = tuple[str | int, ...]
 
 
 class NotApplied(Exception):
@@ -63,33 +61,10 @@ def applied(
 
 
 def _confirmed(path: str, wanted: Any, model: BaseModel) -> tuple[Keys, Any]:
-    keys, value = _walk(model, path)
+    keys, value = walk(model, path)
     if not _same(value, wanted):
         raise NotApplied(f"{path} should be {wanted!r} and is {value!r}")
     return keys, value
-
-
-def value_at(model: Any, path: str) -> Any:
-    """Value of a validated model at a dotted path; list items by index or by name."""
-    return _walk(model, path)[1]
-
-
-def _walk(value: Any, path: str) -> tuple[Keys, Any]:
-    """Names of fields and indices of list items that a dotted path means, and the value there."""
-    keys: list[str | int] = []
-    for part in path.split("."):
-        if isinstance(value, list | tuple):
-            keys.append(index := _index(value, part))
-            value = value[index]
-        else:
-            keys.append(part)
-            value = value[part] if isinstance(value, dict) else getattr(value, part)
-    return tuple(keys), value
-
-
-def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
-    names = [getattr(item, "name", None) for item in items]
-    return names.index(part) if part in names else int(part)
 
 
 def _same(value: Any, wanted: Any) -> bool:

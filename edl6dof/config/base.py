@@ -186,7 +186,7 @@ def group(model: type[Params], meaning: str, *, record: bool = True) -> Any:
 
 
 def unit_vector(value: Vec3) -> Vec3:
-    """A direction, brought to unit length.
+    """A direction, brought to unit length; one that has it already, to rounding, stays as it is.
 
     Raises:
         ValueError: its length is not one within 1e-3.
@@ -194,6 +194,8 @@ def unit_vector(value: Vec3) -> Vec3:
     length = sqrt(sum(component * component for component in value))
     if abs(length - 1.0) > 1e-3:
         raise ValueError(f"must be a unit vector, its length is {length:.4f}")
+    if abs(length - 1.0) < 1e-15:
+        return value
     return (value[0] / length, value[1] / length, value[2] / length)
 
 

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, TypeAdapter, ValidationError
+from pydantic import BaseModel, ValidationError
 
 from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document
@@ -40,33 +39,6 @@ def validate(model: type[Model], document: Document) -> Model:
     except ValidationError as error:
         found = error.errors(include_url=False)
     raise ConfigError(_problems(model, document, found)) from None
-
-
-def revalidated(base: Model, document: Document, names: Iterable[str]) -> Model:
-    """``base`` with some of its fields validated anew, by themselves, from a document; the others are shared.
-
-    Raises:
-        ConfigError: every problem of every value of those fields.
-    """
-    model, fields, found = type(base), {}, []
-    for name in names:
-        try:
-            text = json.dumps(document.data[name], allow_nan=False)
-            fields[name] = _adapter(model, name).validate_json(text, strict=True)
-        except ValidationError as error:
-            errors = error.errors(include_url=False)
-            found += [{**item, "loc": (name, *item["loc"])} for item in errors]
-    if found:
-        raise ConfigError(_problems(model, document, found))
-    return base.model_copy(update=fields)
-
-
-@cache
-def _adapter(model: type[BaseModel], name: str) -> TypeAdapter[Any]:
-    """What validates one field of a model."""
-    info = model.model_fields[name]
-    declared: Any = Annotated[info.annotation, info]
-    return TypeAdapter(declared)
 
 
 def refuse(document: Document, problems: Mapping[str, str]) -> None:

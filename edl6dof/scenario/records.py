@@ -12,24 +12,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, duplicate, fill
-from edl6dof.environment.atmosphere import ATMOSPHERE, air_inputs, fill_atmosphere
+from edl6dof.config.dtype import duplicate
+from edl6dof.config.model_paths import changed_fields
+from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
-from edl6dof.environment.planet import PLANET, fill_planet
-from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
-from edl6dof.environment.wind import WIND, fill_wind
+from edl6dof.environment.terrain import TERRAIN_GRID, fill_terrain_grid
 from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.onboard import FSW
-from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
-from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.scenario.belief import believe
-from edl6dof.scenario.events import fill_events
+from edl6dof.scenario.case import build_case
 from edl6dof.scenario.initial import InitialState
-from edl6dof.scenario.schema import LimitParams, LoadedScenario, Scenario, SimulationParams
-from edl6dof.scenario.site import fill_site
-from edl6dof.sensors.registry import SENSORS, SensorParams
+from edl6dof.scenario.schema import LoadedScenario, Scenario
+from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.frames import (
-    LOCAL_FRAME,
     attitude_from_wind_angles,
     from_geodetic,
     ned_attitude,
@@ -37,38 +32,8 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import from_euler_321, multiply
 from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
-from edl6dof.vehicle.faults import FAULTS, fill_faults
-from edl6dof.vehicle.mass import BODY, fill_lander
-from edl6dof.vehicle.parachute import SUSPENSION
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
-from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
-from edl6dof.vehicle.tanks import FEEDS, fill_feeds
-from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
-CASE = np.dtype(
-    [
-        ("planet", PLANET),
-        ("atmosphere", ATMOSPHERE),
-        ("wind", WIND),
-        ("terrain", TERRAIN),
-        ("site", LOCAL_FRAME),
-        ("vehicle", dtype_of(VehicleParams)),
-        ("lander", BODY),
-        ("feeds", FEEDS),
-        ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
-        ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
-        ("events", EVENT_TABLE),
-        ("dynamics", "i8"),
-        ("ends_at_deployment", "i8"),
-        ("point_mass", dtype_of(PointMassParams)),
-        ("initial", dtype_of(InitialState)),
-        ("simulation", dtype_of(SimulationParams)),
-        ("limits", dtype_of(LimitParams)),
-        ("sensors", dtype_of(SensorParams)),
-        ("faults", FAULTS),
-    ],
-    align=True,
-)
 TABLES = np.dtype(
     [("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True
 )
@@ -119,32 +84,6 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     return tables
 
 
-def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
-    """The truth of one flight, shape (1,)."""
-    cases = np.zeros(1, CASE)
-    case, table, s = cases[0], tables[0], scenario
-    for name in ("vehicle", "point_mass", "initial", "simulation", "sensors", "limits"):
-        fill(case[name], getattr(s, name))
-    fill_planet(case["planet"], s.planet)
-    fill_atmosphere(case["atmosphere"], s.atmosphere, table["atmosphere"], s.seed, s.profile)
-    fill_wind(case["wind"], s.wind, table["atmosphere"], s.seed, s.profile)
-    fill_terrain(case["terrain"], s.terrain, table["terrain"], s.planet.mean_radius_m)
-    fill_site(case["site"], s)
-    fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts), tuple(s.vehicle.tanks))
-    jets, engines, tanks = s.vehicle.rcs.thrusters, s.vehicle.engines, s.vehicle.tanks
-    fill_feeds(case["feeds"]["engines"], [engine.draws_from for engine in engines], tanks)
-    fill_feeds(case["feeds"]["thrusters"], [jet.draws_from for jet in jets], tanks)
-    fill_suspension(case["suspension"], s.vehicle)
-    case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
-    fill_events(case["events"], s.mission, s.vehicle)
-    fill_faults(case["faults"], s.faults, s.vehicle, s.phase_names)
-    case["dynamics"] = DYNAMICS.index(s.dynamics)
-    case["ends_at_deployment"] = s.mission.goal == "deployment"
-    if s.mission.goal == "time":
-        case["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
-    return cases
-
-
 #: Sections of a scenario that the flight computer's belief follows from.
 BELIEVED = frozenset(
     ("planet", "atmosphere", "terrain", "vehicle", "initial", "sensors", "flight_software", "mission")
@@ -176,10 +115,26 @@ class Records(NamedTuple):
     onboard: np.ndarray
 
 
-def build_records(loaded: LoadedScenario) -> Records:
-    """Truth, tables and belief of a scenario."""
+def build_records(loaded: LoadedScenario, like: Built | None = None) -> Records:
+    """Truth, tables and belief of a scenario; what it shares with one that was built is copied.
+
+    Raises:
+        ValueError, OSError: as :func:`table_inputs`.
+    """
     tables = build_tables(loaded.truth)
-    return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
+    if like is None or tables is not like.records.tables:
+        return Records(build_case(loaded.truth, tables), tables, build_onboard(loaded.scenario))
+    case = build_case(loaded.truth, tables, (like.loaded.truth, like.records.case))
+    if changed_fields(loaded.scenario, like.loaded.scenario).isdisjoint(BELIEVED):
+        return Records(case, tables, duplicate(like.records.onboard))
+    return Records(case, tables, build_onboard(loaded.scenario))
+
+
+class Built(NamedTuple):
+    """A scenario and its records, for nobody to write to."""
+
+    loaded: LoadedScenario
+    records: Records
 
 
 def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from math import cos, radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -20,19 +21,17 @@ from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
-from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.mission.phases import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.metrics.figures import published_problems
 from edl6dof.plugins import require
+from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems
-from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
-from edl6dof.sensors.registry import SensorParams, sensor_problems
-from edl6dof.vehicle.faults import FaultParams, fault_problems
+from edl6dof.sensors.registry import SensorParams
+from edl6dof.vehicle.faults import FaultParams
 from edl6dof.vehicle.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -177,64 +176,6 @@ class Scenario(Params):
             raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
 
-    def section_problems(self) -> dict[str, str]:
-        """Dotted path to message of values of different sections that do not fit together."""
-        return {
-            **self._cycle_problems(),
-            **sensor_problems(self.sensors),
-            **self._delay_problems(),
-            **self._goal_problems(),
-            **way_problems(self.mission),
-            **event_problems(self.mission, self.vehicle),
-            **self._entry_problems(),
-            **published_problems(self.published),
-            **check_out_problems(self.flight_software.check_out, self.thruster_names),
-            **fault_problems(self.faults, self.vehicle, self.phase_names),
-        }
-
-    def _cycle_problems(self) -> dict[str, str]:
-        cycle = 1.0 / self.flight_software.rates.base_hz
-        steps = cycle / self.simulation.step_s
-        if abs(steps - round(steps)) <= 1e-9 * steps and round(steps) >= 1:
-            return {}
-        message = (
-            f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got "
-            f"{self.simulation.step_s:g})"
-        )
-        return {"simulation.step_s": message}
-
-    def _delay_problems(self) -> dict[str, str]:
-        """The flight computer keeps its valve commands for the age of a reading."""
-        delay, oldest = self.sensors.imu.delay_cycles, self.flight_software.rates.control_every
-        if delay <= oldest:
-            return {}
-        message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
-        return {"sensors.imu.delay_cycles": message}
-
-    def _goal_problems(self) -> dict[str, str]:
-        if self.dynamics == "six_dof" or self.mission.goal != "landing":
-            return {}
-        return {
-            "mission.goal": (
-                "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got "
-                "'landing')"
-            )
-        }
-
-    def _entry_problems(self) -> dict[str, str]:
-        """Entry guidance plans from the initial state down to its final speed: there must be something to
-        plan.
-        """
-        final = self.flight_software.guidance.entry.final_speed_m_s
-        if self.initial.speed > final or not any(phase.guidance == "entry" for phase in self.mission.phases):
-            return {}
-        name = "flight_software.guidance.entry.final_speed_m_s"
-        message = (
-            f"must be above {name} {final:g} when a phase flies entry guidance (got {self.initial.speed:g})"
-        )
-        given = "speed_m_s" if self.initial.velocity_ned_m_s is None else "velocity_ned_m_s"
-        return {f"initial.{given}": message}
-
     @property
     def aim_point(self) -> tuple[float, float]:
         """Latitude and longitude (rad) that entry guidance steers to."""
@@ -293,6 +234,7 @@ _LABELS = re.compile(
 )
 
 
+@cache
 def truth_problem(path: str) -> str:
     """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
     path.
@@ -329,7 +271,7 @@ def check_document(document: Document) -> LoadedScenario:
 def _checked(document: Document) -> Scenario:
     """The scenario of a document: its values, how they fit together, and its tables."""
     scenario = validate(Scenario, document)
-    refuse(document, {**scenario.section_problems(), **file_problems(scenario)})
+    refuse(document, {**section_problems(scenario), **file_problems(scenario)})
     return scenario
 
 

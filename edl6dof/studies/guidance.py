@@ -20,9 +20,9 @@ import pyarrow as pa
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_cases
-from edl6dof.campaign.readback import value_at
 from edl6dof.campaign.rows import Row
 from edl6dof.config.base import stated
+from edl6dof.config.model_paths import value_at
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.mission.roles import LIFT

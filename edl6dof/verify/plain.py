@@ -21,6 +21,7 @@ import numpy as np
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.jit import SETTINGS
 from edl6dof.scenario import records
+from edl6dof.scenario.case import CASE
 from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.sim.checkpoint import State
@@ -30,7 +31,7 @@ from edl6dof.verify.attributes import Record, Records
 
 #: The records of a flight, in the order of the loop's arguments.
 LAYOUT = {
-    "case": records.CASE, "onboard": ONBOARD, "tables": records.TABLES,
+    "case": CASE, "onboard": ONBOARD, "tables": records.TABLES,
     "plant": STATE, "outputs": OUTPUTS, "peaks": PEAKS, "work": WORKSPACE, "sensors": SENSORS, "fsw": FSW,
 }  # fmt: skip
 

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from pydantic import BaseModel
 
 import edl6dof
 from edl6dof.campaign.design import variants
@@ -16,6 +17,8 @@ from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
 from edl6dof.scenario.belief import believe
+from edl6dof.scenario.case import CASE, CASE_PARTS
+from edl6dof.scenario.cross_checks import CROSS_CHECKS
 from edl6dof.scenario.schema import Scenario, check_document
 from edl6dof.vehicle.aerotable import FLOWN, AeroInputs, aero_inputs, build_aero_table
 
@@ -141,6 +144,31 @@ def test_belief_follows_from_what_is_declared_alone(section):
     )
 
 
+@pytest.mark.parametrize("part", CASE_PARTS, ids=lambda part: "-".join(part.fields))
+def test_a_part_of_a_case_follows_from_what_is_declared_alone(part):
+    """What ``CasePart.sections`` promises: cases that share them share the fields."""
+    scenario = edl6dof.load("tianwen1").scenario
+    tables, case = records.build_tables(scenario), np.zeros(1, CASE)
+    others = Scenario.model_fields.keys() - part.sections
+    part.fill(case[0], scenario.model_copy(update=dict.fromkeys(others)), tables[0])
+    expected = records.build_case(scenario, tables)
+    for name in part.fields:
+        assert case[name].tobytes() == expected[name].tobytes()
+
+
+def test_every_field_of_a_case_is_a_part():
+    filled = [name for part in CASE_PARTS for name in part.fields]
+    assert sorted(filled) == sorted(CASE.names)
+
+
+@pytest.mark.parametrize("check", CROSS_CHECKS, ids=lambda check: "-".join(sorted(check.sections)))
+def test_what_fits_together_follows_from_what_is_declared_alone(check):
+    """What ``CrossCheck.sections`` promises: a case that changes none of them fits too."""
+    scenario = edl6dof.load("tianwen1").scenario
+    others = Scenario.model_fields.keys() - check.sections
+    assert not check.problems(scenario.model_copy(update=dict.fromkeys(others)))
+
+
 @pytest.mark.parametrize(
     "changes, words",
     [
@@ -153,6 +181,49 @@ def test_belief_follows_from_what_is_declared_alone(section):
 def test_impossible_case_is_refused(base, changes, words):
     with pytest.raises(ConfigError, match=words):
         Variants(base).build(Case(0, **changes))
+
+
+REFUSED = {
+    "a bound": {"truth": {"vehicle.rcs.thrusters.D3.thrust_n": -1.0}},
+    "a bound of the unit": {"truth": {"initial.altitude_m": 1e300}},
+    "a fraction for a whole number": {"belief": {"simulation.log_every": 1.5}},
+    "no number for a number": {"truth": {"wind.scale": True}},
+    "an element too many": {"truth": {"vehicle.mass.entry_inertia_kg_m2": [1.0, 2.0, 3.0, 4.0]}},
+    "a check of a field": {"truth": {"vehicle.engines.main.direction": [-1.0, 0.5, 0.0]}},
+    "a check of a model": {"truth": {"wind.gust.altitudes_m.0": 30e3}},
+    "a check of the model around": {"truth": {"vehicle.engines.main.throttle_max_n": 9000.0}},
+    "a check of sections": {"belief": {"simulation.step_s": 0.0123}},
+    "an item that is not there": {"truth": {"vehicle.rcs.thrusters.-1.thrust_n": 250.0}},
+    "a key that is not there": {"truth": {"initial.speed": 4000.0}},
+    "inside a number": {"truth": {"initial.speed_m_s.real": 4000.0}},
+    "no truth": {"truth": {"mission.phases.0.bandwidth": 1.5}},
+}
+
+
+@pytest.mark.parametrize("changes", REFUSED.values(), ids=REFUSED)
+def test_a_case_is_refused_in_the_words_of_the_whole_check(base, changes):
+    case = Case(0, **changes)
+    with pytest.raises(ConfigError) as quick:
+        Variants(base).build(case)
+    with pytest.raises(ConfigError) as whole:
+        variants.scenario_of(base, case)
+    assert [(one.path, one.message) for one in quick.value.problems] == [
+        (one.path, one.message) for one in whole.value.problems
+    ]
+
+
+@pytest.mark.parametrize("name", ["tianwen1", "msl"])
+def test_validating_again_changes_nothing(name):
+    """What cases rely on: the other numbers of a model that a case changes keep their bits."""
+    scenario = edl6dof.load(name).scenario
+    assert again(scenario) == scenario
+
+
+def again(value):
+    """Every model inside made from its own values."""
+    if isinstance(value, BaseModel):
+        return type(value).model_validate({key: again(inside) for key, inside in vars(value).items()})
+    return [again(item) for item in value] if isinstance(value, list) else value
 
 
 def test_the_shipped_campaign_never_checks_a_whole_document_again(monkeypatch):

@@ -12,13 +12,13 @@ from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.distributions.base import DistributionParams, deviates
 from edl6dof.campaign.design.params import CampaignParams, Correlated, Of
-from edl6dof.campaign.readback import value_at
 from edl6dof.config.base import stated
 from edl6dof.config.document.overrides import make_room
 from edl6dof.config.document.source import Document
 from edl6dof.config.document.yamltree import Path
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
+from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import in_bounds
 from edl6dof.scenario.schema import LoadedScenario, Scenario, truth_problem
 from edl6dof.vehicle.faults import FaultParams, fault_problems

@@ -14,11 +14,11 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
 from edl6dof.campaign.design.params import CampaignFile, CampaignParams, SweepParams
 from edl6dof.campaign.design.sampling import unit_numbers
-from edl6dof.campaign.readback import value_at
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
+from edl6dof.config.model_paths import value_at
 from edl6dof.config.validate import validate
 from edl6dof.scenario.schema import (
     CAMPAIGN_SECTIONS,

@@ -1,26 +1,26 @@
 """Scenarios that differ from a loaded one in a few values: each a validated override of it.
 
-Numbers are put into the plain data that was read from the files, and the sections that they stand in are
-validated again; the others are shared, and so are the tables and plans that follow from the same inputs.  The
-result is the same, bit for bit, as loading the scenario with the same ``--set`` texts.  A change that is no
-number may bring another structure with it: the whole document is checked.
+Numbers are put into the validated scenario: every model on the way to one is validated again, and so is what
+must fit together between the sections; the other models are shared, and so are the tables and plans that
+follow from the same inputs.  The result is the same, bit for bit, as loading the scenario with the same
+``--set`` texts.  A change that is no number may bring another structure with it: the whole document is
+checked, as it is to find words for a number that is refused.
 """
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from edl6dof.campaign.design.case import Case
-from edl6dof.config.document.overrides import make_room, with_values
+from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.source import Document, Mark
-from edl6dof.config.document.yamltree import Path
-from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.validate import refuse, revalidated
-from edl6dof.scenario.records import Records, build_records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.config.errors import Inconsistent
+from edl6dof.config.model_paths import Keys, overridden, walk
+from edl6dof.scenario.cross_checks import section_problems
+from edl6dof.scenario.records import Built, Records, build_records
+from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, truth_problem
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class Variants:
 
     def __init__(self, loaded: LoadedScenario):
         self.base = loaded
-        self._template = loaded.document.copy()
-        self._places: dict[str, Path] = {}
+        self._nominal = Built(loaded, build_records(loaded))
+        self._keys: dict[str, Keys] = {}
 
     def build(self, case: Case) -> Variant:
         """Scenario, truth and records of a case.
@@ -54,41 +54,49 @@ class Variants:
         Raises:
             ConfigError: a path does not exist, or its value is not allowed.
         """
+        loaded = self._overridden(case) or self._checked(case)
+        return Variant(loaded, build_records(loaded, self._nominal))
+
+    def _overridden(self, case: Case) -> LoadedScenario | None:
+        """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
         truth = case.changes(self.base.scenario.truth)["truth"]
-        if all(_is_plain(path, value) for path, value in (*case.told.items(), *truth.items())):
-            self._look_up((*case.told, *truth))
-            document = Document(self._template.data, {(): Mark("")})
-            scenario, document = self._changed(self.base.scenario, document, case.told)
-            scenario = scenario.model_copy(update={"truth": truth})
-            true, _ = self._changed(scenario, document, truth)
-            loaded = LoadedScenario(scenario, true, self.base.document)
-        else:
-            loaded = scenario_of(self.base, case)
-        return Variant(loaded, build_records(loaded))
+        plain = all(_is_plain(path, value) for path, value in (*case.told.items(), *truth.items()))
+        if not plain or any(map(truth_problem, truth)):
+            return None
+        try:
+            told = {**self._by_keys(case.told), ("truth",): truth}
+            scenario = _changed(self.base.scenario, told)
+            return LoadedScenario(scenario, _changed(scenario, self._by_keys(truth)), self.base.document)
+        except (ValueError, LookupError, AttributeError):
+            return None
 
-    def _look_up(self, paths: Iterable[str]) -> None:
-        """Find the places of paths not met before; the template gets the default containers on the way."""
-        problems = []
-        for path in paths:
-            if path not in self._places:
-                try:
-                    self._places[path] = make_room(self._template, path, Scenario)
-                except ValueError as error:
-                    problems.append(Problem("", 0, 0, path, str(error)))
-        if problems:
-            raise ConfigError(problems)
+    def _by_keys(self, changes: Mapping[str, Any]) -> dict[Keys, Any]:
+        """Changes by the keys that their dotted paths mean.
 
-    def _changed(
-        self, scenario: Scenario, document: Document, changes: Mapping[str, Any]
-    ) -> tuple[Scenario, Document]:
-        """A scenario and its document with numbers put at dotted paths."""
-        if not changes:
-            return scenario, document
-        changed = Document(_with_values(document.data, changes, self._places), document.marks)
-        names = dict.fromkeys(str(self._places[path][0]) for path in changes)
-        scenario = revalidated(scenario, changed, names)
-        refuse(changed, scenario.section_problems())
-        return scenario, changed
+        Raises:
+            ValueError, LookupError, AttributeError: there is no such path.
+        """
+        for path in changes:
+            if path not in self._keys:
+                self._keys[path] = walk(self.base.truth, path)[0]
+        return {self._keys[path]: value for path, value in changes.items()}
+
+    def _checked(self, case: Case) -> LoadedScenario:
+        """Any case, or what is wrong with it, in words without places: a row is the same on every machine."""
+        document = Document(self.base.document.data, {(): Mark("")}, files=self.base.document.files)
+        return scenario_of(replace(self.base, document=document), case)
+
+
+def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:
+    """A scenario with other values, validated.
+
+    Raises:
+        ValueError, LookupError: they are not allowed.
+    """
+    changed = overridden(scenario, values)
+    if problems := section_problems(changed, like=scenario):
+        raise Inconsistent(problems)
+    return changed
 
 
 def _is_plain(path: str, value: Any) -> bool:
@@ -96,19 +104,3 @@ def _is_plain(path: str, value: Any) -> bool:
     if isinstance(value, list | tuple):
         return path == "faults" or all(_is_plain(path, item) for item in value)
     return isinstance(value, int | float)
-
-
-def _with_values(
-    data: dict[str, Any], changes: Mapping[str, Any], places: Mapping[str, Path]
-) -> dict[str, Any]:
-    """Nested plain data with values changed; only the containers on the way are copied."""
-    copies: dict[Path, Any] = {(): copy.copy(data)}
-    for path, value in changes.items():
-        keys = places[path]
-        for depth in range(1, len(keys)):
-            if keys[:depth] not in copies:
-                parent = copies[keys[: depth - 1]]
-                parent[keys[depth - 1]] = copies[keys[:depth]] = copy.copy(parent[keys[depth - 1]])
-        copies[keys[:-1]][keys[-1]] = value
-        copies.pop(keys, None)
-    return copies[()]

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.readback import value_at
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
+from edl6dof.config.model_paths import value_at
 from edl6dof.environment.terrain_map import MAP
 from edl6dof.scenario.data_files import TABLES
 

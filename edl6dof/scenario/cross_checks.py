@@ -1,0 +1,103 @@
+"""What must fit together between the sections of a scenario: each check with the sections that it reads.
+
+A case that changes a few sections is checked again where they are read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from edl6dof.config.model_paths import changed_fields
+from edl6dof.fsw.check_out import check_out_problems
+from edl6dof.metrics.figures import published_problems
+from edl6dof.scenario.events import event_problems, way_problems
+from edl6dof.sensors.registry import sensor_problems
+from edl6dof.vehicle.faults import fault_problems
+
+if TYPE_CHECKING:
+    from edl6dof.scenario.schema import Scenario
+
+
+class CrossCheck(NamedTuple):
+    """A check of a scenario: the sections it reads, and dotted path to message of what does not fit."""
+
+    sections: frozenset[str]
+    problems: Callable[[Scenario], Mapping[str, str]]
+
+
+def section_problems(scenario: Scenario, like: Scenario | None = None) -> dict[str, str]:
+    """Dotted path to message of values of different sections that do not fit together; only of sections that
+    differ from ``like``, where everything fits.
+    """
+    changed = set(type(scenario).model_fields) if like is None else changed_fields(scenario, like)
+    found: dict[str, str] = {}
+    for check in CROSS_CHECKS:
+        if not check.sections.isdisjoint(changed):
+            found |= check.problems(scenario)
+    return found
+
+
+def _cycle_problems(scenario: Scenario) -> dict[str, str]:
+    cycle = 1.0 / scenario.flight_software.rates.base_hz
+    steps = cycle / scenario.simulation.step_s
+    if abs(steps - round(steps)) <= 1e-9 * steps and round(steps) >= 1:
+        return {}
+    message = (
+        f"must divide the base cycle 1/flight_software.rates.base_hz = {cycle:g} s (got "
+        f"{scenario.simulation.step_s:g})"
+    )
+    return {"simulation.step_s": message}
+
+
+def _delay_problems(scenario: Scenario) -> dict[str, str]:
+    """The flight computer keeps its valve commands for the age of a reading."""
+    delay, oldest = scenario.sensors.imu.delay_cycles, scenario.flight_software.rates.control_every
+    if delay <= oldest:
+        return {}
+    message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
+    return {"sensors.imu.delay_cycles": message}
+
+
+def _goal_problems(scenario: Scenario) -> dict[str, str]:
+    if scenario.dynamics == "six_dof" or scenario.mission.goal != "landing":
+        return {}
+    return {
+        "mission.goal": (
+            "must be 'deployment' or 'time' with dynamics point_mass, which ends at the parachute (got "
+            "'landing')"
+        )
+    }
+
+
+def _entry_problems(scenario: Scenario) -> dict[str, str]:
+    """Entry guidance plans from the initial state down to its final speed: there must be something to
+    plan.
+    """
+    initial, final = scenario.initial, scenario.flight_software.guidance.entry.final_speed_m_s
+    if initial.speed > final or not any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        return {}
+    name = "flight_software.guidance.entry.final_speed_m_s"
+    message = f"must be above {name} {final:g} when a phase flies entry guidance (got {initial.speed:g})"
+    given = "speed_m_s" if initial.velocity_ned_m_s is None else "velocity_ned_m_s"
+    return {f"initial.{given}": message}
+
+
+CROSS_CHECKS = (
+    CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
+    CrossCheck(frozenset({"sensors"}), lambda s: sensor_problems(s.sensors)),
+    CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
+    CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
+    CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
+    CrossCheck(frozenset({"mission", "vehicle"}), lambda s: event_problems(s.mission, s.vehicle)),
+    CrossCheck(frozenset({"initial", "flight_software", "mission"}), _entry_problems),
+    CrossCheck(frozenset({"published"}), lambda s: published_problems(s.published)),
+    CrossCheck(
+        frozenset({"flight_software", "vehicle"}),
+        lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names),
+    ),
+    CrossCheck(
+        frozenset({"faults", "vehicle", "mission"}),
+        lambda s: fault_problems(s.faults, s.vehicle, s.phase_names),
+    ),
+)
