@@ -25,11 +25,10 @@ import edl6dof
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import fault_cases, fault_response, phases_of
+from edl6dof.campaign.faults import OF_THRUSTERS, fault_cases, fault_response, phases_of
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 HORIZONTAL = [f"D{i}" for i in range(1, 9)]
 LATEST_S = 8.0
@@ -115,7 +114,7 @@ def matrix() -> str:
     """Every thruster, kind and usual phase in the nominal flight."""
     loaded = edl6dof.load("tianwen1")
     lines = []
-    for kind in THRUSTER_KINDS:
+    for kind in OF_THRUSTERS:
         cases = fault_cases({kind: loaded.scenario.thruster_names}, phases_of(loaded.scenario), 1.0)
         rows = list(fly_rows(loaded, cases, collect=fault_response))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)

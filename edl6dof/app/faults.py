@@ -19,7 +19,7 @@ from rich.text import Text
 
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import fault_cases, fault_response, phases_of
+from edl6dof.campaign.faults import KINDS, OF_THRUSTERS, fault_cases, fault_response, may_fail, phases_of
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.errors import ConfigError, Problem
@@ -27,9 +27,6 @@ from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
-from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS, component_of
-from edl6dof.vehicle.faults import component_names
-from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 _LEGEND = """\
 matrix: s from the fault to its isolation; a name: another thruster was named;
@@ -91,11 +88,10 @@ def _grid(options: FaultOptions, loaded: LoadedScenario) -> tuple[dict[str, list
                 )
             ]
         )
-    asked = ",".join(THRUSTER_KINDS) if options.kinds == "all" else options.kinds
+    asked = ",".join(OF_THRUSTERS) if options.kinds == "all" else options.kinds
     components = {}
-    for kind in _chosen("--kinds", asked, FAULT_KINDS.names, ["stuck_off"]):
-        what = component_of(kind)
-        names = component_names(scenario.vehicle, what)
+    for kind in _chosen("--kinds", asked, KINDS, ["stuck_off"]):
+        what, names = may_fail(scenario, kind)
         if not names:
             words = f"there is no {what} that could fail"
             raise ConfigError([Problem(options.scenario, 0, 0, f"--kinds {kind}", words)])

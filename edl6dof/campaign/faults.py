@@ -13,7 +13,12 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.fault_kinds.registry import component_of
+from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS, component_of
+from edl6dof.vehicle.faults import component_names
+from edl6dof.vehicle.plant import THRUSTER_KINDS
+
+#: Kinds of fault, and those of them that are of a thruster.
+KINDS, OF_THRUSTERS = FAULT_KINDS.names, THRUSTER_KINDS
 
 #: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
 #: attitude control.
@@ -25,6 +30,12 @@ def phases_of(scenario: Scenario) -> list[str]:
     roles = scenario.phase_roles
     usual = [scenario.phase_names[roles.index(role)] for role in USUAL_ROLES if role in roles]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
+
+
+def may_fail(scenario: Scenario, kind: str) -> tuple[str, list[str]]:
+    """What a kind of fault is about, such as an engine, and the names of those that the vehicle has."""
+    component = component_of(kind)
+    return component, component_names(scenario.vehicle, component)
 
 
 def fault_cases(components: Mapping[str, Sequence[str]], phases: Sequence[str], after_s: float) -> list[Case]:
