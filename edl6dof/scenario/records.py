@@ -13,10 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.dtype import dtype_of, duplicate, fill
+from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.atmosphere import ATMOSPHERE, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
+from edl6dof.environment.height_map import HEIGHT_MAP
+from edl6dof.environment.layout import extended
+from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.planet import PLANET, fill_planet
-from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
+from edl6dof.environment.terrain import TERRAIN, fill_terrain, topography
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.onboard import FSW
@@ -59,7 +63,7 @@ CASE = np.dtype(
         ("dynamics", "i8"),
         ("ends_at_deployment", "i8"),
         ("point_mass", dtype_of(PointMassParams)),
-        ("initial", dtype_of(InitialState)),
+        ("initial", extended(InitialState, altitude="f8")),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
         ("sensors", dtype_of(SensorParams)),
@@ -68,7 +72,13 @@ CASE = np.dtype(
     align=True,
 )
 TABLES = np.dtype(
-    [("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True
+    [
+        ("atmosphere", ATMOSPHERE_TABLE),
+        ("aero", AERO_TABLE),
+        ("terrain", HEIGHT_MAP),  # of the ground above the areoid
+        ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
+    ],
+    align=True,
 )
 
 
@@ -78,6 +88,7 @@ class TableInputs(NamedTuple):
     air: AirInputs
     aero: AeroInputs | None
     has_map: bool
+    areoid: MapFile | None
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
@@ -94,6 +105,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
         if scenario.vehicle.aero.model == "capsule"
         else None,
         scenario.terrain.model == "mola",
+        areoid_file(scenario.planet),
     )
 
 
@@ -111,7 +123,8 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     tables = np.zeros(1, TABLES)
     tables["atmosphere"] = build_table(inputs.air)
     if inputs.has_map:
-        fill_terrain_grid(tables[0]["terrain"])
+        tables["terrain"] = topography()
+    tables["areoid"] = areoid_map(inputs.areoid)
     if inputs.aero is not None:
         tables["aero"] = build_aero_table(inputs.aero)
     return tables
@@ -123,6 +136,7 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     case, table, s = cases[0], tables[0], scenario
     for name in ("vehicle", "point_mass", "initial", "simulation", "sensors", "limits"):
         fill(case[name], getattr(s, name))
+    case["initial"]["altitude"] = s.initial_altitude_m
     fill_planet(case["planet"], s.planet)
     fill_atmosphere(case["atmosphere"], s.atmosphere, table["atmosphere"], s.seed, s.profile)
     fill_wind(case["wind"], s.wind, table["atmosphere"], s.seed, s.profile)
@@ -183,10 +197,14 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    r = np.array(from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, initial.altitude_m))
+    r = np.array(
+        from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, scenario.initial_altitude_m)
+    )
     vertical = lat if initial.vertical == "geodetic" else atan2(r[2], np.hypot(r[0], r[1]))
     axes = (sin(vertical), cos(vertical), sin(lon), cos(lon))
     v_relative = np.array(ned_to_fixed(*axes, initial.velocity_ned))
+    place = (sin(lat), cos(lat), sin(lon), cos(lon))
+    lay_areoid(areoid_map(areoid_file(planet)), place, lat, lon, tuple(r), record["inputs"]["areoid"])
     spin = planet.rotation_rate_rad_s
     y = record["y"]
     y[POSITION : POSITION + 3] = r
