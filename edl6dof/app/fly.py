@@ -146,7 +146,7 @@ def _progress(talk: bool) -> Iterator[FlightProgress | None]:
         TextColumn("{task.fields[phase]:<22}"),
         BarColumn(bar_width=16),
         TextColumn("t = {task.completed:5.0f} s"),
-        TextColumn("{task.fields[altitude]:6.1f} km"),
+        TextColumn("{task.fields[altitude]:6.1f} km altitude"),
         TextColumn("Mach {task.fields[mach]:4.1f}"),
         TimeElapsedColumn(),
     )

@@ -1,5 +1,5 @@
-"""Density, pressure, temperature and speed of sound against altitude: one of several models, with a bias and
-an optional random perturbation of density.
+"""Density, pressure, temperature and speed of sound against height above the areoid: one of several
+models, with a bias and an optional random perturbation of density.
 """
 
 from __future__ import annotations
@@ -63,13 +63,20 @@ class AtmosphereParams(AtmosphereChoice):
     )
     bottom_m: float = param(
         -8000.0,
-        "altitude down to which the table is extended, and the flight computer knows the air at least",
+        (
+            "height above the areoid down to which the table is extended, and the flight computer knows the "
+            "air at least"
+        ),
         record=False,
         ge=-50e3,
         le=0.0,
     )
     top_m: float = param(
-        150e3, "altitude up to which the flight computer knows the air at least", record=False, gt=0.0, le=1e7
+        150e3,
+        "height above the areoid up to which the flight computer knows the air at least",
+        record=False,
+        gt=0.0,
+        le=1e7,
     )
     extension_gravity_m_s2: float | None = param(
         None,
@@ -96,8 +103,7 @@ ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4))
 
 @kernel
 def air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the ellipsoid (=
-    areoid here).
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid.
 
     ``gas``: the ``GAS`` record of the planet.
     """

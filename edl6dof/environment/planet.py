@@ -49,6 +49,14 @@ class PlanetParams(Params):
         ge=-1e-3,
         le=1e-3,
     )
+    areoid: str = param(
+        "",
+        (
+            "map of the areoid's height above the ellipsoid, in edl6dof/data/areoid or by absolute path: "
+            "heights of air and ground count from it; without one, from the ellipsoid"
+        ),
+        record=False,
+    )
     gravity: GravityParams = section("gravity field")
     gas: GasParams = section("gas of the atmosphere")
     appearance: AppearanceParams = group(AppearanceParams, "colours in pictures", record=False)

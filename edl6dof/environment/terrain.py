@@ -1,8 +1,6 @@
 """Height and slope of the ground.
 
-Heights count from the areoid, which this product takes equal to the reference ellipsoid: altitude, atmosphere
-and ground share one zero.  (The true areoid departs from the ellipsoid by up to about 2 km; with one zero the
-height of air and ground above each other is right, and that is what a descent feels.)
+Elevations count from the areoid (:mod:`edl6dof.environment.areoid`), as the heights of the air do.
 Left out: relief below one degree; around the site a plane stands for it.
 """
 
@@ -15,12 +13,16 @@ import numpy as np
 
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.dtype import fill
+from edl6dof.environment.areoid import areoid_at
+from edl6dof.environment.height_map import map_height
 from edl6dof.environment.layout import extended
-from edl6dof.environment.terrain_map import read_map, require_map_of
+from edl6dof.environment.map_file import DATA, map_file, read_map, require_map_of
 from edl6dof.jit import kernel
-from edl6dof.spatial.lookups import cell, held_cell, wrapped
+from edl6dof.spatial.lookups import wrapped
 
 MOLA, PLANE, NONE = range(3)
+#: The map of model mola: heights above the areoid.
+MAP = DATA / "topography" / "mola_1deg_colat_lon.npy"
 
 
 class TerrainParams(Params):
@@ -50,20 +52,17 @@ class TerrainParams(Params):
 #: with the site; ``tilt_*``: rise per metre.
 TERRAIN = extended(TerrainParams, radius="f8", offset="f8", tilt_north="f8", tilt_east="f8")
 
-#: Shared map: metres above the areoid, rows of planetocentric latitude 89.5 to -89.5, columns of longitude
-#: -179.5 to 179.5 deg; ``radius`` m: mean radius of its planet; ``centric``: geocentric = geodetic - this *
-#: sin(2 geodetic), to 2e-5 rad.
-TERRAIN_GRID = np.dtype([("height", "f4", (180, 360)), ("radius", "f8"), ("centric", "f8")], align=True)
-
 
 @kernel
 def ground(terrain, grid, lat, lon):
-    """Elevation (m) and rise per metre towards north and east at geodetic ``lat`` and east ``lon``, rad."""
+    """Elevation (m above the areoid), and its rise per metre towards north and east, at geodetic ``lat`` and
+    east ``lon``, rad.
+    """
     if terrain.model == NONE:
         return 0.0, 0.0, 0.0
     elevation, north, east = _site_plane(terrain, lat, lon)
     if terrain.model == MOLA:
-        height, map_north, map_east = mola(grid, lat, lon)
+        height, map_north, map_east = map_height(grid, lat, lon)
         elevation += height + terrain.offset
         north += map_north
         east += map_east
@@ -73,10 +72,13 @@ def ground(terrain, grid, lat, lon):
 
 
 @kernel
-def elevations(terrain, grid, lat, lon, found):
-    """Elevation (m) at each of some places (rad), into ``found``."""
-    for i in range(len(found)):
-        found[i] = ground(terrain, grid, lat[i], lon[i])[0]
+def ground_heights(terrain, grid, areoid, lat, lon, elevation, altitude):
+    """Elevation (m) of the ground at each of some places (rad), and its altitude with the map of the areoid's
+    height, into the last two.
+    """
+    for i in range(len(elevation)):
+        elevation[i] = ground(terrain, grid, lat[i], lon[i])[0]
+        altitude[i] = elevation[i] + areoid_at(areoid, lat[i], lon[i])[0]
 
 
 @kernel
@@ -100,30 +102,18 @@ def _site_plane(terrain, lat, lon):
     return k * rise, k * (tilt_north - bend * north), k * (tilt_east - bend * east)
 
 
-@kernel
-def mola(grid, lat, lon):
-    """Map height (m) and rise per metre towards north and east: bilinear, so heights are continuous and
-    slopes are not.
+def topography() -> np.void:
+    """The map of model mola, ``HEIGHT_MAP``."""
+    return read_map(map_file(MAP))
+
+
+def require_topography_of(planet_radius_m: float) -> None:
+    """Refuse the map of model mola for a planet of another mean radius.
+
+    Raises:
+        ValueError: it is of another planet.
     """
-    centric = lat - grid.centric * sin(2.0 * lat)
-    row, u = held_cell(89.5 - centric * (180.0 / pi), 179)
-    column, t = cell(wrapped(lon * (180.0 / pi) + 179.5, 360.0), 360)
-    right = (column + 1) % 360
-    nw = float(grid.height[row, column])
-    ne = float(grid.height[row, right])
-    sw = float(grid.height[row + 1, column])
-    se = float(grid.height[row + 1, right])
-    top = nw + t * (ne - nw)
-    bottom = sw + t * (se - sw)
-    per_degree = 180.0 / (pi * grid.radius)
-    east = ((ne - nw) * (1.0 - u) + (se - sw) * u) * per_degree / max(cos(lat), 0.01)
-    return top + u * (bottom - top), (top - bottom) * per_degree, east
-
-
-def fill_terrain_grid(record: np.void) -> None:
-    """Load the MOLA map that all cases share (dtype ``TERRAIN_GRID``)."""
-    record["height"], record["radius"], flattening = read_map()
-    record["centric"] = flattening + 0.5 * flattening**2
+    require_map_of(map_file(MAP), planet_radius_m, "mola", "use 'plane' or 'none'")
 
 
 def fill_terrain(record: np.void, params: TerrainParams, grid: np.void, planet_radius_m: float) -> None:
@@ -136,8 +126,8 @@ def fill_terrain(record: np.void, params: TerrainParams, grid: np.void, planet_r
     record["radius"] = planet_radius_m
     record["offset"] = 0.0
     if params.model == "mola":
-        require_map_of(planet_radius_m)
-        at_site = mola(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
+        require_topography_of(planet_radius_m)
+        at_site = map_height(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
         record["offset"] = params.site_elevation_m - at_site
     steepness = -tan(radians(params.slope_deg))
     record["tilt_north"] = steepness * cos(radians(params.slope_azimuth_deg))

@@ -1,4 +1,4 @@
-"""Mean wind, random gust and one discrete gust against altitude.
+"""Mean wind, random gust and one discrete gust against height above the areoid.
 
 Directions are those the air moves towards.  The wind depends on altitude alone: no change over ground or
 time.
@@ -30,12 +30,18 @@ class GustParams(Params):
 
     enabled: bool = param(False, "whether the random gust blows")
     sigma_scale: float = param(1.0, "factor on the sigmas", ge=0.0, le=5.0)
-    altitudes_m: Vec3 = param((0.0, 20e3, 60e3), "altitudes of the sigmas, rising", status="estimate")
+    altitudes_m: Vec3 = param(
+        (0.0, 20e3, 60e3), "heights above the areoid of the sigmas, rising", status="estimate"
+    )
     sigma_m_s: Vec3 = param(
         (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
     )
-    bottom_m: float = param(-8000.0, "altitude below which the random gust stays the same", ge=-50e3, le=0.0)
-    top_m: float = param(200e3, "altitude above which the random gust stays the same", gt=0.0, le=1e7)
+    bottom_m: float = param(
+        -8000.0, "height above the areoid below which the random gust stays the same", ge=-50e3, le=0.0
+    )
+    top_m: float = param(
+        200e3, "height above the areoid above which the random gust stays the same", gt=0.0, le=1e7
+    )
     vertical_ratio: float = param(0.5, "vertical over horizontal sigma", status="estimate", ge=0.0, le=1.0)
     scale_length_m: float = param(
         300.0,
@@ -63,7 +69,7 @@ class DiscreteGustParams(Params):
 
     enabled: bool = param(False, "whether it blows")
     amplitude_m_s: float = param(20.0, "greatest speed", status="estimate", ge=0.0, le=200.0)
-    altitude_m: float = param(5000.0, "altitude of the greatest speed", ge=-10e3, le=200e3)
+    altitude_m: float = param(5000.0, "height above the areoid of the greatest speed", ge=-10e3, le=200e3)
     half_length_m: float = param(100.0, "altitude from its edge to its middle", status="estimate", gt=0.0)
     azimuth_deg: float = param(
         90.0, "direction it blows towards, from north through east", ge=-360.0, le=360.0
@@ -98,7 +104,7 @@ WIND = extended(
 
 @kernel
 def wind(w, table, alt):
-    """Wind towards east, north and up, m/s, at ``alt``, m."""
+    """Wind towards east, north and up, m/s, at ``alt``, m above the areoid."""
     east, north = wind_of_model(w.model, w, table, alt)
     east *= w.scale
     north *= w.scale

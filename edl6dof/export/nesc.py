@@ -33,7 +33,7 @@ _DIRECT: tuple[tuple[str, str, float], ...] = (
         (f"feVelocity_ft_s_{a}", f"truth.v_{way}_m_s", FOOT)
         for a, way in zip("XYZ", ("north", "east", "down"), strict=True)
     ),
-    ("altitudeMsl_ft", "truth.altitude_m", FOOT),
+    ("altitudeMsl_ft", "truth.height_above_areoid_m", FOOT),
     ("longitude_deg", "truth.longitude_deg", 1.0),
     ("latitude_deg", "truth.latitude_deg", 1.0),
     *(
@@ -105,7 +105,7 @@ def _derived(rows: Mapping[str, np.ndarray], case: np.void, atmosphere: np.void)
         q_I2N = ned_attitude(sin(latitude), cos(latitude), sin(inertial), cos(inertial))
         yaw, pitch, roll = euler_321(multiply(conjugate(q_I2N), tuple(attitude[i])))
         _, pressure, _, sound = air(
-            case["atmosphere"], case["planet"]["gas"], atmosphere, rows["truth.altitude_m"][i]
+            case["atmosphere"], case["planet"]["gas"], atmosphere, rows["truth.height_above_areoid_m"][i]
         )
         found[i] = sqrt(gx * gx + gy * gy + gz * gz), yaw, pitch, roll, pressure, sound
     gravity, yaw, pitch, roll, pressure, sound = found.T

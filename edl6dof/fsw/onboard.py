@@ -188,7 +188,7 @@ ONBOARD = np.dtype(
                 [
                     ("latitude", "f8"),
                     ("longitude", "f8"),
-                    ("elevation", "f8"),
+                    ("altitude", "f8"),  # above the ellipsoid
                     ("aim_latitude", "f8"),
                     ("aim_longitude", "f8"),
                     ("frame", LOCAL_FRAME),

@@ -95,7 +95,10 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["trim_wing_s"], (figures["trim_wing_mach"],) = t, telemetry.at(t, "truth.mach")
     if (t := when.get("mortar")) is not None:
         figures["parachute_s"] = t
-        names = ("mach", "dynamic_pressure_pa", "total_alpha_deg", "altitude_m", "height_m")
+        names = (
+            *("mach", "dynamic_pressure_pa", "total_alpha_deg"),
+            *("altitude_m", "height_above_areoid_m", "height_m"),
+        )
         values = telemetry.at(t, *(f"truth.{name}" for name in names))
         figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})
     if (t := when.get("heat_shield")) is not None:

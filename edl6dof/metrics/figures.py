@@ -90,8 +90,9 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         "at most",
         "parachute_total_alpha_deg",
     ),
-    FigureOfMerit("parachute_altitude_m", "altitude at mortar fire", "events"),
-    FigureOfMerit("parachute_height_m", "height at mortar fire", "events"),
+    FigureOfMerit("parachute_altitude_m", "altitude above the ellipsoid at mortar fire", "events"),
+    FigureOfMerit("parachute_height_above_areoid_m", "height above the areoid at mortar fire", "events"),
+    FigureOfMerit("parachute_height_m", "height above the ground at mortar fire", "events"),
     FigureOfMerit("parachute_speed_m_s", "speed at mortar fire", "events"),
     FigureOfMerit("parachute_miss_m", "distance from the aim point at mortar fire", "events"),
     FigureOfMerit("parachute_downrange_m", "way beyond the aim point at mortar fire", "events"),
@@ -105,7 +106,11 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         "backshell_speed_m_s", "speed at backshell release", "events", "at most", "backshell_speed_m_s"
     ),
     FigureOfMerit(
-        "backshell_height_m", "height at backshell release", "events", "at most", "backshell_height_m"
+        "backshell_height_m",
+        "height above the ground at backshell release",
+        "events",
+        "at most",
+        "backshell_height_m",
     ),
     FigureOfMerit("min_backshell_distance_m", "least distance from the backshell", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events", "at most"),

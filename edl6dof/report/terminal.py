@@ -52,7 +52,7 @@ def show_flight(console: Console, flight: Flight) -> None:
 
 def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
-    table = open_table("Timeline", "t (s)>", "event", "height (m)>", "speed (m/s)>", "Mach>")
+    table = open_table("Timeline", "t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>")
     for event in flight.events:
         starts_phase = "phase" in event
         name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"

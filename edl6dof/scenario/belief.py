@@ -57,29 +57,32 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
 
 
 def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
+    """Against altitude: the flight computer takes the areoid to stand everywhere where it does at the
+    landing site.
+    """
     nominal = np.zeros(1, ATMOSPHERE)
     quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
     calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
     fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
     fill(gas[0], scenario.planet.gas)
-    altitudes = np.linspace(*_span_of_air(scenario), NODES)
+    heights, areoid = np.linspace(*_span_of_air(scenario), NODES), scenario.site_areoid_m
     record["bottom"], record["top"], record["spacing"] = (
-        altitudes[0],
-        altitudes[-1],
-        altitudes[1] - altitudes[0],
+        heights[0] + areoid,
+        heights[-1] + areoid,
+        heights[1] - heights[0],
     )
-    for i, altitude in enumerate(altitudes):
-        density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], altitude)
+    for i, height in enumerate(heights):
+        density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], height)
         record["ln_density"][i] = np.log(max(density, 1e-30))
         record["speed_of_sound"][i] = sound
 
 
 def _span_of_air(scenario: Scenario) -> tuple[float, float]:
-    """Lowest and highest altitude (m) of the believed atmosphere: at least from below the site to above the
-    initial state.
+    """Lowest and highest height (m above the areoid) of the believed atmosphere: at least from below the site
+    to above the initial state.
     """
-    air, start = scenario.atmosphere, scenario.initial.altitude_m
+    air, start = scenario.atmosphere, scenario.initial_altitude_m - scenario.site_areoid_m
     bottom = min(air.bottom_m, scenario.terrain.site_elevation_m - BEYOND, start - BEYOND)
     return bottom, max(air.top_m, start + BEYOND)
 
@@ -145,7 +148,7 @@ def _set_site(record: np.void, scenario: Scenario) -> None:
         radians(terrain.site_latitude_deg),
         radians(terrain.site_longitude_deg),
     )
-    record["elevation"] = terrain.site_elevation_m
+    record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m
     record["aim_latitude"], record["aim_longitude"] = scenario.aim_point
 
 
@@ -164,7 +167,7 @@ def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
         cos(site["aim_latitude"]),
         float(site["aim_longitude"]),
     )
-    start = (initial.altitude_m, initial.speed, initial.flight_path_angle)
+    start = (scenario.initial_altitude_m, initial.speed, initial.flight_path_angle)
     fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
     law = ENTRY_LAWS.member(entry.law)
     if law.plan is not None:

@@ -11,6 +11,7 @@ import numpy as np
 from edl6dof.config.dtype import dtype_of, duplicate, fill
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.atmosphere import ATMOSPHERE, fill_atmosphere
+from edl6dof.environment.layout import extended
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
@@ -48,7 +49,7 @@ CASE = np.dtype(
         ("dynamics", "i8"),
         ("ends_at_deployment", "i8"),
         ("point_mass", dtype_of(PointMassParams)),
-        ("initial", dtype_of(InitialState)),
+        ("initial", extended(InitialState, altitude="f8")),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
         ("sensors", dtype_of(SensorParams)),
@@ -101,6 +102,11 @@ def _fill_section(name: str, case: np.void, s: Scenario, tables: np.void) -> Non
     fill(case[name], getattr(s, name))
 
 
+def _fill_initial(case: np.void, s: Scenario, tables: np.void) -> None:
+    fill(case["initial"], s.initial)
+    case["initial"]["altitude"] = s.initial_altitude_m
+
+
 def _fill_atmosphere(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_atmosphere(case["atmosphere"], s.atmosphere, tables["atmosphere"], s.seed, s.profile)
 
@@ -143,9 +149,10 @@ def _fill_faults(case: np.void, s: Scenario, tables: np.void) -> None:
 CASE_PARTS = (
     *(
         CasePart((name,), frozenset({name}), partial(_fill_section, name))
-        for name in ("point_mass", "initial", "simulation", "sensors")
+        for name in ("point_mass", "simulation", "sensors")
     ),
     CasePart(("planet",), frozenset({"planet"}), lambda case, s, _: fill_planet(case["planet"], s.planet)),
+    CasePart(("initial",), frozenset({"initial", "planet"}), _fill_initial),
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.document.locate import shown
+from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import build_table, table_path
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
-from edl6dof.environment.terrain_map import require_map_of
+from edl6dof.environment.terrain import require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table, read_static_table, static_table_path
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 #: Keys of a scenario that name a table, and the file that such a name means.
 TABLES: dict[str, Callable[[str], Path]] = {
     "atmosphere.table": table_path,
+    "planet.areoid": areoid_path,
     "planet.gravity.coefficients": coefficients_path,
     "vehicle.aero.capsule.static_table": static_table_path,
 }
@@ -53,7 +55,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
             require_winds(scenario.wind, air[0])
     if scenario.terrain.model == "mola":
         with _collected(problems, "terrain.model"):
-            require_map_of(scenario.planet.mean_radius_m)
+            require_topography_of(scenario.planet.mean_radius_m)
+    with _collected(problems, "planet.areoid"):
+        require_areoid_of(scenario.planet)
     with _collected(problems, "planet.gravity.coefficients"):
         fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
     if scenario.vehicle.aero.model == "capsule":

@@ -1,8 +1,8 @@
 """The initial state: where the vehicle is, how it moves and how it points at t = 0.
 
-Velocity is given either by speed, flight-path angle and azimuth or by its north, east and down components;
-attitude either by angle of attack, sideslip and bank or by yaw, pitch and roll.  Two ways at once are
-refused.
+The height is given above the ellipsoid or above the areoid.  Velocity is given either by speed, flight-path
+angle and azimuth or by its north, east and down components; attitude either by angle of attack, sideslip and
+bank or by yaw, pitch and roll.  Two ways at once are refused.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ _MISSING = {
     "flight_path_angle_deg": "required key is missing: flight-path angle, negative downwards, in deg",
     "azimuth_deg": "required key is missing: azimuth of the velocity, from north through east, in deg",
 }
+_NO_HEIGHT = (
+    "required key is missing: height above the ellipsoid, in m (or give the height as height_above_areoid_m)"
+)
 _OR_COMPONENTS = " (or give the velocity as velocity_ned_m_s)"
 
 
@@ -29,7 +32,16 @@ class InitialState(Params):
     """State of the centre of mass and attitude at t = 0."""
 
     epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
-    altitude_m: float = param(REQUIRED, "height above the ellipsoid", ge=-10e3, le=1e7)
+    altitude_m: float | None = param(
+        None,
+        "height above the ellipsoid; needed without height_above_areoid_m",
+        record=False,
+        ge=-10e3,
+        le=1e7,
+    )
+    height_above_areoid_m: float | None = param(
+        None, "height above the areoid, instead of altitude_m", record=False, ge=-10e3, le=1e7
+    )
     latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
     longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
     speed_m_s: float | None = param(
@@ -85,11 +97,18 @@ class InitialState(Params):
     rate_deg_s: Vec3 = param((0.0, 0.0, 0.0), "inertial body rate p, q, r", record=False)
 
     @model_validator(mode="after")
-    def _velocity_and_attitude_given_once(self) -> Self:
-        problems = {**self._velocity_problems(), **self._attitude_problems()}
+    def _each_given_once(self) -> Self:
+        problems = {**self._height_problems(), **self._velocity_problems(), **self._attitude_problems()}
         if problems:
             raise Inconsistent(problems)
         return self
+
+    def _height_problems(self) -> dict[str, str]:
+        if self.altitude_m is None and self.height_above_areoid_m is None:
+            return {"altitude_m": _NO_HEIGHT}
+        if self.altitude_m is None or self.height_above_areoid_m is None:
+            return {}
+        return {"altitude_m": "must not stand beside height_above_areoid_m: the height is given twice"}
 
     def _velocity_problems(self) -> dict[str, str]:
         given = [name for name in _PATH if getattr(self, name) is not None]

@@ -14,9 +14,12 @@ import numpy as np
 
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.model_paths import changed_fields
+from edl6dof.environment.areoid import areoid_file, areoid_map, lay_areoid
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
-from edl6dof.environment.terrain import TERRAIN_GRID, fill_terrain_grid
+from edl6dof.environment.height_map import HEIGHT_MAP
+from edl6dof.environment.map_file import MapFile
+from edl6dof.environment.terrain import topography
 from edl6dof.fsw.diagnosis.probe import NONE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
@@ -35,7 +38,13 @@ from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
 TABLES = np.dtype(
-    [("atmosphere", ATMOSPHERE_TABLE), ("aero", AERO_TABLE), ("terrain", TERRAIN_GRID)], align=True
+    [
+        ("atmosphere", ATMOSPHERE_TABLE),
+        ("aero", AERO_TABLE),
+        ("terrain", HEIGHT_MAP),  # of the ground above the areoid
+        ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
+    ],
+    align=True,
 )
 
 
@@ -45,6 +54,7 @@ class TableInputs(NamedTuple):
     air: AirInputs
     aero: AeroInputs | None
     has_map: bool
+    areoid: MapFile | None
 
 
 def table_inputs(scenario: Scenario) -> TableInputs:
@@ -61,6 +71,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
         if scenario.vehicle.aero.model == "capsule"
         else None,
         scenario.terrain.model == "mola",
+        areoid_file(scenario.planet),
     )
 
 
@@ -78,7 +89,8 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     tables = np.zeros(1, TABLES)
     tables["atmosphere"] = build_table(inputs.air)
     if inputs.has_map:
-        fill_terrain_grid(tables[0]["terrain"])
+        tables["terrain"] = topography()
+    tables["areoid"] = areoid_map(inputs.areoid)
     if inputs.aero is not None:
         tables["aero"] = build_aero_table(inputs.aero)
     return tables
@@ -143,10 +155,14 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    r = np.array(from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, initial.altitude_m))
+    r = np.array(
+        from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, scenario.initial_altitude_m)
+    )
     vertical = lat if initial.vertical == "geodetic" else atan2(r[2], np.hypot(r[0], r[1]))
     axes = (sin(vertical), cos(vertical), sin(lon), cos(lon))
     v_relative = np.array(ned_to_fixed(*axes, initial.velocity_ned))
+    place = (sin(lat), cos(lat), sin(lon), cos(lon))
+    lay_areoid(areoid_map(areoid_file(planet)), place, lat, lon, tuple(r), record["inputs"]["areoid"])
     spin = planet.rotation_rate_rad_s
     y = record["y"]
     y[POSITION : POSITION + 3] = r

@@ -4,34 +4,40 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.environment.terrain import (
-    TERRAIN,
-    TERRAIN_GRID,
-    TerrainParams,
-    elevations,
-    fill_terrain,
-    fill_terrain_grid,
-)
+from edl6dof.environment.areoid import areoid_file, areoid_map
+from edl6dof.environment.height_map import HEIGHT_MAP
+from edl6dof.environment.planet import PlanetParams
+from edl6dof.environment.terrain import TERRAIN, TerrainParams, fill_terrain, ground_heights, topography
 
 
 class Relief:
-    """Elevation of the ground as the simulation has it."""
+    """Height of the ground as the simulation has it."""
 
-    def __init__(self, params: TerrainParams, planet_radius_m: float) -> None:
-        self._terrain, self._grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
-        if params.model == "mola":
-            fill_terrain_grid(self._grid[0])
-        fill_terrain(self._terrain[0], params, self._grid[0], planet_radius_m)
+    def __init__(self, params: TerrainParams, planet: PlanetParams) -> None:
+        self._terrain = np.zeros(1, TERRAIN)
+        self._grid = topography() if params.model == "mola" else np.zeros(1, HEIGHT_MAP)[0]
+        self._areoid = areoid_map(areoid_file(planet))
+        fill_terrain(self._terrain[0], params, self._grid, planet.mean_radius_m)
 
-    def elevation(self, latitude: np.ndarray, longitude: np.ndarray) -> np.ndarray:
-        """Elevation (m) at geodetic latitudes and east longitudes (rad), of any shape."""
-        found = np.empty(latitude.size)
-        elevations(self._terrain[0], self._grid[0], latitude.ravel(), longitude.ravel(), found)
-        return found.reshape(latitude.shape)
+    def heights(self, latitude: np.ndarray, longitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Elevation (m above the areoid) and altitude (m above the ellipsoid) of the ground at geodetic
+        latitudes and east longitudes (rad), of any shape.
+        """
+        elevation, altitude = np.empty((2, latitude.size))
+        ground_heights(
+            self._terrain[0],
+            self._grid,
+            self._areoid,
+            latitude.ravel(),
+            longitude.ravel(),
+            elevation,
+            altitude,
+        )
+        return elevation.reshape(latitude.shape), altitude.reshape(latitude.shape)
 
     @property
     def map(self) -> np.ndarray:
         """The global map (m), shape (180, 360): from 89.5 north to 89.5 south, from 179.5 west; zeros where
         there is none.
         """
-        return self._grid[0]["height"].astype(float)
+        return self._grid["height"].astype(float)

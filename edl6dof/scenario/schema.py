@@ -12,11 +12,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import field_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section
+from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section, stated
 from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import refuse, validate
+from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
@@ -185,6 +186,22 @@ class Scenario(Params):
             radians(self.terrain.site_longitude_deg),
         )
         return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
+
+    @property
+    def initial_altitude_m(self) -> float:
+        """Height of the initial state above the ellipsoid."""
+        initial = self.initial
+        if initial.altitude_m is not None:
+            return initial.altitude_m
+        place = radians(initial.latitude_deg), radians(initial.longitude_deg)
+        return stated(initial.height_above_areoid_m) + areoid_height(self.planet, *place)
+
+    @property
+    def site_areoid_m(self) -> float:
+        """Height of the areoid at the landing site above the ellipsoid."""
+        terrain = self.terrain
+        place = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
+        return areoid_height(self.planet, *place)
 
     @property
     def thruster_names(self) -> list[str]:

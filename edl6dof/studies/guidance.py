@@ -306,7 +306,7 @@ def _drawings(mission: str, tables: dict[str, pa.Table]) -> Iterator[Figure]:
         if "parachute_altitude_m" in tables[law].column_names
     ]
     altitude = plots.panel(
-        f"{mission}: altitude at the mortar, best four",
+        f"{mission}: altitude above the ellipsoid at the mortar, best four",
         "miss, km",
         "altitude, km",
         tuple(height),

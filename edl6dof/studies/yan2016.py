@@ -196,7 +196,7 @@ def _tracking_drawings(nominal: Flight, shown: dict[str, Flight]) -> tuple[Figur
         ("fig3_longitude", "longitude (deg)", column("truth.longitude_deg")),
         ("fig4_drag", "drag (m/s2)", drag),
         ("fig5_drag_rate", "drag rate (m/s3)", rate),
-        ("fig6_altitude", "altitude (km)", column("truth.altitude_m", 1e3)),
+        ("fig6_altitude", "altitude above the ellipsoid (km)", column("truth.altitude_m", 1e3)),
         ("fig7_range", "range (km)", ranges),
     )
     return tuple(

@@ -51,6 +51,8 @@ def _vector(stem: str, suffix: str, axes: str, meaning: str) -> list[Channel]:
 
 CHANNELS: tuple[Channel, ...] = (
     Channel("truth.altitude_m", "height above the reference ellipsoid"),
+    Channel("truth.height_above_areoid_m", "height above the areoid, from which the air counts"),
+    Channel("truth.elevation_m", "height of the ground below above the areoid"),
     Channel("truth.height_m", "height above the ground"),
     Channel("truth.latitude_deg", "geodetic latitude"),
     Channel("truth.longitude_deg", "east longitude"),
@@ -149,6 +151,7 @@ BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
         *("truth.dynamic_pressure_pa", "truth.propellant_kg", "truth.total_alpha_deg"),
         *(
             "truth.altitude_m",
+            "truth.height_above_areoid_m",
             "truth.height_m",
             "truth.latitude_deg",
             "truth.longitude_deg",

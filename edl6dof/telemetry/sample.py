@@ -45,7 +45,11 @@ def record_brief(case, plant, outputs, fsw, tick):
     v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
     v_N = fixed_to_ned(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, rotate_z(c, s, v_rel_I))
 
-    truth.altitude, truth.height = out.altitude, out.height
+    truth.altitude, truth.height_above_areoid, truth.height = (
+        out.altitude,
+        out.height_above_areoid,
+        out.height,
+    )
     truth.latitude, truth.longitude = out.latitude, out.longitude
     truth.site_east, truth.site_north, truth.site_up = to_local(case.site, rotate_z(c, s, r_I))
     truth.speed = norm(v_N)
@@ -82,7 +86,7 @@ def record(case, plant, outputs, fsw, tick):
     truth.v_north, truth.v_east, truth.v_down = v_N
     truth.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
     truth.azimuth = atan2(v_N[1], v_N[0])
-    truth.airspeed = airspeed
+    truth.elevation, truth.airspeed = out.elevation, airspeed
     truth.bank = bank_angle(v_rel_I, up, x, y_axis, z)
     truth.density, truth.temperature = out.density, out.temperature
     truth.wind_north, truth.wind_east, truth.wind_down = take3(out.wind_N, 0)

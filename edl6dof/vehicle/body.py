@@ -147,7 +147,7 @@ def ground_loads(case, inputs, y, q, w, centre, rotation, place):
     spin = case.planet.rotation_rate
     r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
     c, s = rotation
-    sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude, _ = place
     slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]
     inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
     normal_F = ned_to_fixed(
@@ -156,7 +156,7 @@ def ground_loads(case, inputs, y, q, w, centre, rotation, place):
     normal_B = to_frame(q, rotate_z(c, -s, normal_F))
     v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
     w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
-    clearance = (altitude - inputs.ground_elevation) * inverse
+    clearance = (altitude - inputs.ground_altitude) * inverse
     force, moment, pads = contact(case.vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
     return force, sub(moment, cross(centre, force)), pads
 
@@ -170,7 +170,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     and :func:`motion`.
     """
     r_I, w = take3(y, POSITION), take3(y, RATE)
-    place, gas, wind_N, air_I = surroundings(case, tables, rotation, r_I)
+    place, gas, wind_N, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, r_I)
     v_air_I = sub(take3(y, VELOCITY), air_I)
     if case.dynamics == POINT_MASS:
         q = point_attitude(case, plant, t, rotation, place, v_air_I)
@@ -193,7 +193,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
         force, moment = add(force, push), add(moment, turning)
 
     out = outputs
-    out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude = place
+    out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude, out.height_above_areoid = place
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
     out.heat_flux = stagnation_heat_flux(case.planet.gas, out.density, case.vehicle.nose_radius, norm(v_air))

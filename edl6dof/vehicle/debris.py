@@ -14,18 +14,19 @@ LOOSE, RESTING, FALLING = 1, 2, 3
 
 
 @kernel
-def fall(case, tables, part, t, r_I, v_I):
-    """Acceleration (I) of a falling part, and its altitude."""
+def fall(case, tables, areoid, part, t, r_I, v_I):
+    """Acceleration (I) of a falling part, and its altitude; ``areoid``: as :func:`surroundings` takes it."""
     rotation = planet_rotation(case.planet, t)
-    place, gas, _, air_I = surroundings(case, tables, rotation, r_I)
+    place, gas, _, air_I = surroundings(case, tables, areoid, rotation, r_I)
     g_I = add(central(case.planet.gravity, r_I), noncentral_I(case.planet, rotation, r_I))
     v = sub(v_I, air_I)
     return add(g_I, scale(-0.5 * gas[0] * norm(v) * part.drag_area / part.mass, v)), place[4]
 
 
 @kernel
-def step_part(case, tables, part, t, h, ground_elevation):
-    """Advance one part by ``h`` s; on the ground it rests and turns with the planet.
+def step_part(case, tables, inputs, part, t, h):
+    """Advance one part by ``h`` s over the areoid and the ground of ``inputs``; on the ground it rests and
+    turns with the planet.
 
     Beeman's position and the second-order Adams-Bashforth velocity need one evaluation a step: nothing flies
     on what debris does, and over its whole fall the error stays below a centimetre.
@@ -36,8 +37,8 @@ def step_part(case, tables, part, t, h, ground_elevation):
         c, s = cos(spin * h), sin(spin * h)
         put3(part.r_I, 0, rotate_z(c, -s, r))
         return
-    a, altitude = fall(case, tables, part, t, r, v)
-    if altitude <= ground_elevation:
+    a, altitude = fall(case, tables, inputs.areoid, part, t, r, v)
+    if altitude <= inputs.ground_altitude:
         part.active = RESTING
         put3(part.v_I, 0, (-spin * r[1], spin * r[0], 0.0))
         return
@@ -53,4 +54,4 @@ def step_debris(case, tables, plant, t, h):
     """Advance every part that has left the vehicle."""
     for i in range(plant.debris.shape[0]):
         if plant.debris[i].active != 0:
-            step_part(case, tables, plant.debris[i], t, h, plant.inputs.ground_elevation)
+            step_part(case, tables, plant.inputs, plant.debris[i], t, h)

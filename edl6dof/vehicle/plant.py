@@ -72,7 +72,8 @@ OUTPUTS = np.dtype(
         ("cos_lat", "f8"),
         ("sin_lon", "f8"),
         ("cos_lon", "f8"),
-        ("altitude", "f8"),
+        ("altitude", "f8"),  # above the ellipsoid
+        ("height_above_areoid", "f8"),
         ("density", "f8"),
         ("pressure", "f8"),
         ("temperature", "f8"),
@@ -102,6 +103,7 @@ OUTPUTS = np.dtype(
         ("disturbance_moment_B", "f8", (3,)),
         ("latitude", "f8"),
         ("longitude", "f8"),
+        ("elevation", "f8"),  # of the ground, above the areoid
         ("height", "f8"),  # above the ground
     ],
     align=True,
@@ -134,7 +136,8 @@ INPUTS = np.dtype(
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
         ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant
         ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
-        ("ground_elevation", "f8"),  # m: the plane of the ground
+        ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
+        ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
         ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
     ],
     align=True,

@@ -11,9 +11,11 @@ from __future__ import annotations
 
 from math import atan2, sqrt
 
+from edl6dof.environment.areoid import lay_areoid
 from edl6dof.environment.terrain import ground
 from edl6dof.interface.capacities import MAX_TANKS
 from edl6dof.jit import kernel
+from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 from edl6dof.vehicle.body import derivatives, motion
@@ -38,16 +40,24 @@ NEAR_GROUND = 2000.0
 
 @kernel
 def survey(case, tables, plant, outputs):
-    """Look at the ground under the place in ``outputs``: the plane that the next step is given, and the
-    height above it.
+    """Look at the ground under the place in ``outputs``: the planes of areoid and ground that the next step
+    is given, and the height above the ground.
     """
     out = outputs
     out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
     elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, out.latitude, out.longitude)
-    plant.inputs.ground_elevation = elevation
-    plant.inputs.ground_slope[0] = slope_north
-    plant.inputs.ground_slope[1] = slope_east
-    out.height = out.altitude - elevation
+    inputs, (c, s) = plant.inputs, planet_rotation(case.planet, plant.t)
+    place, r_F = (
+        (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon),
+        rotate_z(c, s, take3(plant.y, POSITION)),
+    )
+    areoid, areoid_north, areoid_east = lay_areoid(
+        tables.areoid, place, out.latitude, out.longitude, r_F, inputs.areoid
+    )
+    inputs.ground_altitude = areoid + elevation
+    inputs.ground_slope[0] = areoid_north + slope_north
+    inputs.ground_slope[1] = areoid_east + slope_east
+    out.elevation, out.height = elevation, out.altitude - inputs.ground_altitude
 
 
 @kernel
@@ -65,7 +75,7 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
     if case.dynamics == POINT_MASS:
         for i in range(4):
             plant.y[ATTITUDE + i] = outputs.q_I2B[i]
-    if outputs.altitude - plant.inputs.ground_elevation < NEAR_GROUND:
+    if outputs.altitude - plant.inputs.ground_altitude < NEAR_GROUND:
         survey(case, tables, plant, outputs)
         if plant.touched != 0:
             derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])

@@ -66,7 +66,7 @@ def clearance(case, plant, outputs):
     if plant.touched != 0:
         return NOT_ARMED
     out, inputs = outputs, plant.inputs
-    height = out.altitude - inputs.ground_elevation
+    height = out.altitude - inputs.ground_altitude
     if height >= NEAR_GROUND:
         return height
     slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]

@@ -9,7 +9,7 @@ from edl6dof.environment.gravity import central, noncentral_F
 from edl6dof.environment.wind import wind
 from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.spatial.frames import geodetic, ned_to_fixed, rotate_z
-from edl6dof.spatial.vector import add, take3
+from edl6dof.spatial.vector import add, dot, take3
 
 
 @kernel
@@ -20,25 +20,28 @@ def planet_rotation(planet, t):
 
 
 @inlined_kernel
-def surroundings(case, tables, rotation, r_I):
+def surroundings(case, tables, areoid, rotation, r_I):
     """What surrounds the point ``r_I`` (m) at the time to which ``rotation`` (:func:`planet_rotation`)
-    belongs.
+    belongs; ``areoid``: the plane of ``inputs`` that its height is on.
 
     Returns:
-        place: sine and cosine of geodetic latitude and of longitude, and altitude (m).
+        place: sine and cosine of geodetic latitude and of longitude, altitude, and height above the areoid
+            (m).
         gas: density (kg/m3), pressure (Pa), temperature (K), speed of sound (m/s).
         wind_N: wind towards north, east, down (m/s).
         air_I: velocity of the air, rotation of the planet included (m/s).
     """
     planet = case.planet
     c, s = rotation
-    place = geodetic(planet.equatorial_radius, planet.flattening, rotate_z(c, s, r_I))
-    sin_lat, cos_lat, sin_lon, cos_lon, altitude = place
-    gas = air(case.atmosphere, planet.gas, tables.atmosphere, altitude)
-    east, north, up = wind(case.wind, tables.atmosphere, altitude)
+    r_F = rotate_z(c, s, r_I)
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
+    height = altitude - (dot(take3(areoid, 0), r_F) + areoid[3])
+    gas = air(case.atmosphere, planet.gas, tables.atmosphere, height)
+    east, north, up = wind(case.wind, tables.atmosphere, height)
     carried = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, -up)))
     spin = planet.rotation_rate
     air_I = (carried[0] - spin * r_I[1], carried[1] + spin * r_I[0], carried[2])
+    place = (sin_lat, cos_lat, sin_lon, cos_lon, altitude, height)
     return place, gas, (north, east, -up), air_I
 
 

@@ -42,7 +42,7 @@ def nav_state(
     sensed["v_I"] = spin.rotate(ned @ np.asarray(velocity_N)) + np.cross((0, 0, planet["rotation_rate"]), r)
     sensed["q_I2B"] = (spin * Quaternion(matrix=ned) * attitude).elements
     sensed["w_B"], sensed["specific_force_B"] = rate, force
-    sensed["height_above_ground"] = altitude - onboard[0]["site"]["elevation"] if height is None else height
+    sensed["height_above_ground"] = altitude - onboard[0]["site"]["altitude"] if height is None else height
     navigate(planet, onboard[0]["atmosphere"], onboard[0]["site"]["frame"], sensed, nav)
     return nav
 

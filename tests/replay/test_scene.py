@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.environment.terrain import TERRAIN, TERRAIN_GRID, fill_terrain, fill_terrain_grid
+from edl6dof.environment.terrain import TERRAIN, fill_terrain, topography
 from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
@@ -35,15 +35,14 @@ def site(scenario) -> Site:
 
 
 def test_ground_is_that_of_the_simulation(scenario, site):
-    terrain, grid = np.zeros(1, TERRAIN), np.zeros(1, TERRAIN_GRID)
-    fill_terrain_grid(grid[0])
-    fill_terrain(terrain[0], scenario.terrain, grid[0], scenario.planet.mean_radius_m)
+    terrain, grid = np.zeros(1, TERRAIN), topography()
+    fill_terrain(terrain[0], scenario.terrain, grid, scenario.planet.mean_radius_m)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
         lat, lon = (
             radians(scenario.terrain.site_latitude_deg + dlat),
             radians(scenario.terrain.site_longitude_deg + dlon),
         )
-        height = true_ground(terrain[0], grid[0], lat, lon)[0]
+        height = true_ground(terrain[0], grid, lat, lon)[0]
         e2 = site.flattening * (2.0 - site.flattening)
         prime = site.radius / np.sqrt(1.0 - e2 * np.sin(lat) ** 2)
         place = np.array(

@@ -13,7 +13,7 @@ from edl6dof.campaign.design.plan import Plan
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
-from edl6dof.environment.terrain_map import MAP
+from edl6dof.environment.terrain import MAP
 from edl6dof.scenario.data_files import TABLES
 
 
@@ -21,7 +21,7 @@ def input_files(plan: Plan) -> list[Path]:
     """Every file that a case of the plan may read, sorted; those that do not exist are left out, as cases
     that name them do not fly.
     """
-    found = {MAP, MAP.with_suffix(".yaml")}
+    found = {MAP}
     files = plan.loaded.document.files
     folder = files[0].resolve().parent if files else Path.cwd()
     for key, path_of in TABLES.items():
@@ -35,6 +35,7 @@ def input_files(plan: Plan) -> list[Path]:
         found |= set(_named(path, value, folder))
     if exchanged:  # what the new sections leave out takes its default, a table of the package
         found |= set((PACKAGE / "data").rglob("*"))
+    found |= {path.with_suffix(".yaml") for path in found if path.suffix == ".npy"}  # what a map is of
     return sorted(path.resolve() for path in found if path.is_file())
 
 

@@ -24,15 +24,15 @@ class Site:
         north = (-sin(lat) * cos(lon), -sin(lat) * sin(lon), cos(lat))
         up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
-        self.elevation = terrain.site_elevation_m
+        self.altitude = scenario.site_areoid_m + terrain.site_elevation_m  #: of its origin, m
         self.appearance = planet.appearance
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         # : of L, in F
-        self.origin = (prime + self.elevation) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
-        self.relief = Relief(terrain, planet.mean_radius_m)
+        self.origin = (prime + self.altitude) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
+        self.relief = Relief(terrain, planet)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
         """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.
@@ -46,11 +46,11 @@ class Site:
         """Planet-fixed position (m) of points in L."""
         return self.origin + place @ self.axes
 
-    def surface(self, east: np.ndarray, north: np.ndarray, elevation: np.ndarray | float) -> np.ndarray:
-        """Up coordinate (m) of the point at ``elevation`` over the ellipsoid; beyond the limb, of the
+    def surface(self, east: np.ndarray, north: np.ndarray, altitude: np.ndarray | float) -> np.ndarray:
+        """Up coordinate (m) of the point at ``altitude`` above the ellipsoid; beyond the limb, of the
         limb.
         """
-        a = self.radius + np.asarray(elevation)
+        a = self.radius + np.asarray(altitude)
         squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
         place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
         up = self.axes[2]
@@ -60,12 +60,12 @@ class Site:
         return (np.sqrt(np.maximum(k1**2 - k2 * k0, 0.0)) - k1) / k2
 
     def ground(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Elevation (m) of the simulation's own ground, and its up coordinate in L (m)."""
+        """Elevation (m above the areoid) of the simulation's own ground, and its up coordinate in L (m)."""
         east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
-        level = np.stack([east, north, self.surface(east, north, self.elevation)], axis=-1)
+        level = np.stack([east, north, self.surface(east, north, self.altitude)], axis=-1)
         x, y, z = np.moveaxis(self.in_F(level), -1, 0)
         # exact on the ellipsoid; 5 km off it, to 1e-5 rad
         lat = np.arctan2(z, (1.0 - self.flattening) ** 2 * np.hypot(x, y))
         lon = np.arctan2(y, x)
-        elevation = self.relief.elevation(lat, lon)
-        return elevation, self.surface(east, north, elevation)
+        elevation, altitude = self.relief.heights(lat, lon)
+        return elevation, self.surface(east, north, altitude)

@@ -14,7 +14,7 @@ from edl6dof.replay.views.panels import SERIES
 READOUT_HZ = 2.0
 #: Telemetry column: label, format, unit.
 READOUT = {
-    "truth.altitude_m": ("altitude", ",.0f", "m"),
+    "truth.altitude_m": ("above ellipsoid", ",.0f", "m"),
     "truth.height_m": ("above ground", ",.1f", "m"),
     "truth.speed_m_s": ("speed", ",.1f", "m/s"),
     "truth.v_down_m_s": ("descent rate", ",.1f", "m/s"),

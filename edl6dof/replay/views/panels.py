@@ -36,7 +36,7 @@ def _axes(stem: str, suffix: str, axes: str, name: str = "{}") -> dict[str, str]
 
 ALTITUDE = Plot(
     "altitude_km",
-    "Altitude (km)",
+    "Height (km)",
     {"truth.altitude_m": "above ellipsoid", "truth.height_m": "above ground"},
     1e-3,
 )

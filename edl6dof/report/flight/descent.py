@@ -54,7 +54,7 @@ def powered(run: Run) -> Iterator[Figure]:
         Curve("truth.v_east_m_s", "east", 1.0, GREEN, "dot"),
     ]
     panels = [
-        over_time(run, "height (m)", [Curve("truth.height_m", "", 1.0, GREY)], rows),
+        over_time(run, "height above\nthe ground (m)", [Curve("truth.height_m", "", 1.0, GREY)], rows),
         over_time(run, "velocity (m/s)", speed, rows),
         over_time(run, "engine thrust (kN)", thrust, rows),
         over_time(run, "tilt from the\nvertical (deg)", [Curve("truth.tilt_deg", "", 1.0, PURPLE)], rows),
@@ -71,4 +71,4 @@ def _descent_plane(run: Run, rows: np.ndarray) -> Figure:
         Axis("height above the ground (m)"),
         [curve, placed(run, "truth.v_down_m_s", "truth.height_m", names)],
     )
-    return Figure("descent_plane", "Height over descent speed", [panel], height=320)
+    return Figure("descent_plane", "Height above the ground over descent speed", [panel], height=320)

@@ -1,8 +1,8 @@
 """The way down: overview over time, the entry corridor, and the deployment box.
 
-The borders of the corridor come from the flight itself: its own air density over altitude, drag and load per
+The borders of the corridor come from the flight itself: its own air density over height, drag and load per
 dynamic pressure over speed and constant of the heat-flux law turn a limit on dynamic pressure, load or heat
-flux into a drag or an altitude at every speed.
+flux into a drag or a height above the areoid at every speed.
 """
 
 from __future__ import annotations
@@ -64,10 +64,11 @@ def overview(run: Run) -> Figure:
     rows = np.ones(len(run.t), bool)
     height = [
         Curve("truth.altitude_m", "above the ellipsoid", 1e-3, BLUE),
+        Curve("truth.height_above_areoid_m", "above the areoid", 1e-3, BLUE, "dash"),
         Curve("truth.height_m", "above the ground", 1e-3, BLUE, "dot"),
     ]
     panels = [
-        over_time(run, "altitude (km)", height, rows),
+        over_time(run, "height (km)", height, rows),
         over_time(run, "speed (km/s)", [Curve("truth.speed_m_s", "", 1e-3, VERMILION)], rows),
         over_time(
             run, "dynamic\npressure (kPa)", [Curve("truth.dynamic_pressure_pa", "", 1e-3, GREEN)], rows
@@ -92,14 +93,14 @@ class Entry(NamedTuple):
     load_per_pressure: np.ndarray
     heat_constant: float
     profile_density: np.ndarray
-    profile_altitude: np.ndarray
+    profile_height: np.ndarray
     radius: float
     gravity: float
 
-    def altitude(self, density: np.ndarray) -> np.ndarray:
-        """Altitude (m) at which the flown air has a density; NaN outside it."""
+    def height(self, density: np.ndarray) -> np.ndarray:
+        """Height (m above the areoid) at which the flown air has a density; NaN outside it."""
         log = np.log(np.maximum(density, 1e-30))
-        return np.interp(log, np.log(self.profile_density), self.profile_altitude, left=np.nan, right=np.nan)
+        return np.interp(log, np.log(self.profile_density), self.profile_height, left=np.nan, right=np.nan)
 
 
 def entry_state(run: Run) -> Entry | None:
@@ -124,7 +125,7 @@ def entry_state(run: Run) -> Entry | None:
     radius = float(planet["equatorial_radius_m"])
     return Entry(
         speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
-        run["truth.density_kg_m3"][rising], run["truth.altitude_m"][rising], radius,
+        run["truth.density_kg_m3"][rising], run["truth.height_above_areoid_m"][rising], radius,
         float(planet["gravity"]["mu_m3_s2"]) / radius**2,
     )  # fmt: skip
 
@@ -250,7 +251,7 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
-    """Altitude over speed inside its corridor."""
+    """Height above the areoid over speed inside its corridor."""
     rows = run.between(until="mortar")
     found = borders(run, entry)
     traces = []
@@ -259,7 +260,7 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         traces.append(
             Trace(
                 entry.speed / 1e3,
-                entry.altitude(density) / 1e3,
+                entry.height(density) / 1e3,
                 border.name,
                 colour=border.colour,
                 dash=border.dash,
@@ -270,26 +271,26 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     traces.append(
         Trace(
             run["truth.airspeed_m_s"][flown] / 1e3,
-            run["truth.altitude_m"][flown] / 1e3,
+            run["truth.height_above_areoid_m"][flown] / 1e3,
             "flown",
             colour=BLUE,
             width=2.2,
         )
     )
     names: dict[str, str] = {key: EVENTS[key] for key in ("trim_wing", "mortar") if key in EVENTS}
-    traces.append(placed(run, "truth.airspeed_m_s", "truth.altitude_m", names, (1e-3, 1e-3)))
+    traces.append(placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3)))
     widest = float(run["truth.airspeed_m_s"][rows].max()) / 1e3
-    top = float(run["truth.altitude_m"][rows].max()) / 1e3
+    top = float(run["truth.height_above_areoid_m"][rows].max()) / 1e3
     panel = Panel(
         Axis("speed in the air (km/s)", (widest * 1.03, 0.0)),
-        Axis("altitude (km)", (min(-5.0, 0.0), top)),
+        Axis("height above the areoid (km)", (min(-5.0, 0.0), top)),
         traces,
     )
     caption = (
         "The flight runs from left to right; it must stay above the borders of heat flux, dynamic pressure "
         "and load."
     )
-    return Figure("altitude_velocity", "Altitude over speed in the corridor", [panel], caption, height=380)
+    return Figure("altitude_velocity", "Height over speed in the corridor", [panel], caption, height=380)
 
 
 def deployment_box(run: Run) -> Figure:

@@ -83,7 +83,7 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
 
     initial = scenario.initial
     start = [
-        scenario.planet.equatorial_radius_m + initial.altitude_m,
+        scenario.planet.equatorial_radius_m + scenario.initial_altitude_m,
         radians(initial.longitude_deg),
         radians(initial.latitude_deg),
         initial.speed,

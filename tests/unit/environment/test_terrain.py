@@ -7,18 +7,10 @@ from math import atan, cos, degrees, radians
 import numpy as np
 import pytest
 
-from edl6dof.environment.terrain import (
-    TERRAIN,
-    TERRAIN_GRID,
-    TerrainParams,
-    fill_terrain,
-    fill_terrain_grid,
-    ground,
-    mola,
-)
+from edl6dof.environment.height_map import map_height
+from edl6dof.environment.terrain import TERRAIN, TerrainParams, fill_terrain, ground, topography
 
-GRID = np.zeros(1, TERRAIN_GRID)[0]
-fill_terrain_grid(GRID)
+GRID = topography()
 SITE = (radians(25.066), radians(109.925))
 
 
@@ -34,19 +26,19 @@ def build(**given) -> np.void:
     [("Tianwen-1", 25.066, 109.925, -4099.4, 150.0), ("InSight", 4.502, 135.623, -2613.4, 100.0)],
 )
 def test_map_agrees_with_landers(name, lat, lon, true, tolerance):
-    assert mola(GRID, radians(lat), radians(lon))[0] == pytest.approx(true, abs=tolerance)
+    assert map_height(GRID, radians(lat), radians(lon))[0] == pytest.approx(true, abs=tolerance)
 
 
 def test_olympus_mons_and_hellas_are_where_they_are():
-    assert mola(GRID, radians(18.65), radians(-133.8))[0] > 18e3
-    assert mola(GRID, radians(-42.4), radians(70.5))[0] < -5.5e3
+    assert map_height(GRID, radians(18.65), radians(-133.8))[0] > 18e3
+    assert map_height(GRID, radians(-42.4), radians(70.5))[0] < -5.5e3
 
 
 def test_map_is_fitted_to_the_site():
     elevation, *_ = ground(build(), GRID, *SITE)
     assert elevation == pytest.approx(-4099.4, abs=1e-9)
-    far = ground(build(), GRID, 0.3, 0.4)[0] - mola(GRID, 0.3, 0.4)[0]
-    assert far == pytest.approx(-4099.4 - mola(GRID, *SITE)[0], abs=1e-6)
+    far = ground(build(), GRID, 0.3, 0.4)[0] - map_height(GRID, 0.3, 0.4)[0]
+    assert far == pytest.approx(-4099.4 - map_height(GRID, *SITE)[0], abs=1e-6)
 
 
 @pytest.mark.parametrize("turn", [0.0, 2 * np.pi, -2 * np.pi])

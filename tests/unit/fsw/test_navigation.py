@@ -106,7 +106,7 @@ def test_position_from_the_landing_site_is_east_north_up(onboard, east, north, u
     site, planet = onboard[0]["site"], onboard[0]["planet"]
     lat, lon = site["latitude"], site["longitude"]
     ned = triad(lat, lon)
-    r = ellipsoid(planet, lat, lon, site["elevation"]) + ned @ np.array([north, east, -up])
+    r = ellipsoid(planet, lat, lon, site["altitude"]) + ned @ np.array([north, east, -up])
     sensed = np.zeros(1, SENSED)[0]
     sensed["r_I"], sensed["q_I2B"] = r, (1.0, 0.0, 0.0, 0.0)
     nav = nav_of(onboard, sensed)

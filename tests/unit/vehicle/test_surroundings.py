@@ -57,7 +57,9 @@ def test_place_is_that_in_planet_fixed_axes_and_the_air_turns_with_the_planet():
     turn, spin = turned(planet), np.array([0.0, 0.0, planet["rotation_rate"]])
     for r_F in places(planet, 50):
         r_I = turn.apply(r_F)
-        place, _, wind, air_I = surroundings(case, tables[0], planet_rotation(planet, T), tuple(r_I))
+        place, _, wind, air_I = surroundings(
+            case, tables[0], np.zeros(4), planet_rotation(planet, T), tuple(r_I)
+        )
         best = geodetic(planet["equatorial_radius"], planet["flattening"], tuple(r_F))
         assert place[:4] == pytest.approx(best[:4], abs=1e-12) and place[4] == pytest.approx(
             best[4], abs=5e-9

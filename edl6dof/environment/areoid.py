@@ -1,0 +1,122 @@
+"""The areoid: the surface of one potential of gravity and rotation, from which heights of air and ground
+count.
+
+Its height N above the reference ellipsoid is a map, made from the gravity field by ``tools/areoid.py``.
+Positions count from the ellipsoid: height above areoid = altitude - N.  A planet without a map has its
+ellipsoid for an areoid.
+Left out: the field beyond the degree of the map; beyond degree 12 it moves the areoid of Mars by tens of
+metres (35 m rms by Kaula's rule with 1.3e-4 / n^2 [E]).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from edl6dof.environment.height_map import HEIGHT_MAP, map_height
+from edl6dof.environment.map_file import (
+    DATA,
+    MapFile,
+    map_file,
+    mapped_planet,
+    read_map,
+    require_map_of,
+)
+from edl6dof.environment.planet import PlanetParams
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import ned_to_fixed
+from edl6dof.spatial.vector import dot, norm, put3
+
+#: Largest difference (m) of a semi-axis of the ellipsoid that a map counts from and of the planet's.
+_SAME_ELLIPSOID = 10.0
+_NONE = np.zeros(1, HEIGHT_MAP)[0]
+
+
+def areoid_path(name: str) -> Path:
+    """The map that a name means: one of edl6dof/data/areoid, or an absolute path."""
+    return DATA / "areoid" / f"{name.removesuffix('.npy')}.npy"
+
+
+def areoid_file(planet: PlanetParams) -> MapFile | None:
+    """The map of the planet's areoid as it is now; ``None``: its areoid is its ellipsoid.
+
+    Raises:
+        OSError: there is no such map.
+    """
+    return map_file(areoid_path(planet.areoid)) if planet.areoid else None
+
+
+def areoid_map(file: MapFile | None) -> np.void:
+    """Height (m) of the areoid above the ellipsoid, ``HEIGHT_MAP``; zero everywhere without a file.
+
+    Raises:
+        OSError, ValueError: as :func:`edl6dof.environment.map_file.read_map`.
+    """
+    return _NONE if file is None else read_map(file)
+
+
+def areoid_height(planet: PlanetParams, latitude: float, longitude: float) -> float:
+    """Height (m) of the areoid above the ellipsoid at geodetic latitude and east longitude, rad."""
+    return float(areoid_at(areoid_map(areoid_file(planet)), latitude, longitude)[0])
+
+
+def require_areoid_of(planet: PlanetParams) -> None:
+    """Refuse a map of the areoid of another planet, above another ellipsoid, or that is none.
+
+    Raises:
+        OSError, ValueError: what is wrong.
+    """
+    file = areoid_file(planet)
+    if file is None:
+        return
+    require_map_of(file, planet.mean_radius_m, planet.areoid, "leave planet.areoid out")
+    read_map(file)
+    about = mapped_planet(file)
+    axes, own = (
+        (radius, radius * (1.0 - flattening))
+        for radius, flattening in (
+            (about.equatorial_radius_m, about.flattening),
+            (planet.equatorial_radius_m, planet.flattening),
+        )
+    )
+    if any(abs(a - b) > _SAME_ELLIPSOID for a, b in zip(axes, own, strict=True)):
+        raise ValueError(
+            f"{planet.areoid!r} counts from an ellipsoid with semi-axes of {axes[0]:.0f} and "
+            f"{axes[1]:.0f} m, not of {own[0]:.0f} and {own[1]:.0f} m: make a map for it with tools/areoid.py"
+        )
+
+
+@kernel
+def areoid_at(grid, lat, lon):
+    """Height (m) of the areoid above the ellipsoid at geodetic ``lat`` and east ``lon``, rad, and its rise
+    per metre of ground towards north and east.
+    """
+    if grid.radius > 0.0:
+        return map_height(grid, lat, lon)
+    return 0.0, 0.0, 0.0
+
+
+@kernel
+def lay_areoid(grid, place, lat, lon, r_F, plane):
+    """Lay the plane of the areoid's height through a place: ``height = plane[:3] . r_F + plane[3]`` (m).
+
+    Around the place that is the map up to its bends: a vehicle at 6 km/s leaves it by millimetres at most
+    from one cycle of the flight software to the next.
+
+    Args:
+        grid: ``HEIGHT_MAP``; of radius 0 where the areoid is the ellipsoid.
+        place: sine and cosine of geodetic latitude and of longitude.
+        lat, lon: the same as angles, rad.
+        r_F: the place, m.
+        plane: written, shape (4,).
+
+    Returns:
+        The height (m) at the place, and its rise per metre of ground towards north and east.
+    """
+    height, north, east = areoid_at(grid, lat, lon)
+    lower = grid.radius / norm(r_F)  # a metre at ``r_F`` is less on the ground
+    slope = ned_to_fixed(place[0], place[1], place[2], place[3], (lower * north, lower * east, 0.0))
+    put3(plane, 0, slope)
+    plane[3] = height - dot(slope, r_F)
+    return height, north, east

@@ -1,0 +1,114 @@
+"""Files of global maps of heights, and the planets they are of."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+
+from edl6dof.config.document.regular import read_regular, read_regular_text
+from edl6dof.environment.height_map import HEIGHT_MAP, SHAPE
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+#: Largest relative difference of the mean radii of a map's planet and of the one it is flown over.
+_SAME_PLANET = 1e-2
+
+
+class MapFile(NamedTuple):
+    """A map (``.npy``) as it is on disk now; beside it, as ``.yaml``, the planet it is of."""
+
+    path: Path
+    modified_ns: int
+    size: int
+
+    @property
+    def about(self) -> Path:
+        """The file that says which planet it is of."""
+        return self.path.with_suffix(".yaml")
+
+
+class MappedPlanet(NamedTuple):
+    """The planet of a map: its name, its radii in m, and its flattening."""
+
+    planet: str
+    mean_radius_m: float
+    equatorial_radius_m: float
+    flattening: float
+
+
+def map_file(path: Path) -> MapFile:
+    """The map at a path.
+
+    Raises:
+        OSError: there is none.
+    """
+    found = path.stat()
+    return MapFile(path, found.st_mtime_ns, found.st_size)
+
+
+@lru_cache(maxsize=8)
+def read_map(file: MapFile) -> np.void:
+    """A map (``HEIGHT_MAP``), which all share and nobody writes to.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it is no map.
+    """
+    about = mapped_planet(file)
+    heights = _numbers(file.path)
+    if heights.shape != SHAPE or not np.all(np.isfinite(heights)):
+        raise ValueError(f"{file.path.name} must hold finite numbers, shape {SHAPE} (got {heights.shape})")
+    record = np.zeros(1, HEIGHT_MAP)
+    record["height"], record["radius"] = heights, about.mean_radius_m
+    record["centric"] = about.flattening + 0.5 * about.flattening**2
+    record.flags.writeable = False
+    return record[0]
+
+
+@lru_cache(maxsize=8)
+def mapped_planet(file: MapFile) -> MappedPlanet:
+    """The planet of a map.
+
+    Raises:
+        OSError: the file that says it cannot be read.
+        ValueError: it does not say it.
+    """
+    try:
+        about = yaml.safe_load(read_regular_text(file.about))
+        return MappedPlanet(str(about["planet"]), *(float(about[name]) for name in MappedPlanet._fields[1:]))
+    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{file.about.name} must give {', '.join(MappedPlanet._fields)}") from error
+
+
+def _numbers(path: Path) -> np.ndarray:
+    """The array of a ``.npy`` file, as numbers."""
+    content = read_regular(path)
+    try:
+        return np.load(BytesIO(content), allow_pickle=False).astype("f4")
+    except (ValueError, EOFError, TypeError) as error:
+        raise ValueError(f"{path.name} is no .npy file of numbers") from error
+
+
+def require_map_of(file: MapFile, planet_radius_m: float, called: str, instead: str) -> None:
+    """Refuse a map for another planet than its own.
+
+    Args:
+        file: the map.
+        planet_radius_m: mean radius of the planet to fly over.
+        called: name of the map in the scenario.
+        instead: what to do without it.
+
+    Raises:
+        ValueError: the mean radii differ by more than 1 %.
+        OSError: as :func:`mapped_planet`.
+    """
+    radius = mapped_planet(file).mean_radius_m
+    if abs(planet_radius_m / radius - 1.0) > _SAME_PLANET:
+        raise ValueError(
+            f"{called!r} is the map of a planet of planet.mean_radius_m {radius:.0f}, not "
+            f"{planet_radius_m:.0f}: {instead}"
+        )
