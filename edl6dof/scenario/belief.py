@@ -58,9 +58,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
 
 def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
     nominal = np.zeros(1, ATMOSPHERE)
-    quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
-    calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
-    fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
+    fill_atmosphere(nominal[0], scenario.atmosphere.undispersed, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
     fill(gas[0], scenario.planet.gas)
     altitudes = np.linspace(*_span_of_air(scenario), NODES)

@@ -28,7 +28,11 @@ _OR_COMPONENTS = " (or give the velocity as velocity_ned_m_s)"
 class InitialState(Params):
     """State of the centre of mass and attitude at t = 0."""
 
-    epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
+    epoch_utc: str = param(
+        "",
+        "date and time of t = 0: season and hour of air of model seasonal, and for the record",
+        record=False,
+    )
     altitude_m: float = param(REQUIRED, "height above the ellipsoid", ge=-10e3, le=1e7)
     latitude_deg: float = param(REQUIRED, "geodetic latitude", ge=-90.0, le=90.0)
     longitude_deg: float = param(REQUIRED, "east longitude", ge=-360.0, le=360.0)
