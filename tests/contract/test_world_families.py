@@ -13,7 +13,7 @@ from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.atmospheres.registry import ATMOSPHERES, air_of_model
-from edl6dof.environment.gas import GAS
+from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.environment.wind import WIND, WindParams
 from edl6dof.environment.winds.registry import WINDS, wind_of_model
 from edl6dof.interface.sensed import SENSED
@@ -51,7 +51,7 @@ def world(loaded):
     params = AtmosphereParams(model="seasonal", table=table, exponential=exponential)
     winds = WindParams(constant={"east_m_s": 20.0}, shear={"north_m_s": 5.0, "north_shear": 1e-3})
     atm, gas, wind = np.zeros(1, ATMOSPHERE), np.zeros(1, GAS), np.zeros(1, WIND)
-    fill(gas[0], planet.gas)
+    fill_gas(gas[0], planet.gas)
     fill(wind[0], winds)
     tables = build_table(air_inputs(params, planet, loaded.scenario.place))[0]
     fill_atmosphere(atm[0], params, tables)
