@@ -74,15 +74,6 @@ def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
         for heading, values in reversed(columns.items())
         if heading.startswith(prefix)
     }
-    missing = [
-        f"no column that begins with {_COLUMNS[key][0]!r}"
-        for key in ("altitude", "temperature")
-        if key not in present
-    ]
-    if not {"density", "pressure"} & present.keys():
-        missing.append("no column that begins with 'rho' (density, kg/m3) or 'P_Pa' (pressure)")
-    if missing:
-        raise ValueError(f"{name}: {'; '.join(missing)}")
     found = {key: values for key, (_, values) in present.items()}
     if "density" not in found:
         found["density"] = found["pressure"] / (gas_constant * found["temperature"])
@@ -98,13 +89,27 @@ def _to_si(key: str, heading: str) -> float:
     return 1.0 if key == "altitude" and heading.endswith("_m") else _COLUMNS[key][1]
 
 
+def _missing(headings: list[str]) -> list[str]:
+    """What these headings lack."""
+    missing = [
+        f"no column that begins with {_COLUMNS[key][0]!r}"
+        for key in ("altitude", "temperature")
+        if not any(heading.startswith(_COLUMNS[key][0]) for heading in headings)
+    ]
+    if not any(heading.startswith(("rho", "P_Pa")) for heading in headings):
+        missing.append("no column that begins with 'rho' (density, kg/m3) or 'P_Pa' (pressure)")
+    return missing
+
+
 def _columns(name: str, text: str) -> dict[str, np.ndarray]:
     """Numbers by heading of the columns whose headings are known."""
     lines = [(line, row) for line, row in enumerate(csv.reader(text.splitlines()), 1) if row]
     headings = [heading.strip() for heading in lines[0][1]]
-    known = [k for k, h in enumerate(headings) if h.startswith(tuple(p for p, _ in _COLUMNS.values()))]
+    if missing := _missing(headings):
+        raise ValueError(f"{name}: {'; '.join(missing)}")
     if len(lines) < 3:
         raise ValueError(f"{name}: must have a heading and two rows at least")
+    known = [k for k, h in enumerate(headings) if h.startswith(tuple(p for p, _ in _COLUMNS.values()))]
     wrong = [
         f"line {line} has {len(row)} of {len(headings)} columns"
         for line, row in lines[1:]
