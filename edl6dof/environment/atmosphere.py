@@ -9,21 +9,24 @@ from typing import ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.base import Key, Params, group, param, stated
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import (
-    MAX_ROWS,
-    AirInputs,
-    cubic,
-    cubic_coefficients,
-    row_at,
-    table_path,
-)
+from edl6dof.environment.atmosphere_table import AirInputs, row_at
 from edl6dof.environment.atmospheres.registry import ATMOSPHERES, AtmosphereChoice, air_of_model
+from edl6dof.environment.column import COLUMN, fill_column
+from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
+from edl6dof.environment.place import Place, climate_inputs
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.environment.profiles import DENSITY_STREAM, central_slopes, gauss_markov, stream
+from edl6dof.environment.profile_file import profile_path
+from edl6dof.environment.profiles import (
+    DENSITY_STREAM,
+    TEMPERATURE_STREAM,
+    central_slopes,
+    gauss_markov,
+    stream,
+)
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held
 
@@ -56,10 +59,16 @@ class AtmosphereParams(AtmosphereChoice):
     table: str = param(
         "",
         (
-            "csv in edl6dof/data/atmosphere, or an absolute path; empty for none. Also the source of winds "
-            "and of density sigma"
+            "one of profiles by its name, csv in edl6dof/data/atmosphere, or an absolute path; empty for "
+            "none. Also the source of winds and of density sigma"
         ),
         record=False,
+    )
+    profiles: dict[Key, str] = param(
+        None,
+        "names for csv files (as table), so that table, a sweep or a campaign may choose among them",
+        record=False,
+        factory=dict,
     )
     bottom_m: float = param(
         -8000.0,
@@ -96,9 +105,21 @@ class AtmosphereParams(AtmosphereChoice):
             raise ValueError(f"model {self.model!r} needs {section}: {{{keys}}}")
         return self
 
+    @property
+    def table_file(self) -> str:
+        """The csv that ``table`` means; empty for none."""
+        return self.profiles.get(self.table, self.table)
 
-#: The parameters, and the relative density change of this case: cubics between the rows of the shared table.
-ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4)))
+    @property
+    def undispersed(self) -> Self:
+        """What is known before the flight: no random profile, and of a place the climate alone."""
+        quiet = self.perturbation.model_copy(update={"enabled": False})
+        return self.model_copy(update={"perturbation": quiet, "seasonal": self.seasonal.undispersed})
+
+
+#: The parameters, and of this case the relative density change (cubics between the rows of the shared table)
+#: and the column of model seasonal.
+ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4)), column=COLUMN)
 
 
 @kernel
@@ -115,36 +136,46 @@ def air(atm, gas, table, alt):
     return rho * factor, pressure * factor, temperature, sound
 
 
-def air_inputs(params: AtmosphereParams, planet: PlanetParams) -> AirInputs:
-    """What the table that all cases share follows from.
+def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | None = None) -> AirInputs:
+    """What the table that all cases share follows from; model seasonal needs ``place``.
 
     Raises:
+        Inconsistent: there is no climate, or no moment.
         ValueError: there must be a table and none is named.
         OSError: its file cannot be read.
     """
-    if params.model == "table" and not params.table:
-        raise ValueError("atmosphere model table needs a table file")
+    if params.model in ("table", "seasonal") and not params.table:
+        raise ValueError(f"atmosphere model {params.model} needs a table file")
     return AirInputs(
-        params.table,
-        read_regular(table_path(params.table)) if params.table else b"",
+        params.table_file,
+        read_regular(profile_path(params.table_file)) if params.table else b"",
         params.bottom_m,
         max(params.top_m, 200e3),
         planet.gas.gas_constant_j_kg_k,
         params.extension_gravity_m_s2 or planet.gravity.mu_m3_s2 / planet.mean_radius_m**2,
         params.perturbation.sigma,
+        climate_inputs(params.seasonal, planet, stated(place)) if params.model == "seasonal" else None,
     )
 
 
 def fill_atmosphere(
     record: np.void, params: AtmosphereParams, table: np.void, seed: int = 0, case: int = 0
 ) -> None:
-    """Copy the parameters and draw the density profile that belongs to (seed, case)."""
+    """Copy the parameters and draw the profiles of density and temperature that belong to (seed, case)."""
     fill(record, params)
     record["density_change"] = 0.0
+    rows, per_step = int(table["rows"]), float(table["per_step"])
     chosen = params.perturbation
     if chosen.enabled:
-        rows = int(table["rows"])
-        spacing = 1.0 / (float(table["per_step"]) * chosen.correlation_length_m)
+        spacing = 1.0 / (per_step * chosen.correlation_length_m)
         normal = gauss_markov(stream(seed, case, DENSITY_STREAM), rows, spacing)
         change = chosen.sigma_scale * table["sigma"][:rows] * normal
         record["density_change"][: rows - 1] = cubic_coefficients(change, central_slopes(change))
+    if params.model == "seasonal":
+        seasonal, waves = params.seasonal, params.seasonal.temperature_perturbation
+        warmer = np.full(rows, seasonal.temperature_bias_k)
+        if waves.enabled:
+            spacing = 1.0 / (per_step * waves.correlation_length_m)
+            warmer += waves.sigma_k * gauss_markov(stream(seed, case, TEMPERATURE_STREAM), rows, spacing)
+        factor = seasonal.surface_pressure_factor
+        fill_column(record["column"], table["climate"], rows, 1.0 / per_step, factor, warmer)

@@ -11,29 +11,29 @@ mean).
 
 from __future__ import annotations
 
-import csv
 from functools import lru_cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.document.regular import read_regular_text
+from edl6dof.environment.column import CLIMATE, Ground, Warmth, fill_climate
+from edl6dof.environment.curves import MAX_ROWS, cubic_coefficients, monotone_slopes
+from edl6dof.environment.planet import PlanetParams
+from edl6dof.environment.profile_file import read_profile
 from edl6dof.jit import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial.lookups import cell
 
-MAX_ROWS = 512
-
-_DATA = Path(__file__).resolve().parents[1] / "data" / "atmosphere"
 _CURVES = ("ln_density", "temperature", "east", "north")
 
 #: ``bottom`` m and ``per_step`` 1/m place row 0 and the spacing of ``rows`` rows.  Density kg/m3 (natural
 #: log), temperature K, mean wind towards east and north m/s: per row the four coefficients of the cubic up to
-#: the next row.  Sigma: relative 1-sigma.
+#: the next row.  Sigma: relative 1-sigma.  Climate: of model
+#: seasonal alone.
 ATMOSPHERE_TABLE = np.dtype(
     [("bottom", "f8"), ("per_step", "f8"), ("rows", "i8"), ("sigma", "f8", (MAX_ROWS,))]
-    + [(name, "f8", (MAX_ROWS, 4)) for name in _CURVES],
+    + [(name, "f8", (MAX_ROWS, 4)) for name in _CURVES]
+    + [("climate", CLIMATE)],
     align=True,
 )
 
@@ -46,51 +46,12 @@ def row_at(table, alt):
     return cell((alt - table.bottom) * table.per_step, table.rows - 1)
 
 
-@kernel
-def cubic(curve, row, t):
-    """Cubic from ``row`` (t = 0) to the next row (t = 1)."""
-    return curve[row, 0] + t * (curve[row, 1] + t * (curve[row, 2] + t * curve[row, 3]))
+class ClimateInputs(NamedTuple):
+    """What the climate of a place follows from besides."""
 
-
-@kernel
-def straight_beyond(curve, row, t):
-    """What a straight line with the end slope adds beyond the table; zero inside."""
-    if t < 0.0:
-        return t * curve[row, 1]
-    if t > 1.0:
-        return (t - 1.0) * (curve[row, 1] + 2.0 * curve[row, 2] + 3.0 * curve[row, 3])
-    return 0.0
-
-
-def table_path(name: str) -> Path:
-    """The csv that a name means: one of edl6dof/data/atmosphere, or an absolute path."""
-    return _DATA / name
-
-
-def read_table(name: str) -> dict[str, np.ndarray]:
-    """Columns of a csv of edl6dof/data/atmosphere (or an absolute path) in SI units; a missing wind or sigma
-    is zero.
-    """
-    rows = list(csv.reader(read_regular_text(table_path(name)).splitlines()))
-    columns = {heading.strip(): [float(row[k]) for row in rows[1:]] for k, heading in enumerate(rows[0])}
-    found = {}
-    for key, prefix, to_si in (
-        ("altitude", "h_", 1e3),
-        ("density", "rho", 1.0),
-        ("temperature", "T_K", 1.0),
-        ("east", "EWind", 1.0),
-        ("north", "NWind", 1.0),
-        ("sigma", "sigma", 0.01),
-    ):
-        matches = [
-            np.array(values) * to_si for heading, values in columns.items() if heading.startswith(prefix)
-        ]
-        if not matches and key in ("altitude", "density", "temperature"):
-            raise ValueError(f"{name}: no column that begins with {prefix!r}")
-        found[key] = matches[0] if matches else np.zeros(len(rows) - 1)
-    if np.any(np.diff(found["altitude"]) <= 0.0) or np.any(found["density"] <= 0.0):
-        raise ValueError(f"{name}: altitudes must rise and densities be positive")
-    return found
+    planet: PlanetParams
+    ground: Ground
+    warmth: Warmth
 
 
 class AirInputs(NamedTuple):
@@ -104,6 +65,7 @@ class AirInputs(NamedTuple):
         gas_constant: J/(kg K).
         gravity: of the extension, m/s2.
         sigma: relative sigma of density where the csv has none.
+        climate: of the place, for model seasonal.
     """
 
     name: str
@@ -113,6 +75,7 @@ class AirInputs(NamedTuple):
     gas_constant: float
     gravity: float
     sigma: float
+    climate: ClimateInputs | None = None
 
 
 @lru_cache(maxsize=8)
@@ -127,7 +90,7 @@ def build_table(inputs: AirInputs) -> np.ndarray:
     Raises:
         ValueError: the csv is no such table.
     """
-    name, _, bottom_m, top_m, gas_constant, gravity, sigma = inputs
+    name, content, bottom_m, top_m, gas_constant, gravity, sigma, climate = inputs
     if not name:
         altitude = np.array([bottom_m, top_m])
         ones = np.ones(2)
@@ -135,7 +98,7 @@ def build_table(inputs: AirInputs) -> np.ndarray:
         data |= {"east": 0.0 * ones, "north": 0.0 * ones}
         step = max(500.0, (top_m - bottom_m) / (MAX_ROWS - 2))
     else:
-        data = read_table(name)
+        data = read_profile(name, content, gas_constant)._asdict()
         step = float(np.diff(data["altitude"]).min())
         if not np.any(data["sigma"]):
             data["sigma"] = np.full_like(data["density"], sigma)
@@ -157,33 +120,8 @@ def build_table(inputs: AirInputs) -> np.ndarray:
         record[key][: len(grid) - 1] = cubic_coefficients(
             curve, monotone_slopes(curve, sloping_ends=key == "ln_density")
         )
+    if climate is not None:
+        temperature = np.interp(grid, data["altitude"], data["temperature"])
+        fill_climate(record["climate"], grid, temperature, first, *climate)
     require_finite(table)
     return table
-
-
-def cubic_coefficients(curve: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """The (n-1, 4) coefficients of the cubics through n rows with these slopes per row; :func:`cubic` reads
-    them.
-    """
-    s0, s1, rise = slope[:-1], slope[1:], np.diff(curve)
-    out = np.empty((len(rise), 4))
-    out[:, 0], out[:, 1], out[:, 2], out[:, 3] = (
-        curve[:-1],
-        s0,
-        3.0 * rise - 2.0 * s0 - s1,
-        s0 + s1 - 2.0 * rise,
-    )
-    return out
-
-
-def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
-    """Slopes per row: harmonic mean of the two neighbouring rises, zero at extremes; at the ends the rise or
-    zero.
-    """
-    rise = np.diff(curve)
-    product = rise[:-1] * rise[1:]
-    inner = np.zeros(len(curve) - 2)
-    same = product > 0.0
-    inner[same] = 2.0 * product[same] / (rise[:-1] + rise[1:])[same]
-    start, end = (rise[0], rise[-1]) if sloping_ends else (0.0, 0.0)
-    return np.concatenate([[start], inner, [end]])

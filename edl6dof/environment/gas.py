@@ -7,12 +7,18 @@ Dynamics (1965), chapter IV.12; stagnation heating, Sutton and Graves, NASA TR R
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import exp, pi, sqrt
 from typing import Annotated
 
+import numpy as np
+
 from edl6dof.config.base import REQUIRED, Capacity, Params, param
-from edl6dof.config.dtype import dtype_of
+from edl6dof.config.dtype import fill
+from edl6dof.environment.curves import cubic, cubic_coefficients
+from edl6dof.environment.layout import extended
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 
 #: Kinds of vibration of one molecule: carbon dioxide has three, methane four.
 MAX_VIBRATIONS = 4
@@ -76,14 +82,48 @@ class GasParams(Params):
     )  # fmt: skip
 
 
-GAS = dtype_of(GasParams)
+#: Spacing (K) and number of the rows that a vibrating gas has its ratio of specific heats in: it errs by less
+#: than 5e-7 between them.
+_STEP, _ROWS = 16.0, 64
+
+#: The parameters, and the ratio of specific heats: cubics between rows of temperature.
+GAS = extended(GasParams, ratio=("f8", (_ROWS - 1, 4)))
+
+
+def fill_gas(record: np.void, params: GasParams) -> None:
+    """Copy the parameters and, of a gas that vibrates, the ratio of specific heats against temperature."""
+    fill(record, params)
+    record["ratio"] = _ratios(params) if params.vibrations else 0.0
+
+
+@lru_cache(maxsize=8)
+def _ratios(params: GasParams) -> np.ndarray:
+    gas = np.zeros(1, GAS)[0]
+    fill(gas, params)
+    rows, tiny = _STEP * np.arange(_ROWS), 1e-3
+    low, middle, high = (
+        np.array([ratio_of_specific_heats(gas, temperature) for temperature in rows + shift])
+        for shift in (-tiny, 0.0, tiny)
+    )
+    return cubic_coefficients(middle, _STEP * (high - low) / (2.0 * tiny))
 
 
 @kernel
 def pressure_and_sound(gas, rho, temperature):
     """Pressure (Pa) and speed of sound (m/s) of the ideal gas at ``rho`` (kg/m3) and ``temperature`` (K)."""
     rt = gas.gas_constant * temperature
-    return rho * rt, sqrt(ratio_of_specific_heats(gas, temperature) * rt)
+    return rho * rt, sqrt(_ratio_in_rows(gas, temperature) * rt)
+
+
+@kernel
+def _ratio_in_rows(gas, temperature):
+    """:func:`ratio_of_specific_heats`, read from its rows where they reach."""
+    if gas.n_vibrations == 0:
+        return gas.heat_capacity_ratio
+    row, t = cell(temperature / _STEP, _ROWS - 1)
+    if 0.0 <= t <= 1.0:
+        return cubic(gas.ratio, row, t)
+    return ratio_of_specific_heats(gas, temperature)
 
 
 @kernel

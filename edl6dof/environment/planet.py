@@ -7,7 +7,8 @@ import numpy as np
 from edl6dof.config.base import REQUIRED, Params, Title, group, param, section
 from edl6dof.config.dtype import fill
 from edl6dof.environment.appearance import AppearanceParams
-from edl6dof.environment.gas import GasParams
+from edl6dof.environment.climate import ClimateParams
+from edl6dof.environment.gas import GAS, GasParams, fill_gas
 from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
 from edl6dof.environment.layout import extended
 
@@ -59,13 +60,17 @@ class PlanetParams(Params):
     )
     gravity: GravityParams = section("gravity field")
     gas: GasParams = section("gas of the atmosphere")
+    climate: ClimateParams | None = param(
+        None, "seasons and the pressure that they give the ground: for air of model seasonal", record=False
+    )
     appearance: AppearanceParams = group(AppearanceParams, "colours in pictures", record=False)
 
 
-PLANET = extended(PlanetParams, gravity=GRAVITY)
+PLANET = extended(PlanetParams, gravity=GRAVITY, gas=GAS)
 
 
 def fill_planet(record: np.void, params: PlanetParams) -> None:
-    """Copy the parameters and derive the gravity weights."""
+    """Copy the parameters and derive the gravity weights and the rows of the gas."""
     fill(record, params)
+    fill_gas(record["gas"], params.gas)
     fill_gravity(record["gravity"], params.gravity)

@@ -16,7 +16,7 @@ import numpy as np
 from edl6dof.jit import kernel
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
-DENSITY_STREAM, GUST_STREAM = 1, 2
+DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM = 1, 2, 3
 
 
 def stream(seed: int, case: int, source: int) -> np.random.Generator:

@@ -17,7 +17,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import Params, Vec3, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere_table import MAX_ROWS, cubic, cubic_coefficients
+from edl6dof.environment.curves import MAX_ROWS, cubic, cubic_coefficients
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GUST_STREAM, central_slopes, gauss_markov, stream
 from edl6dof.environment.winds.registry import WindChoice, wind_of_model

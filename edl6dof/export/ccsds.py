@@ -14,6 +14,7 @@ from typing import TextIO
 
 import numpy as np
 
+from edl6dof.environment.calendar import utc
 from edl6dof.export.orientation import icrf_to_fixed
 
 Columns = Mapping[str, np.ndarray]
@@ -31,8 +32,7 @@ def parse_epoch(text: str) -> datetime:
     """
     if not text:
         raise ValueError("the scenario has no initial.epoch_utc, which a CCSDS message needs")
-    epoch = datetime.fromisoformat(text)
-    return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
+    return utc(text)
 
 
 def write_oem(

@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
-from edl6dof.environment.gas import GAS
+from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
@@ -61,11 +61,9 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     landing site.
     """
     nominal = np.zeros(1, ATMOSPHERE)
-    quiet = scenario.atmosphere.perturbation.model_copy(update={"enabled": False})
-    calm = scenario.atmosphere.model_copy(update={"perturbation": quiet})
-    fill_atmosphere(nominal[0], calm, tables[0]["atmosphere"])
+    fill_atmosphere(nominal[0], scenario.atmosphere.undispersed, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
-    fill(gas[0], scenario.planet.gas)
+    fill_gas(gas[0], scenario.planet.gas)
     heights, areoid = np.linspace(*_span_of_air(scenario), NODES), scenario.site_areoid_m
     record["bottom"], record["top"], record["spacing"] = (
         heights[0] + areoid,
@@ -100,7 +98,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         alpha = radians(abs(scenario.flight_software.guidance.entry.trim_alpha_deg))
         capsule = truth[0]["aero"]["capsule"]
         gas = np.zeros(1, GAS)
-        fill(gas[0], scenario.planet.gas)
+        fill_gas(gas[0], scenario.planet.gas)
         axial, normal, _, _ = capsule_coefficients(
             capsule, tables[0]["aero"], gas[0], BELIEF_MACH, 1e-3, alpha
         )

@@ -9,7 +9,7 @@ from math import cos, radians, sin
 import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.environment.gas import GAS
+from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
@@ -32,7 +32,7 @@ def fill_airframe(
     vehicle = np.zeros(1, dtype_of(VehicleParams))
     fill(vehicle[0], scenario.vehicle)
     gas = np.zeros(1, GAS)
-    fill(gas[0], scenario.planet.gas)
+    fill_gas(gas[0], scenario.planet.gas)
     airframe["wing_mach"] = _wing_mach(scenario)
     goal = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
     drag, lift, braked = _along_mach(vehicle, tables["aero"], gas, mach_nodes(), goal)

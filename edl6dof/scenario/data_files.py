@@ -16,10 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.config.document.locate import shown
+from edl6dof.config.document.regular import read_regular
+from edl6dof.config.errors import Inconsistent
 from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
-from edl6dof.environment.atmosphere_table import build_table, table_path
+from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
+from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table, read_static_table, static_table_path
@@ -29,11 +32,14 @@ if TYPE_CHECKING:
 
 #: Keys of a scenario that name a table, and the file that such a name means.
 TABLES: dict[str, Callable[[str], Path]] = {
-    "atmosphere.table": table_path,
+    "atmosphere.table": profile_path,
     "planet.areoid": areoid_path,
     "planet.gravity.coefficients": coefficients_path,
     "vehicle.aero.capsule.static_table": static_table_path,
 }
+
+#: Section of names for tables of the air.
+PROFILES = "atmosphere.profiles"
 
 #: Beginnings of what Python and numpy say of text that is no number, and of rows of unequal length.
 _NUMPY_WORDS = (
@@ -50,9 +56,12 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     """Dotted path to message of every table that cannot be built."""
     problems: dict[str, str] = {}
     with _collected(problems, "atmosphere.table"):
-        air = build_table(air_inputs(scenario.atmosphere, scenario.planet))
+        air = build_table(air_inputs(scenario.atmosphere, scenario.planet, scenario.place))
         with _collected(problems, "wind.model"):
             require_winds(scenario.wind, air[0])
+    for name, file in scenario.atmosphere.profiles.items():
+        with _collected(problems, f"{PROFILES}.{name}"):
+            read_profile(file, read_regular(profile_path(file)), scenario.planet.gas.gas_constant_j_kg_k)
     if scenario.terrain.model == "mola":
         with _collected(problems, "terrain.model"):
             require_topography_of(scenario.planet.mean_radius_m)
@@ -75,6 +84,8 @@ def _collected(problems: dict[str, str], key: str) -> Iterator[None]:
     try:
         with np.errstate(all="ignore"):
             yield
+    except Inconsistent as error:
+        problems.update(error.problems)
     except _UNREADABLE as error:
         problems[key] = _words(error)
 

@@ -31,7 +31,11 @@ _OR_COMPONENTS = " (or give the velocity as velocity_ned_m_s)"
 class InitialState(Params):
     """State of the centre of mass and attitude at t = 0."""
 
-    epoch_utc: str = param("", "date and time of t = 0, for the record only", record=False)
+    epoch_utc: str = param(
+        "",
+        "date and time of t = 0: season and hour of air of model seasonal, and for the record",
+        record=False,
+    )
     altitude_m: float | None = param(
         None,
         "height above the ellipsoid; needed without height_above_areoid_m",

@@ -66,7 +66,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
     """
     capsule, gas = scenario.vehicle.aero.capsule, scenario.planet.gas
     return TableInputs(
-        air_inputs(scenario.atmosphere, scenario.planet),
+        air_inputs(scenario.atmosphere, scenario.planet, scenario.place),
         aero_inputs(capsule, gas.shock_layer_heat_capacity_ratio)
         if scenario.vehicle.aero.model == "capsule"
         else None,

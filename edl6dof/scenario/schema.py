@@ -19,6 +19,7 @@ from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import refuse, validate
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
+from edl6dof.environment.place import Place
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
@@ -204,6 +205,18 @@ class Scenario(Params):
         return areoid_height(self.planet, *place)
 
     @property
+    def place(self) -> Place:
+        """The landing site and the moment of t = 0, which the air may follow."""
+        ground = self.terrain
+        return Place(
+            self.initial.epoch_utc,
+            radians(ground.site_latitude_deg),
+            radians(ground.site_longitude_deg),
+            ground.site_elevation_m,
+            self.site_areoid_m,
+        )
+
+    @property
     def thruster_names(self) -> list[str]:
         """Names of the thrusters in the order of the vehicle file."""
         return [jet.name for jet in self.vehicle.rcs.thrusters]
@@ -247,7 +260,7 @@ TRUE_SECTIONS = (
 )
 #: Parameters in them that no flight depends on.
 _LABELS = re.compile(
-    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|initial\.epoch_utc|terrain\.ellipse_\w+"
+    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|terrain\.ellipse_\w+"
 )
 
 

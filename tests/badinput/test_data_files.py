@@ -33,15 +33,15 @@ GOOD = {"atmosphere": ATMOSPHERE, "aero": AERO, "gravity": GRAVITY}
 #: kind of file, content, what is said
 BROKEN = {
     "atmosphere empty": ("atmosphere", "", "not a complete table"),
-    "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "not a table of numbers"),
-    "atmosphere one row": ("atmosphere", "h_km,rho,T_K\n0.0,1.5e-2,210.0\n", "not a table of numbers"),
-    "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "not a complete table"),
+    "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "two rows at least"),
+    "atmosphere one row": ("atmosphere", "h_km,rho,T_K\n0.0,1.5e-2,210.0\n", "two rows at least"),
+    "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "line 3 has 2 of 3 columns"),
     "atmosphere text": (
         "atmosphere",
         ATMOSPHERE.replace("209.0", "cold"),
-        "could not convert string to float: 'cold'",
+        "line 3, T_K: must be a number (got 'cold')",
     ),
-    "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "not finite"),
+    "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "must be a number (got 'nan')"),
     "atmosphere altitude falls": (
         "atmosphere",
         ATMOSPHERE.replace("1.0,1.4", "3.0,1.4"),

@@ -20,7 +20,7 @@ from edl6dof.campaign.storage import identity as origin
 from edl6dof.campaign.storage.files import StoreError
 from edl6dof.campaign.storage.inputs import input_files
 from edl6dof.campaign.storage.store import Store
-from edl6dof.environment import atmosphere_table
+from edl6dof.environment import profile_file
 
 DATA = ROOT / "edl6dof" / "data"
 AIR = DATA / "atmosphere" / "marsgram2010_jezero_feb2021_winds.csv"
@@ -161,7 +161,7 @@ def test_shipped_table_changed_between_kill_and_resume(tmp_path, monkeypatch):
     plan, store = load_plan(write_drop(tmp_path), cases=60), Store(tmp_path / "out")
     run.begin(plan, store, None)
     shutil.copytree(DATA, tmp_path / "edl6dof" / "data")
-    monkeypatch.setattr(atmosphere_table, "_DATA", tmp_path / "edl6dof" / "data" / "atmosphere")
+    monkeypatch.setattr(profile_file, "_DATA", tmp_path / "edl6dof" / "data" / "atmosphere")
     monkeypatch.setattr(origin, "_PACKAGE", tmp_path / "edl6dof")
     copy = tmp_path / "edl6dof" / "data" / "atmosphere" / AIR.name
     copy.write_bytes(AIR.read_bytes() + b"\n")

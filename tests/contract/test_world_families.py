@@ -10,10 +10,10 @@ import pytest
 import edl6dof
 from edl6dof.campaign.design.distributions.registry import DISTRIBUTIONS
 from edl6dof.config.dtype import fill
-from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs
+from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air_inputs, fill_atmosphere
 from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.atmospheres.registry import ATMOSPHERES, air_of_model
-from edl6dof.environment.gas import GAS
+from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.environment.wind import WIND, WindParams
 from edl6dof.environment.winds.registry import WINDS, wind_of_model
 from edl6dof.interface.sensed import SENSED
@@ -47,13 +47,15 @@ def world(loaded):
     """Records of air, gas, wind and their table, with the numbers of every model given."""
     planet = loaded.scenario.planet
     exponential = {"density_kg_m3": 0.02, "scale_height_m": 11e3, "temperature_k": 210.0}
-    params = AtmosphereParams(table=loaded.scenario.atmosphere.table, exponential=exponential)
+    table = loaded.scenario.atmosphere.table
+    params = AtmosphereParams(model="seasonal", table=table, exponential=exponential)
     winds = WindParams(constant={"east_m_s": 20.0}, shear={"north_m_s": 5.0, "north_shear": 1e-3})
     atm, gas, wind = np.zeros(1, ATMOSPHERE), np.zeros(1, GAS), np.zeros(1, WIND)
-    fill(atm[0], params)
-    fill(gas[0], planet.gas)
+    fill_gas(gas[0], planet.gas)
     fill(wind[0], winds)
-    return atm[0], gas[0], wind[0], build_table(air_inputs(params, planet))[0]
+    tables = build_table(air_inputs(params, planet, loaded.scenario.place))[0]
+    fill_atmosphere(atm[0], params, tables)
+    return atm[0], gas[0], wind[0], tables
 
 
 @pytest.mark.parametrize("index", range(len(ATMOSPHERES.members)), ids=ATMOSPHERES.names)

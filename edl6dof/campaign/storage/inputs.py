@@ -13,8 +13,9 @@ from edl6dof.campaign.design.plan import Plan
 from edl6dof.config.document.locate import PACKAGE, find_include
 from edl6dof.config.document.source import INCLUDES, read_document
 from edl6dof.config.model_paths import value_at
+from edl6dof.environment.profile_file import profile_path
 from edl6dof.environment.terrain import MAP
-from edl6dof.scenario.data_files import TABLES
+from edl6dof.scenario.data_files import PROFILES, TABLES
 
 
 def input_files(plan: Plan) -> list[Path]:
@@ -30,6 +31,8 @@ def input_files(plan: Plan) -> list[Path]:
             for model in (plan.loaded.scenario, plan.loaded.truth)
             if value_at(model, key)
         }
+    for model in (plan.loaded.scenario, plan.loaded.truth):
+        found |= set(_named(PROFILES, model.atmosphere.profiles, folder))
     exchanged = list(_exchanged(plan))
     for path, value in exchanged:
         found |= set(_named(path, value, folder))
@@ -60,6 +63,8 @@ def _named(path: str, value: Any, folder: Path) -> Iterator[Path]:
             yield from _named(f"{path}.{key}", inner, folder)
     elif isinstance(value, str) and value and path in TABLES:
         yield TABLES[path](value)
+    elif isinstance(value, str) and path.startswith(f"{PROFILES}."):
+        yield profile_path(value)
     elif isinstance(value, str) and path in INCLUDES:
         included = find_include(value, INCLUDES[path], folder)[0]
         if included is not None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from edl6dof.environment.atmospheres import exponential, none, table, us76
+from edl6dof.environment.atmospheres import exponential, none, seasonal, table, us76
 from edl6dof.registry import Family
 
-ATMOSPHERES = Family("atmosphere", (table.MEMBER, exponential.MEMBER, us76.MEMBER, none.MEMBER))
+ATMOSPHERES = Family(
+    "atmosphere", (table.MEMBER, exponential.MEMBER, us76.MEMBER, none.MEMBER, seasonal.MEMBER)
+)
 
 AtmosphereChoice = ATMOSPHERES.params_model(
     "AtmosphereChoice", "model", "table", "Which model of the air.", bare=True

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.config.dtype import fill
 from edl6dof.environment.atmosphere import (
     ATMOSPHERE,
     AtmosphereParams,
@@ -19,7 +18,7 @@ from edl6dof.environment.atmosphere import (
     fill_atmosphere,
 )
 from edl6dof.environment.atmosphere_table import build_table
-from edl6dof.environment.gas import GAS
+from edl6dof.environment.gas import GAS, fill_gas
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 COSPAR = "mars_cospar_nh_mean.csv"
@@ -34,7 +33,7 @@ def build(seed: int = 0, case: int = 0, planet=GIVEN.planet, **given) -> tuple[n
     table = build_table(air_inputs(params, planet))[0]
     atm, gas = np.zeros(1, ATMOSPHERE)[0], np.zeros(1, GAS)[0]
     fill_atmosphere(atm, params, table, seed, case)
-    fill(gas, planet.gas)
+    fill_gas(gas, planet.gas)
     return atm, gas, table
 
 

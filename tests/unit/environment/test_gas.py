@@ -5,8 +5,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.differentiate import derivative
 
-from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.environment.gas import GasParams, pressure_and_sound, ratio_of_specific_heats
+from edl6dof.environment.gas import GAS, GasParams, fill_gas, pressure_and_sound, ratio_of_specific_heats
 
 RIGID = {
     "gas_constant_j_kg_k": 188.92,
@@ -27,8 +26,8 @@ R = 8.31446  # J/(mol K)
 
 
 def gas(**changes):
-    record = np.zeros(1, dtype_of(GasParams)).view(np.recarray)[0]
-    fill(record, GasParams(**RIGID | changes))
+    record = np.zeros(1, GAS).view(np.recarray)[0]
+    fill_gas(record, GasParams(**RIGID | changes))
     return record
 
 
@@ -65,7 +64,15 @@ def test_sound_follows_the_ratio_and_pressure_does_not():
     rigid, vibrating = pressure_and_sound(gas(), *at), pressure_and_sound(gas(vibrations=CARBON_DIOXIDE), *at)
     assert rigid[0] == vibrating[0] == pytest.approx(1e-2 * 188.92 * 210.0)
     ratio = ratio_of_specific_heats(gas(vibrations=CARBON_DIOXIDE), 210.0)
-    assert (vibrating[1] / rigid[1]) ** 2 == pytest.approx(ratio / 1.4, rel=1e-12)
+    assert (vibrating[1] / rigid[1]) ** 2 == pytest.approx(ratio / 1.4, rel=5e-7)
+
+
+def test_sound_reads_the_ratio_at_every_temperature():
+    record = gas(vibrations=CARBON_DIOXIDE)
+    for temperature in (0.5, 33.0, 151.0, 199.9, 288.0, 1007.0, 1009.0, 2500.0):
+        _, sound = pressure_and_sound(record, 1.0, temperature)
+        ratio = sound**2 / (188.92 * temperature)
+        assert ratio == pytest.approx(ratio_of_specific_heats(record, temperature), rel=5e-7)
 
 
 @pytest.mark.parametrize("wrong", [0.0, -960.0, float("nan"), 1e6])

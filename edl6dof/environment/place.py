@@ -1,0 +1,63 @@
+"""Where and when the air is asked for: the ground that a planet's climate gives a place at a moment."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from edl6dof.config.errors import Inconsistent
+from edl6dof.environment.atmosphere_table import ClimateInputs
+from edl6dof.environment.atmospheres.seasonal import SeasonalParams
+from edl6dof.environment.calendar import days_since_j2000, local_true_solar_time, solar_longitude, utc
+from edl6dof.environment.climate import surface_pressure
+from edl6dof.environment.column import Ground, Warmth, warming_at
+from edl6dof.environment.planet import PlanetParams
+
+
+class Place(NamedTuple):
+    """A place on the ground, and a moment.
+
+    Attributes:
+        epoch_utc: date and time; empty when it is not known.
+        latitude: geodetic, rad.
+        longitude: rad.
+        elevation: m above the areoid.
+        areoid: height of the areoid there above the ellipsoid, m.
+    """
+
+    epoch_utc: str
+    latitude: float
+    longitude: float
+    elevation: float
+    areoid: float = 0.0
+
+
+def climate_inputs(params: SeasonalParams, planet: PlanetParams, place: Place) -> ClimateInputs:
+    """What the climate of a place at a moment follows from.
+
+    Raises:
+        Inconsistent: the planet has no climate, or the moment is missing or no date.
+    """
+    days, problems = 0.0, {}
+    climate = planet.climate
+    if climate is None:
+        problems["atmosphere.model"] = (
+            f"must not be 'seasonal' here: {planet.name} has no planet.climate (calendar, surface_pressure)"
+        )
+    try:
+        days = days_since_j2000(utc(place.epoch_utc))
+    except ValueError:
+        problems["initial.epoch_utc"] = (
+            "must be the date and time of t = 0, such as 2021-05-14T23:08:55, with atmosphere.model seasonal "
+            f"(got {place.epoch_utc!r})"
+        )
+    if climate is None or problems:
+        raise Inconsistent(problems)
+    season = solar_longitude(climate.calendar, days)
+    hour = local_true_solar_time(climate.calendar, days, place.longitude)
+    pressure = surface_pressure(climate.surface_pressure, season, place.elevation)
+    warmer = warming_at(hour, params.diurnal_amplitude_k, params.warmest_hour)
+    return ClimateInputs(
+        planet,
+        Ground(place.latitude, place.longitude, place.elevation, pressure, place.areoid),
+        Warmth(params.lapse_rate_k_m, warmer, params.diurnal_depth_m),
+    )
