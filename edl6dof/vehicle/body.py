@@ -29,6 +29,7 @@ from edl6dof.spatial.vector import (
     take3,
 )
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
+from edl6dof.vehicle.bridle import confluence
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
 from edl6dof.vehicle.mass import with_propellant
@@ -120,8 +121,10 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     acceleration without gravitation (I) and the share of gravitation that its apparent mass leaves it.
     """
     chute = case.vehicle.parachutes[plant.parachute]
-    arm = sub(take3(chute.confluence, 0), centre)
-    confluence_r = add(take3(y, POSITION), from_frame(q, arm))
+    r_I = take3(y, POSITION)
+    canopy_B = add(centre, to_frame(q, sub(take3(y, CANOPY_POSITION), r_I)))
+    arm = sub(confluence(chute, canopy_B), centre)
+    confluence_r = add(r_I, from_frame(q, arm))
     confluence_v = add(take3(y, VELOCITY), from_frame(q, cross(w, arm)))
     line = sub(take3(y, CANOPY_POSITION), confluence_r)
     distance = max(norm(line), 1e-6)
