@@ -13,7 +13,7 @@ rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: it
 from __future__ import annotations
 
 from math import pi, sin, sqrt
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import field_validator, model_validator
@@ -31,6 +31,8 @@ from edl6dof.vehicle.parachute_models.registry import (
     inflation_of_model,
 )
 
+#: Index of the choice of ``area_oscillates`` in records.
+ALWAYS = 0
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 
@@ -94,6 +96,11 @@ class ParachuteParams(ParachuteChoice, Hardware):
         ge=0.0,
     )
     area_oscillation_frequency_hz: float = param(3.0, "its frequency", status="estimate", gt=0.0)
+    area_oscillates: Literal["always", "open"] = param(
+        "always",
+        "also while the canopy fills, or once it is open: an opening load factor fitted to measured loads "
+        "contains what the area did until then",
+    )
     normal_slope: float = param(
         0.35, "normal-force coefficient slope far above the trim angle, per rad", status="estimate", ge=0.0
     )
@@ -205,7 +212,8 @@ def canopy_force(chute, fraction, density, mach, t, v_air, axis):
     if speed < 1e-6:
         return 0.0, 0.0, 0.0
     area = nominal_area(chute) * fraction
-    if mach > chute.area_oscillation_mach:
+    oscillates = chute.area_oscillates == ALWAYS or fraction == 1.0
+    if mach > chute.area_oscillation_mach and oscillates:
         area *= 1.0 + chute.area_oscillation * sin(2.0 * pi * chute.area_oscillation_frequency * t)
     along = v_air[0] * axis[0] + v_air[1] * axis[1] + v_air[2] * axis[2]
     cosine = clamp(along / speed, -1.0, 1.0)

@@ -1,9 +1,9 @@
 """Supersonic disk-gap-band parachute, deployed by a mortar: fills as a power of time and overshoots.
 
-The opening load factor was fitted to measured loads: what an elastic riser adds to the drag of the filling
-canopy is in it.  So that a riser that stretches in the simulation does not add it once more, the drag area
-overshoots by the factor over the riser's own dynamic load factor; the peak tension is then drag times opening
-load factor.
+The opening load factor was fitted to measured loads: what an elastic riser and an oscillating area add to the
+drag of the filling canopy is in it.  So that they do not add it once more, the drag area overshoots by the
+factor over the dynamic load factor of the riser, and ``area_oscillates: open``; the peak tension is then drag
+times opening load factor.
 Source: Cruz, Way, Shidner et al., "Parachute Models Used in the Mars Science Laboratory Entry, Descent, and
 Landing Simulation", AIAA 2013-1276 (numbers second hand, see the reference data).
 """
@@ -37,8 +37,8 @@ class DiskGapBandParams(Hardware):
     )
     dynamic_load_factor: float = param(
         1.0,
-        "factor of the opening load factor that the elastic riser makes by itself: the drag area overshoots "
-        "by the rest; 1 where the whole is the canopy's",
+        "part (a factor) of the opening load factor that the elastic riser makes by itself: the drag area "
+        "overshoots by the rest; 1 where the whole is the canopy's",
         ge=1.0,
         le=2.0,
     )

@@ -281,3 +281,11 @@ def test_a_reefed_descent_settles_at_the_closed_form_speed_of_each_stage():
     speeds = solve_ivp(fall, (0.0, 60.0), [60.0], t_eval=times, rtol=1e-9, max_step=0.02).y[0]
     expected = [sqrt(2.0 * mass * g / (density * area * share)) for share in (0.12, 1.0)]
     assert speeds == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_area_of_a_filling_canopy_may_be_left_in_peace():
+    """What it did until it was open is in the opening load factor."""
+    record = chute(area_oscillation=0.1, area_oscillates="open", pack_drag_area_m2=0.0)
+    for fraction, swings in ((0.5, False), (1.2, False), (1.0, True)):
+        drag = [force(record, 0.0, fraction, mach=1.6, t=t)[0][0] for t in np.arange(60) / 60]
+        assert (np.ptp(drag) > 0.0) == swings
