@@ -192,11 +192,12 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
 def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict[str, float]:
     """Largest loads since the initial state, and the heat load, in the units of their names."""
     found = {
-        "peak_load_g0": peaks["load"],
+        "peak_load_g0": peaks["entry_load"],
         "peak_dynamic_pressure_pa": peaks["dynamic_pressure"],
         "peak_heat_flux_w_cm2": peaks["heat_flux"],
         "heat_load_j_cm2": plant["y"][HEAT],
     }
     if "mortar" in when:
+        found["max_load_parachute_g0"] = peaks["parachute_load"]
         found["max_riser_tension_n"] = peaks["riser_tension"]
     return {name: float(value) / split_unit(name)[1].to_si for name, value in found.items()}

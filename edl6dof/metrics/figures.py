@@ -59,7 +59,7 @@ class FigureOfMerit(NamedTuple):
 
 
 FIGURES: tuple[FigureOfMerit, ...] = (
-    FigureOfMerit("peak_load_g0", "peak load", "peaks", limit="entry_load_g0"),
+    FigureOfMerit("peak_load_g0", "peak load of the entry", "peaks", limit="entry_load_g0"),
     FigureOfMerit(
         "peak_dynamic_pressure_pa", "peak dynamic pressure", "peaks", limit="entry_dynamic_pressure_pa"
     ),
@@ -97,6 +97,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("parachute_miss_m", "distance from the aim point at mortar fire", "events"),
     FigureOfMerit("parachute_downrange_m", "way beyond the aim point at mortar fire", "events"),
     FigureOfMerit("parachute_crossrange_m", "way right of the aim point at mortar fire", "events"),
+    FigureOfMerit("max_load_parachute_g0", "peak load under parachute", "peaks"),
     FigureOfMerit("max_riser_tension_n", "peak riser tension", "peaks"),
     FigureOfMerit("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry", "at most"),
     FigureOfMerit("heat_shield_s", "heat shield jettisoned", "events"),

@@ -72,7 +72,7 @@ class LimitParams(Params):
         gt=0.0,
     )
     entry_load_g0: float | None = param(
-        None, "peak load before the ground", status="estimate", record=False, gt=0.0
+        None, "peak load of the entry, up to parachute deployment", status="estimate", record=False, gt=0.0
     )
     entry_dynamic_pressure_pa: float | None = param(
         None, "peak dynamic pressure", status="estimate", record=False, gt=0.0

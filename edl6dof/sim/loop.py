@@ -71,7 +71,7 @@ def fly(
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)
-            update_peaks(outputs, peaks)
+            update_peaks(plant, outputs, peaks)
             outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:

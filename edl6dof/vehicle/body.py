@@ -29,6 +29,7 @@ from edl6dof.spatial.vector import (
     take3,
 )
 from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
+from edl6dof.vehicle.bridle import confluence
 from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.landing_gear import contact
 from edl6dof.vehicle.parachute import (
@@ -115,13 +116,16 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
 
 
 @kernel
-def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
-    """Pull of the riser: force and moment about the centre of mass (B), tension (N); and of the canopy, its
-    acceleration without gravitation (I) and the share of gravitation that its apparent mass leaves it.
+def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
+    """Pull of the riser: force and moment about the centre of mass (B), tension (N); and of the canopy, in
+    the air at its own height, its acceleration without gravitation (I) and the share of gravitation that its
+    apparent mass leaves it.
     """
     chute = case.vehicle.parachutes[plant.parachute]
-    arm = sub(take3(chute.confluence, 0), centre)
-    confluence_r = add(take3(y, POSITION), from_frame(q, arm))
+    r_I = take3(y, POSITION)
+    canopy_B = add(centre, to_frame(q, sub(take3(y, CANOPY_POSITION), r_I)))
+    arm = sub(confluence(chute, canopy_B), centre)
+    confluence_r = add(r_I, from_frame(q, arm))
     confluence_v = add(take3(y, VELOCITY), from_frame(q, cross(w, arm)))
     line = sub(take3(y, CANOPY_POSITION), confluence_r)
     distance = max(norm(line), 1e-6)
@@ -132,6 +136,7 @@ def riser_loads(case, plant, t, y, q, w, centre, gas, air_I):
     fraction = 0.0
     if plant.canopy == INFLATING:
         fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
+    _, gas, _, air_I = surroundings(case, tables, rotation, take3(y, CANOPY_POSITION))
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
@@ -184,7 +189,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     tension, canopy_acceleration, canopy_weight = 0.0, (0.0, 0.0, 0.0), 0.0
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         pull, turning, tension, canopy_acceleration, canopy_weight = riser_loads(
-            case, plant, t, y, q, w, centre, gas, air_I
+            case, tables, plant, t, rotation, y, q, w, centre
         )
         force, moment = add(force, pull), add(moment, turning)
     pads = 0

@@ -3,20 +3,27 @@
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
 it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
 (:mod:`edl6dof.vehicle.parachute_models`).  Left out: the thrust term of growing apparent mass (opening-load
-factors are fitted without it) and canopy attitude of its own.
+factors are fitted without it) and canopy attitude of its own.  The skirt hangs on lines all around, which
+turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40 kN/m = 630 kN
+m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m turns it by 0.01
+rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is that of the riser to
+0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
 """
 
 from __future__ import annotations
 
 from math import pi, sin, sqrt
-from typing import ClassVar
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
+from pydantic import field_validator, model_validator
 
-from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param
+from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, group, param
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
+from edl6dof.vehicle.bridle import LEGS
+from edl6dof.vehicle.mach_table import MachTable, tabulated
 from edl6dof.vehicle.parachute_models.disk_gap_band import DiskGapBandParams
 from edl6dof.vehicle.parachute_models.registry import (
     ParachuteChoice,
@@ -24,6 +31,8 @@ from edl6dof.vehicle.parachute_models.registry import (
     inflation_of_model,
 )
 
+#: Index of the choice of ``area_oscillates`` in records.
+ALWAYS = 0
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 
 
@@ -44,6 +53,14 @@ class ParachuteParams(ParachuteChoice, Hardware):
         source="MSL, Cruz et al. 2013",
         gt=0.0,
     )
+    mach_efficiency: MachTable = group(
+        MachTable, "drag over its value at low Mach number, by Mach; without points as the model has it"
+    )
+    wake_factor: MachTable = group(
+        MachTable,
+        "drag in the wake of the forebody over that in the free stream, by Mach; without points 1: "
+        "coefficients measured behind a capsule contain the loss",
+    )
     mortar_speed_m_s: float = param(
         30.0, "speed of the pack relative to the vehicle at mortar fire", status="estimate", gt=0.0
     )
@@ -53,16 +70,37 @@ class ParachuteParams(ParachuteChoice, Hardware):
     line_length_m: float = param(
         1.0, "from the bridle confluence to the canopy with lines taut, unloaded", gt=0.0
     )
-    confluence_m: Vec3 = param((0.0, 0.0, 0.0), "bridle confluence point in B (the bridle is taken as rigid)")
+    confluence_m: Vec3 = param(
+        (0.0, 0.0, 0.0), "bridle confluence point in B, with every leg of the bridle taut"
+    )
+    bridle_attachments_m: Annotated[list[Vec3], Capacity(LEGS)] = param(
+        None,
+        "points in B where the three legs of the bridle begin, each as long as it is to the confluence; "
+        "none: the confluence is fixed to the vehicle",
+        factory=list,
+        max_length=LEGS,
+    )
     stiffness_n_m: float = param(40000.0, "of lines and riser together", status="estimate", gt=0.0)
     damping_ratio: float = param(
         0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0
     )
     apparent_mass_factor: float = param(0.75, "K in K rho (4/3) pi (0.35 D)^3", status="estimate", ge=0.0)
     area_oscillation: float = param(
-        0.0, "relative drag-area oscillation above Mach 1.4", status="estimate", ge=0.0, lt=1.0
+        0.0, "relative drag-area oscillation at supersonic speed", status="estimate", ge=0.0, lt=1.0
+    )
+    area_oscillation_mach: float = param(
+        1.4,
+        "Mach number above which the area oscillates",
+        status="recalled",
+        source="Sengupta et al. 2009",
+        ge=0.0,
     )
     area_oscillation_frequency_hz: float = param(3.0, "its frequency", status="estimate", gt=0.0)
+    area_oscillates: Literal["always", "open"] = param(
+        "always",
+        "also while the canopy fills, or once it is open: an opening load factor fitted to measured loads "
+        "contains what the area did until then",
+    )
     normal_slope: float = param(
         0.35, "normal-force coefficient slope far above the trim angle, per rad", status="estimate", ge=0.0
     )
@@ -76,6 +114,24 @@ class ParachuteParams(ParachuteChoice, Hardware):
     carried_by: str | None = param(
         None, "part that it hangs from: it goes where that part goes", record=False
     )
+
+    @field_validator("bridle_attachments_m")
+    @classmethod
+    def _three_legs(cls, value: list[Vec3]) -> list[Vec3]:
+        if len(value) not in (0, LEGS):
+            raise ValueError(f"must be three points, or none (got {len(value)})")
+        return value
+
+    @model_validator(mode="after")
+    def _legs_span_a_cone(self) -> Self:
+        if self.bridle_attachments_m:
+            legs = np.array(self.confluence_m) - np.array(self.bridle_attachments_m)
+            longest = np.linalg.norm(legs, axis=1).max()
+            if abs(np.linalg.det(legs)) <= 1e-6 * longest**3:
+                raise ValueError(
+                    "bridle_attachments_m must not lie in one plane with confluence_m, nor on one line"
+                )
+        return self
 
     def inflated(self, since_line_stretch_s: np.ndarray) -> np.ndarray:
         """Share of the full drag area at times after line stretch, s."""
@@ -102,6 +158,20 @@ def inflation(chute, since_line_stretch):
 def nominal_area(chute):
     """Nominal area, m2."""
     return 0.25 * pi * chute.diameter * chute.diameter
+
+
+@kernel
+def drag_efficiency(chute, mach):
+    """Drag over its value at low Mach number in the free stream: of the canopy, and of the wake it flies
+    in.
+    """
+    if chute.mach_efficiency.n_mach > 0:
+        efficiency = tabulated(chute.mach_efficiency, mach)
+    else:
+        efficiency = efficiency_of_model(chute.model, chute, chute, mach)
+    if chute.wake_factor.n_mach > 0:
+        efficiency *= tabulated(chute.wake_factor, mach)
+    return efficiency
 
 
 @kernel
@@ -142,13 +212,14 @@ def canopy_force(chute, fraction, density, mach, t, v_air, axis):
     if speed < 1e-6:
         return 0.0, 0.0, 0.0
     area = nominal_area(chute) * fraction
-    if mach > 1.4:
+    oscillates = chute.area_oscillates == ALWAYS or fraction == 1.0
+    if mach > chute.area_oscillation_mach and oscillates:
         area *= 1.0 + chute.area_oscillation * sin(2.0 * pi * chute.area_oscillation_frequency * t)
     along = v_air[0] * axis[0] + v_air[1] * axis[1] + v_air[2] * axis[2]
     cosine = clamp(along / speed, -1.0, 1.0)
     sine = sqrt(1.0 - cosine * cosine)
     pressure = 0.5 * density * speed2
-    efficiency = efficiency_of_model(chute.model, chute, chute, mach)
+    efficiency = drag_efficiency(chute, mach)
     axial = pressure * area * chute.drag_coefficient * chute.drag_factor * efficiency * abs(cosine)
     pack = pressure * chute.pack_drag_area / speed
     # direction of v_air across the axis

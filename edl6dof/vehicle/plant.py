@@ -124,7 +124,14 @@ DEBRIS = np.dtype(
 
 #: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
 PEAKS = np.dtype(
-    [("load", "f8"), ("dynamic_pressure", "f8"), ("heat_flux", "f8"), ("riser_tension", "f8")], align=True
+    [
+        ("entry_load", "f8"),  # up to the first deployment of a parachute
+        ("parachute_load", "f8"),  # while a parachute is out
+        ("dynamic_pressure", "f8"),
+        ("heat_flux", "f8"),
+        ("riser_tension", "f8"),
+    ],
+    align=True,
 )
 
 #: What the derivative is given beside time and state, held over a step (:mod:`edl6dof.vehicle.runge_kutta`);

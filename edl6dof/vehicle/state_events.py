@@ -15,6 +15,7 @@ from edl6dof.registry import switch
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
+from edl6dof.vehicle.bridle import confluence
 from edl6dof.vehicle.landing_gear import lowest_point
 from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, POSITION, PROPELLANT, STATES
@@ -46,9 +47,10 @@ def slack(case, plant, outputs):
     if plant.canopy != EXTRACTING:
         return NOT_ARMED
     chute = case.vehicle.parachutes[plant.parachute]
-    arm = sub(take3(chute.confluence, 0), take3(outputs.centre, 0))
-    confluence = add(take3(plant.y, POSITION), from_frame(take_attitude(plant.y), arm))
-    return chute.line_length - norm(sub(take3(plant.y, CANOPY_POSITION), confluence))
+    centre, q = take3(outputs.centre, 0), take_attitude(plant.y)
+    r_I, canopy = take3(plant.y, POSITION), take3(plant.y, CANOPY_POSITION)
+    arm = sub(confluence(chute, add(centre, to_frame(q, sub(canopy, r_I)))), centre)
+    return chute.line_length - norm(sub(canopy, add(r_I, from_frame(q, arm))))
 
 
 @kernel

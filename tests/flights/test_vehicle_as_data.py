@@ -203,7 +203,8 @@ CUT_S = 5.0
 
 def test_a_reefed_parachute_pulls_with_its_reefed_area_and_then_with_the_open_one():
     """Quasi-steady: tension over dynamic pressure is Cd S times the share that is open."""
-    reefed = f"{{reefing_ratio: 0.3, cutter_delay_s: {CUT_S}}}"
+    first, second = "drag_area_ratio: 0.3, filling_time_s: 0.5", "drag_area_ratio: 1.0, filling_time_s: 1.0"
+    reefed = f"{{stages: [{{{first}}}, {{{second}, delay_s: {CUT_S}}}]}}"
     flight = edl6dof.fly(
         "tianwen1",
         [

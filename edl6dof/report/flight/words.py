@@ -24,6 +24,7 @@ _FACTS = (
     ("touchdown_vertical_m_s", ".2f"),
     ("touchdown_tilt_deg", ".2f"),
     ("peak_load_g0", ".2f"),
+    ("max_load_parachute_g0", ".2f"),
     ("peak_dynamic_pressure_pa", ",.0f"),
     ("peak_heat_flux_w_cm2", ".1f"),
     ("parachute_mach", ".2f"),

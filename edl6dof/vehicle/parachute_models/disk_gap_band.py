@@ -1,10 +1,18 @@
 """Supersonic disk-gap-band parachute, deployed by a mortar: fills as a power of time and overshoots.
 
+The opening load factor was fitted to measured loads: what an elastic riser and an oscillating area add to the
+drag of the filling canopy is in it.  So that they do not add it once more, the drag area overshoots by the
+factor over the dynamic load factor of the riser, and ``area_oscillates: open``; the peak tension is then drag
+times opening load factor.
 Source: Cruz, Way, Shidner et al., "Parachute Models Used in the Mars Science Laboratory Entry, Descent, and
 Landing Simulation", AIAA 2013-1276 (numbers second hand, see the reference data).
 """
 
 from __future__ import annotations
+
+from typing import Self
+
+from pydantic import model_validator
 
 from edl6dof.config.base import Hardware, param
 from edl6dof.jit import kernel
@@ -22,24 +30,39 @@ class DiskGapBandParams(Hardware):
     )
     opening_load_factor: float = param(
         1.344,
-        "drag-area overshoot at full inflation",
+        "peak load over the drag of the open canopy at the same dynamic pressure",
         status="published",
         source="MSL, Cruz et al. 2013",
         ge=1.0,
     )
+    dynamic_load_factor: float = param(
+        1.0,
+        "part (a factor) of the opening load factor that the elastic riser makes by itself: the drag area "
+        "overshoots by the rest; 1 where the whole is the canopy's",
+        ge=1.0,
+        le=2.0,
+    )
     overshoot_decay_s: float = param(0.25, "time in which the overshoot is gone", status="estimate", gt=0.0)
+
+    @model_validator(mode="after")
+    def _overshoots(self) -> Self:
+        if self.dynamic_load_factor > self.opening_load_factor:
+            most, given = self.opening_load_factor, self.dynamic_load_factor
+            raise ValueError(
+                f"dynamic_load_factor must not be above opening_load_factor {most:g} (got {given:g})"
+            )
+        return self
 
 
 @kernel
 def inflation(params, chute, since_line_stretch):
-    """Drag-area fraction after line stretch: a power law up to the opening load factor, then a decay to
-    one.
-    """
+    """Drag-area fraction after line stretch: a power law up to its overshoot, then a decay to one."""
+    overshoot = params.opening_load_factor / params.dynamic_load_factor
     x = since_line_stretch * params.inflation_speed / chute.diameter
     if x < 1.0:
-        return params.opening_load_factor * x**params.inflation_exponent
+        return overshoot * x**params.inflation_exponent
     fade = (since_line_stretch - chute.diameter / params.inflation_speed) / params.overshoot_decay
-    return 1.0 + (params.opening_load_factor - 1.0) * max(1.0 - fade, 0.0)
+    return 1.0 + (overshoot - 1.0) * max(1.0 - fade, 0.0)
 
 
 @kernel

@@ -27,7 +27,7 @@ FAMILIES = [
     ),
     (
         *("parachute_model", "vehicle/parachute_models/reefed.py", '"reefed"', '"skirt"'),
-        "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.reefing_ratio: 0.3}",
+        "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.filling_exponent: 2.0}",
     ),
     (
         *("engine_model", "vehicle/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
@@ -69,7 +69,7 @@ def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path)
 def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
     given = edl6dof.load("tianwen1").scenario.model_dump(mode="json", exclude_none=True)
     given["plugins"] = ["skirt.py"]
-    given["vehicle"]["parachutes"][0] |= {"model": "skirt", "skirt": {"reefing_ratio": 0.3}}
+    given["vehicle"]["parachutes"][0] |= {"model": "skirt", "skirt": {"filling_exponent": 2.0}}
     given["vehicle"]["engines"][0] |= {"model": "bang_bang", "bang_bang": {"period_s": 0.2}}
     vehicle = viewed_scenario(json.dumps(given), "received.yaml").scenario.vehicle
     assert (vehicle.parachutes[0].model, vehicle.engines[0].model) == ("disk_gap_band", "throttled")

@@ -4,15 +4,17 @@ bits.
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.config.dtype import duplicate
 from edl6dof.scenario import records
 from edl6dof.sim.flight import fly
 from edl6dof.vehicle.body import derivatives
-from edl6dof.vehicle.plant import OUTPUTS, STATES, WORKSPACE
+from edl6dof.vehicle.parachute import canopy_force
+from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, STATES, WORKSPACE
 from edl6dof.vehicle.runge_kutta import evaluate, step
-from edl6dof.vehicle.surroundings import planet_rotation
+from edl6dof.vehicle.surroundings import planet_rotation, surroundings
 
 #: Coasting, in lift, while the parachute inflates, below it, under power, on the ground.
 MOMENTS = (20.0, 150.0, 278.5, 300.0, 440.0, 524.0)
@@ -66,3 +68,25 @@ def test_step_starts_from_the_state_and_from_nothing_in_the_workspace(points):
             step(case, tables, one[0], outputs[0], work[0], float(plant["t"][0]) + 0.01)
             ends.append((one.tobytes(), outputs.tobytes()))
         assert ends[0] == ends[1]
+
+
+def test_the_canopy_flies_in_the_air_at_its_own_height(points):
+    """Its force without the riser's, from the air there; that at the vehicle is 0.1 % denser or more."""
+    case, tables, plant, t, y = next(point for point in points if point[3] == 300.0)
+    outputs, dy = np.zeros(1, OUTPUTS), np.zeros(STATES)
+    derivatives(case, tables, plant[0], t, planet_rotation(case["planet"], t), y, outputs[0], dy)
+    out, place = outputs[0], y[CANOPY_POSITION : CANOPY_POSITION + 3]
+    _, gas, _, air = surroundings(case, tables, planet_rotation(case["planet"], t), place)
+    assert gas[0] < 0.999 * out["density"]
+
+    chute, mass = case["vehicle"]["parachutes"][0], case["vehicle"]["parts"][2]["mass"]
+    canopy = mass / out["canopy_weight"]
+    accelerated = canopy * out["canopy_acceleration_I"]
+    v_air = y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] - air
+    w, x, i, j = y[6:10]
+    turn = Rotation.from_quat([x, i, j, w])
+    line = place - y[:3] - turn.apply(chute["confluence"] - out["centre"])
+    line /= np.linalg.norm(line)
+    mach = np.linalg.norm(v_air) / gas[3]
+    force = canopy_force(chute, 1.0, gas[0], mach, t, tuple(v_air), tuple(-line))
+    assert accelerated + out["riser_tension"] * line == pytest.approx(force, rel=1e-9, abs=1e-6)

@@ -179,22 +179,96 @@ def test_the_descent_reaches_terminal_velocity_as_the_closed_form_says():
     assert got == pytest.approx([terminal * tanh(g * t / terminal) for t in times], rel=1e-6, abs=1e-9)
 
 
-REEFED = {"reefing_ratio": 0.12, "filling_time_s": 0.5, "cutter_delay_s": 12.0, "disreefing_time_s": 1.5}
+def reefed(delay_s, **changes):
+    stages = [
+        {"drag_area_ratio": 0.12, "filling_time_s": 0.5},
+        {"drag_area_ratio": 1.0, "delay_s": delay_s, "filling_time_s": 1.5},
+    ]
+    return {"stages": stages, **changes}
 
 
 def test_a_reefed_canopy_fills_twice_each_time_by_its_power_of_time():
     times = [0.0, 0.25, 0.5, 11.9, 12.0, 12.75, 13.5, 60.0]
     for exponent in (1.0, 2.0):
-        record = chute(model="reefed", reefed={**REEFED, "filling_exponent": exponent})
+        record = chute(model="reefed", reefed=reefed(12.0, filling_exponent=exponent))
         half = 0.5**exponent
         expected = [0.0, 0.12 * half, 0.12, 0.12, 0.12, 0.12 + 0.88 * half, 1.0, 1.0]
         assert [kernels.inflation(record, t) for t in times] == pytest.approx(expected)
 
 
+def test_a_canopy_disreefs_in_as_many_stages_as_are_given():
+    ratios, delays = (0.08, 0.3, 1.0), (0.0, 4.0, 9.0)
+    stages = [
+        {"drag_area_ratio": ratio, "delay_s": delay, "filling_time_s": 1.0}
+        for ratio, delay in zip(ratios, delays, strict=True)
+    ]
+    record = chute(model="reefed", reefed={"stages": stages})
+    times = [0.5, 3.9, 4.5, 8.9, 9.5, 20.0]
+    expected = [0.04, 0.08, 0.19, 0.3, 0.65, 1.0]
+    assert [kernels.inflation(record, t) for t in times] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    "stages, words",
+    [
+        ([(0.1, 0.0, 1.0), (1.0, 0.5, 1.0)], "after the one before has filled"),
+        ([(0.4, 0.0, 1.0), (0.3, 2.0, 1.0), (1.0, 5.0, 1.0)], "end larger"),
+        ([(0.1, 0.0, 1.0), (0.9, 2.0, 1.0)], "drag_area_ratio 1"),
+        ([(1.0, 2.0, 1.0)], "line stretch"),
+    ],
+)
+def test_stages_that_do_not_follow_each_other_are_refused(stages, words):
+    keys = ("drag_area_ratio", "delay_s", "filling_time_s")
+    given = [dict(zip(keys, stage, strict=True)) for stage in stages]
+    with pytest.raises(ValueError, match=words):
+        chute(model="reefed", reefed={"stages": given})
+
+
+def by_mach(mach, factor):
+    return {"mach": mach, "factor": factor}
+
+
+@pytest.mark.parametrize("model", ["disk_gap_band", "reefed"])
+def test_drag_over_mach_is_a_table_where_one_is_given(model):
+    """Whatever the model; on straight lines between the points, held beyond, times the loss in the wake."""
+    record = chute(
+        model=model,
+        mach_efficiency=by_mach([0.5, 1.0, 2.0], [1.0, 0.7, 0.9]),
+        wake_factor=by_mach([0.0, 2.0], [1.0, 0.8]),
+        pack_drag_area_m2=0.0,
+    )
+    full = 0.5 * 0.01 * 120.0**2 * pi / 4 * 15.96**2 * 0.62
+    for mach, share in [(0.0, 1.0), (0.75, 0.85 * 0.925), (1.0, 0.7 * 0.9), (1.5, 0.8 * 0.85), (3.0, 0.72)]:
+        assert -force(record, 0.0, mach=mach)[0][0] == pytest.approx(full * share, rel=1e-12)
+
+
+def test_the_published_curve_as_a_table_is_the_closed_form_within_half_a_percent():
+    """What the closed form says at 16 Mach numbers, on straight lines, against itself in between."""
+    nodes = [0.0, 0.7, 0.94, 1.0, 1.06, 1.12, 1.18, 1.25, 1.32, 1.4, 1.5, 1.6, 1.7, 1.77, 1.85, 2.6]
+    record = chute(mach_efficiency=by_mach(nodes, [model_efficiency(mach) for mach in nodes]))
+    machs = np.linspace(0.0, 3.0, 3001)
+    table = np.array([kernels.drag_efficiency(record, mach) for mach in machs])
+    assert np.abs(table - [model_efficiency(mach) for mach in machs]).max() < 0.005
+
+
+@pytest.mark.parametrize(
+    "table, words",
+    [
+        (by_mach([1.0], [1.0]), "two or more"),
+        (by_mach([1.0, 1.0], [1.0, 0.9]), "ascend"),
+        (by_mach([0.0, 1.0], [1.0]), "as many as"),
+        (by_mach([0.0, 1.0], [1.0, 0.0]), "above 0"),
+        (by_mach([-1.0, 1.0], [1.0, 0.5]), "negative"),
+    ],
+)
+def test_a_table_over_mach_that_cannot_be_read_is_refused(table, words):
+    with pytest.raises(ValueError, match=words):
+        chute(mach_efficiency=table)
+
+
 def test_a_reefed_descent_settles_at_the_closed_form_speed_of_each_stage():
     """Weight equals drag: v = sqrt(2 m g / (rho Cd S)) with the reefed area, then the open one."""
-    reefed = {**REEFED, "cutter_delay_s": 25.0}
-    record = chute(model="reefed", reefed=reefed, pack_drag_area_m2=0.0, diameter_m=25.0)
+    record = chute(model="reefed", reefed=reefed(25.0), pack_drag_area_m2=0.0, diameter_m=25.0)
     mass, g, density = 3000.0, 9.81, 1.1
     area = 0.62 * pi / 4.0 * 25.0**2
 
@@ -207,3 +281,11 @@ def test_a_reefed_descent_settles_at_the_closed_form_speed_of_each_stage():
     speeds = solve_ivp(fall, (0.0, 60.0), [60.0], t_eval=times, rtol=1e-9, max_step=0.02).y[0]
     expected = [sqrt(2.0 * mass * g / (density * area * share)) for share in (0.12, 1.0)]
     assert speeds == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_area_of_a_filling_canopy_may_be_left_in_peace():
+    """What it did until it was open is in the opening load factor."""
+    record = chute(area_oscillation=0.1, area_oscillates="open", pack_drag_area_m2=0.0)
+    for fraction, swings in ((0.5, False), (1.2, False), (1.0, True)):
+        drag = [force(record, 0.0, fraction, mach=1.6, t=t)[0][0] for t in np.arange(60) / 60]
+        assert (np.ptp(drag) > 0.0) == swings
