@@ -136,7 +136,7 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     fraction = 0.0
     if plant.canopy == INFLATING:
         fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
-    _, gas, _, air_I = surroundings(case, tables, rotation, take3(y, CANOPY_POSITION))
+    _, gas, _, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, take3(y, CANOPY_POSITION))
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
     drag = canopy_force(chute, fraction, density, norm(v_air) / sound, t, v_air, scale(-1.0, line))
