@@ -25,7 +25,7 @@ from edl6dof.fsw.mission.phases import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.interface.capacities import MAX_FAULTS
-from edl6dof.metrics.figures import published_problems
+from edl6dof.metrics.published import PublishedFigure, published_problems
 from edl6dof.plugins import require
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.events import event_problems, way_problems
@@ -157,9 +157,9 @@ class Scenario(Params):
         record=False,
         factory=dict,
     )
-    published: dict[str, float] = param(
+    published: dict[str, float | PublishedFigure] = param(
         None,
-        "figures of the real flight, shown beside this one's",
+        "figures of the real flight, shown beside this one's: a flown value, or what is required",
         status="published",
         record=False,
         factory=dict,
