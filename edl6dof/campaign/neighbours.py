@@ -38,11 +38,11 @@ class Spread(NamedTuple):
     flights: int
 
 
-def neighbours(loaded: LoadedScenario, count: int) -> list[Case]:
-    """The scenario itself and ``count - 1`` neighbours of it."""
+def neighbours(loaded: LoadedScenario, count: int, step_m_s: float = SPEED_STEP_M_S) -> list[Case]:
+    """The scenario itself and ``count - 1`` neighbours of it, each ``step_m_s`` faster than the last."""
     scenario = loaded.scenario
     return [
-        Case(k, truth=_faster(loaded.truth.initial, k * SPEED_STEP_M_S), profile=scenario.profile + k)
+        Case(k, truth=_faster(loaded.truth.initial, k * step_m_s), profile=scenario.profile + k)
         for k in range(count)
     ]
 
@@ -51,6 +51,7 @@ def fly_neighbours(
     loaded: LoadedScenario,
     count: int = FLIGHTS,
     *,
+    step_m_s: float = SPEED_STEP_M_S,
     truth: Mapping[str, Any] | None = None,
     belief: Mapping[str, Any] | None = None,
     workers: int | None = None,
@@ -59,7 +60,7 @@ def fly_neighbours(
     """Fly neighbours and return their rows; ``truth`` and ``belief`` change all of them, by dotted path."""
     cases = [
         Case(case.index, {**case.truth, **(truth or {})}, dict(belief or {}), case.profile)
-        for case in neighbours(loaded, count)
+        for case in neighbours(loaded, count, step_m_s)
     ]
     return list(fly_rows(loaded, cases, workers=workers, progress=progress))
 

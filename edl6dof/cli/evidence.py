@@ -51,6 +51,35 @@ def figures(
     raise typer.Exit(run_figures(scenario, tuple(sets or ()), flights, as_json))
 
 
+def calibrate(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario with a calibration section, such as tianwen1.")
+    ],
+    sets: Sets = None,
+    flights: Annotated[
+        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights in each mean.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/calibration-<name> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Find the uncertain parameters that best explain what is published of a flight.
+
+    Writes calibrated.yaml, a scenario that extends this one.
+
+    Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.calibrate import CalibrateOptions, run_calibrate
+
+    raise typer.Exit(
+        run_calibrate(CalibrateOptions(scenario, tuple(sets or ()), flights, out, force, as_json))
+    )
+
+
 def study(
     name: Annotated[
         str | None, typer.Argument(metavar="NAME", help="Study; without one, they are listed.")

@@ -333,8 +333,10 @@ def _checked(document: Document) -> Scenario:
     return scenario
 
 
-#: Sections of a scenario file that say how it is flown many times; a single flight does not read them.
+#: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
+#: the one that says what is uncertain in it.
 CAMPAIGN_SECTIONS = ("campaign", "sweep")
+CALIBRATION = "calibration"
 
 
 def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
@@ -358,7 +360,7 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
         raise ConfigError(
             Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
         )
-    for name in CAMPAIGN_SECTIONS:
+    for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
         document.data.pop(name, None)
         document.forget((name,))
     document = expand_daveml(document)
