@@ -1,4 +1,4 @@
-"""Print the tables of the README from a flight made now: ``python tools/readme.py`` rewrites them in place
+"""Print the tables of the README from flights made now: ``python tools/readme.py`` rewrites them in place
 between their markers.
 
 The speed table comes from ``tools/bench.py`` and is pasted by hand, with the machine it was measured on.
@@ -10,21 +10,31 @@ import re
 from pathlib import Path
 
 import edl6dof
+from edl6dof.campaign.neighbours import fly_neighbours, spreads
 from edl6dof.report.terminal import comparison
 
 README = Path(__file__).resolve().parents[1] / "README.md"
 
 
 def flight_table() -> str:
-    """This flight beside the published one, as Markdown."""
-    flight = edl6dof.fly("tianwen1")
-    lines = ["| figure | unit | this flight | published | difference |", "|---|---|---:|---:|---:|"]
-    lines += [
-        "| " + " | ".join(row.cells) + " |" for row in comparison(flight.metrics, flight.scenario.published)
+    """Mean and spread of neighbouring flights beside the published flight, as Markdown."""
+    loaded = edl6dof.load("tianwen1")
+    rows = fly_neighbours(loaded)
+    found = spreads(rows, loaded.scenario.published)
+    means = {name: spread.mean for name, spread in found.items()}
+    deviations = {name: spread.deviation for name, spread in found.items()}
+    lines = [
+        "| figure | unit | mean and spread | published | difference | sigma |",
+        "|---|---|---:|---:|---:|---:|",
     ]
+    lines += [
+        "| " + " | ".join(row.cells).replace("+-", "±") + " |"
+        for row in comparison(means, loaded.scenario.published, deviations)
+    ]
+    miss = found["landing_distance_m"]
     lines.append(
-        f"\nOutcome: **{flight.outcome}**, {flight.metrics['landing_distance_m']:.0f} m from the landing "
-        "site."
+        f"\n{sum(row['success'] for row in rows)} of {len(rows)} flights landed within limits, "
+        f"{miss.mean:.0f} ± {miss.deviation:.0f} m from the landing site."
     )
     return "\n".join(lines)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 from pathlib import Path
@@ -15,14 +14,15 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.app.compiling import announce_compiling
+from edl6dof.app.counting import count_runs
 from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import VERDICT
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
+from edl6dof.studies.study import Finding, Grid, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
 #: More flights than any study needs to settle a mean.
@@ -58,7 +58,7 @@ def run_study(options: StudyOptions) -> int:
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
     with atomic_folder(target, "study", options.force) as folder:
-        with _progress(study, quiet=options.as_json) as progress:
+        with count_runs(study.name, quiet=options.as_json) as progress:
             report = study.run(runs, progress)
         write_study(study, report, folder)
     if options.as_json:
@@ -94,18 +94,26 @@ def _show(study: Study, report: Report, target: Path) -> None:
         ("unit", 0),
         ("computed", 1),
         ("published", 1),
+        ("difference", 1),
         ("", 0),
         ("note", 0),
     ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
     for finding in report.findings:
-        table.add_row(finding.label, finding.unit, *_numbers(finding), _mark(finding), finding.note)
+        table.add_row(
+            finding.label,
+            finding.unit,
+            *_numbers(finding),
+            _difference(finding),
+            _mark(finding),
+            finding.note,
+        )
     console.print(table)
     for remark in report.remarks:
         console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {listed(target)}", markup=False)
     missed = [finding.label for finding in report.findings if not finding.ok]
-    outcome = f"MISSED: {', '.join(missed)}" if missed else "every published bound is kept"
+    outcome = f"broken: {', '.join(missed)}" if missed else "every published requirement is kept"
     console.print(Text(f"{study.name}: {outcome}", style="bold red" if missed else "bold green"))
 
 
@@ -150,28 +158,18 @@ def _numbers(finding: Finding) -> tuple[str, str]:
     published = (
         "" if finding.published is None else f"{finding.bound} {significant(finding.published)}".strip()
     )
-    return significant(finding.computed), published
+    spread = "" if finding.spread is None else f" +- {significant(finding.spread, 2)}"
+    return significant(finding.computed) + spread, published
+
+
+def _difference(finding: Finding) -> str:
+    """Computed less published, where that is a flown value."""
+    if finding.bound or finding.published is None:
+        return ""
+    return f"{finding.computed - finding.published:+.2g}"
 
 
 def _mark(finding: Finding) -> Text:
     if not finding.bound:
         return Text("")
-    return Text("kept", style="green") if finding.ok else Text("MISSED", style="bold red")
-
-
-@contextmanager
-def _progress(study: Study, quiet: bool) -> Iterator[Progress]:
-    """A line on stderr that counts runs, if that is a terminal; a word before the first flight has to be
-    compiled.
-    """
-    announce_compiling(not quiet)
-    console = Console(stderr=True)
-    talk = console.is_terminal and not quiet
-
-    def report(done: int, total: int) -> None:
-        if talk:
-            console.print(f"{study.name}: {done}/{total}", end="\r", highlight=False)
-
-    yield report
-    if talk:
-        console.print(" " * 60, end="\r")
+    return Text(VERDICT[finding.ok], style="green" if finding.ok else "bold red")

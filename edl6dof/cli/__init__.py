@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from edl6dof.cli.campaigns import campaign, faults, refly
-from edl6dof.cli.evidence import study, verify
+from edl6dof.cli.evidence import calibrate, figures, study, verify
 from edl6dof.cli.group import app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, schema
@@ -21,7 +21,7 @@ def version() -> None:
 #: In the order of the help.
 COMMANDS = (
     *(fly, check, params, schema, replay, report, plot, compare, export),
-    *(verify, study, campaign, refly, faults, version),
+    *(verify, figures, calibrate, study, campaign, refly, faults, version),
 )
 for command in COMMANDS:
     app.command()(command)

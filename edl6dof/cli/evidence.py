@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from edl6dof.cli.options import load_plugins
+from edl6dof.cli.options import Sets, Trust, load_plugins
 
 
 def verify(
@@ -30,6 +30,56 @@ def verify(
     raise typer.Exit(run_verify(names or [], as_json, plots))
 
 
+def figures(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+    ],
+    sets: Sets = None,
+    flights: Annotated[int, typer.Option("-n", "--flights", metavar="N", help="Flights.")] = 30,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Mean and spread of a scenario's figures over flights that differ by next to nothing.
+
+    The digits of one flight are one draw of many: what a document quotes is made by this command.
+
+    Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.figures import run_figures
+
+    raise typer.Exit(run_figures(scenario, tuple(sets or ()), flights, as_json))
+
+
+def calibrate(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario with a calibration section, such as tianwen1.")
+    ],
+    sets: Sets = None,
+    flights: Annotated[
+        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights in each mean.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/calibration-<name> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Find the uncertain parameters that best explain what is published of a flight.
+
+    Writes calibrated.yaml, a scenario that extends this one.
+
+    Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.calibrate import CalibrateOptions, run_calibrate
+
+    raise typer.Exit(
+        run_calibrate(CalibrateOptions(scenario, tuple(sets or ()), flights, out, force, as_json))
+    )
+
+
 def study(
     name: Annotated[
         str | None, typer.Argument(metavar="NAME", help="Study; without one, they are listed.")
@@ -47,7 +97,7 @@ def study(
 ) -> None:
     """Repeat a paper's experiment: computed beside published.
 
-    Exit status: 0 every published bound is kept, 1 not, 2 bad input, 130 interrupted.
+    Exit status: 0 every published requirement is kept, 1 not, 2 bad input, 130 interrupted.
     """
     load_plugins()
     from edl6dof.app.study import StudyOptions, run_study

@@ -19,9 +19,10 @@ from pydantic.fields import FieldInfo
 from edl6dof.config.units import split_unit
 
 #: published: printed by a named source; derived: calculated from published data; recalled: quoted in the
-#: literature, not re-read; estimate: engineering estimate, free to change; design: a choice of this software
+#: literature, not re-read; estimate: engineering estimate, free to change; calibrated:
+#: found by ``edl6dof calibrate`` from published figures; design: a choice of this software
 #: (gain, rate, switch), no claim on hardware.
-Status = Literal["published", "derived", "recalled", "estimate", "design"]
+Status = Literal["published", "derived", "recalled", "estimate", "calibrated", "design"]
 
 #: The marks used beside numbers in YAML comments.
 STATUS_MARKS: dict[str, Status] = {
@@ -29,6 +30,7 @@ STATUS_MARKS: dict[str, Status] = {
     "D": "derived",
     "R": "recalled",
     "E": "estimate",
+    "C": "calibrated",
     "S": "design",
 }
 

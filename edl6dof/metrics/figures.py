@@ -1,24 +1,17 @@
 """The figures of merit of a flight, declared once: name with unit suffix, what it is, where it comes from,
-and what it is held against.
+and which limit bounds it.
 
-From this table follow the limits, the comparison with published values, and the labels of
-reports and campaigns.
+From this table follow the limits, the names of published values, and the labels of reports and campaigns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Literal, NamedTuple
 
 from edl6dof.config.units import Unit, split_unit
 
 #: What a figure is formed from.
 Source = Literal["events", "telemetry", "peaks", "contact", "diagnosis"]
-
-#: How a figure lies to a published value: set beside it, under or over it as a bound, or set beside it
-#: without its sign.
-Comparison = Literal["difference", "at most", "at least", "magnitude"]
 
 
 class FigureOfMerit(NamedTuple):
@@ -30,32 +23,18 @@ class FigureOfMerit(NamedTuple):
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
             ground contact, ``diagnosis`` for fault isolation.
-        comparison: how a published value is to be read.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
 
     name: str
     meaning: str
     source: Source
-    comparison: Comparison = "difference"
     limit: str = ""
 
     @property
     def unit(self) -> Unit:
         """Unit of the name's suffix."""
         return split_unit(self.name)[1]
-
-    def excess(self, own: float, published: float) -> float:
-        """Difference to a published value, in the figure's unit; that of the magnitude where one was
-        published.
-        """
-        return (abs(own) if self.comparison == "magnitude" else own) - published
-
-    def kept(self, own: float, published: float) -> bool | None:
-        """Whether a published bound is kept; ``None`` where the published value is none."""
-        if self.comparison == "at most":
-            return own <= published
-        return own >= published if self.comparison == "at least" else None
 
 
 FIGURES: tuple[FigureOfMerit, ...] = (
@@ -65,13 +44,13 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     ),
     FigureOfMerit("peak_heat_flux_w_cm2", "peak heat flux", "peaks", limit="entry_heat_flux_w_cm2"),
     FigureOfMerit("heat_load_j_cm2", "heat load", "peaks"),
-    FigureOfMerit("trim_aoa_limit_cycle_deg", "limit cycle in trim", "telemetry", "at most"),
+    FigureOfMerit("trim_aoa_limit_cycle_deg", "limit cycle in trim", "telemetry"),
     FigureOfMerit("trim_aoa_propellant_kg", "propellant used in trim", "telemetry"),
     FigureOfMerit("lift_start_s", "lift control begins", "events"),
-    FigureOfMerit("bank_reversals", "bank reversals", "telemetry", "at least"),
+    FigureOfMerit("bank_reversals", "bank reversals", "telemetry"),
     FigureOfMerit("max_bank_rate_deg_s", "peak bank rate", "telemetry"),
-    FigureOfMerit("max_pitch_rate_lift_deg_s", "peak pitch rate in lift control", "telemetry", "at most"),
-    FigureOfMerit("max_yaw_rate_lift_deg_s", "peak yaw rate in lift control", "telemetry", "at most"),
+    FigureOfMerit("max_pitch_rate_lift_deg_s", "peak pitch rate in lift, less banking", "telemetry"),
+    FigureOfMerit("max_yaw_rate_lift_deg_s", "peak yaw rate in lift, less banking", "telemetry"),
     FigureOfMerit("bank_zero_s", "bank commanded to zero", "telemetry"),
     FigureOfMerit("trim_wing_s", "trim wing commanded", "events"),
     FigureOfMerit("trim_wing_mach", "Mach at trim wing command", "events"),
@@ -87,8 +66,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         "parachute_total_alpha_deg",
         "total angle of attack at mortar fire",
         "events",
-        "at most",
-        "parachute_total_alpha_deg",
+        limit="parachute_total_alpha_deg",
     ),
     FigureOfMerit("parachute_altitude_m", "altitude above the ellipsoid at mortar fire", "events"),
     FigureOfMerit("parachute_height_above_areoid_m", "height above the areoid at mortar fire", "events"),
@@ -99,30 +77,26 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("parachute_crossrange_m", "way right of the aim point at mortar fire", "events"),
     FigureOfMerit("max_load_parachute_g0", "peak load under parachute", "peaks"),
     FigureOfMerit("max_riser_tension_n", "peak riser tension", "peaks"),
-    FigureOfMerit("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry", "at most"),
+    FigureOfMerit("max_rate_parachute_deg_s", "peak body rate under parachute", "telemetry"),
     FigureOfMerit("heat_shield_s", "heat shield jettisoned", "events"),
     FigureOfMerit("parachute_duration_s", "time under parachute", "events"),
     FigureOfMerit("backshell_s", "backshell released", "events"),
-    FigureOfMerit(
-        "backshell_speed_m_s", "speed at backshell release", "events", "at most", "backshell_speed_m_s"
-    ),
+    FigureOfMerit("backshell_speed_m_s", "speed at backshell release", "events", limit="backshell_speed_m_s"),
     FigureOfMerit(
         "backshell_height_m",
         "height above the ground at backshell release",
         "events",
-        "at most",
-        "backshell_height_m",
+        limit="backshell_height_m",
     ),
     FigureOfMerit("min_backshell_distance_m", "least distance from the backshell", "telemetry"),
-    FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events", "at most"),
+    FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
-    FigureOfMerit(
-        "max_attitude_error_powered_deg", "peak attitude error under power", "telemetry", "at most"
-    ),
-    FigureOfMerit("max_rate_powered_deg_s", "peak body rate under power", "telemetry", "at most"),
-    FigureOfMerit("max_roll_error_powered_deg", "peak roll error under power", "telemetry", "at most"),
-    FigureOfMerit("roll_error_at_ignition_deg", "roll error at ignition", "events", "magnitude"),
-    FigureOfMerit("max_disturbance_torque_nm", "peak disturbance torque", "telemetry"),
+    FigureOfMerit("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry"),
+    FigureOfMerit("max_rate_powered_deg_s", "peak body rate under power", "telemetry"),
+    FigureOfMerit("max_roll_error_powered_deg", "peak roll error under power", "telemetry"),
+    FigureOfMerit("roll_error_at_ignition_deg", "roll error at ignition", "events"),
+    FigureOfMerit("max_disturbance_torque_nm", "peak disturbance torque, true", "telemetry"),
+    FigureOfMerit("max_estimated_torque_nm", "peak disturbance torque, estimated", "telemetry"),
     FigureOfMerit("propellant_used_kg", "propellant used", "telemetry"),
     FigureOfMerit("touchdown_s", "touchdown", "contact"),
     FigureOfMerit(
@@ -161,15 +135,3 @@ def figure_of_merit(name: str) -> FigureOfMerit:
     itself.
     """
     return _BY_NAME.get(name) or FigureOfMerit(name, split_unit(name)[0].replace("_", " "), "telemetry")
-
-
-def published_problems(names: Iterable[str]) -> dict[str, str]:
-    """Dotted path to message of published values of what is no figure of a flight."""
-    problems = {}
-    for name in names:
-        if name not in _BY_NAME:
-            near = get_close_matches(name, _BY_NAME, n=1)
-            problems[f"published.{name}"] = "no figure of a flight has this name" + (
-                f"; did you mean {near[0]!r}?" if near else ""
-            )
-    return problems

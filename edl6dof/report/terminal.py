@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rich import box
@@ -11,18 +11,18 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
+from edl6dof.metrics.published import Beside, Published, published_figures
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
-#: Mark before a published value that is not simply beside this flight's.
-_MARKS = {"difference": "", "at most": "<= ", "at least": ">= ", "magnitude": "+-"}
+#: What is said of a limit or a requirement.
+VERDICT = {True: "kept", False: "broken"}
 
 
 class Compared(NamedTuple):
-    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a published
-    bound is, if it is one.
+    """A figure beside its published value, in words and rounded numbers; ``kept`` says whether a requirement
+    is, if it is one; ``sigmas`` is the difference in standard deviations, where they are known.
     """
 
     figure: str
@@ -30,12 +30,13 @@ class Compared(NamedTuple):
     own: str
     published: str
     difference: str
+    sigmas: str
     kept: bool | None
 
     @property
     def cells(self) -> tuple[str, ...]:
         """What a table shows."""
-        return self[:5]
+        return self[:6]
 
 
 def show_flight(console: Console, flight: Flight) -> None:
@@ -44,7 +45,8 @@ def show_flight(console: Console, flight: Flight) -> None:
     """
     console.print(timeline_table(flight))
     if flight.scenario.published:
-        console.print(published_table(flight))
+        rows = comparison(flight.metrics, flight.scenario.published)
+        console.print(published_table(rows, "Beside the published flight", "this flight"))
     if flight.checks:
         console.print(limits_table(flight))
     console.print(headline(flight))
@@ -64,21 +66,30 @@ def timeline_table(flight: Flight) -> Table:
     return table
 
 
-def published_table(flight: Flight) -> Table:
-    """This flight's figures beside the published ones, whatever the difference."""
-    table = open_table(
-        "Beside the published flight", "figure", "unit", "this flight>", "published>", "difference>"
-    )
-    for row in comparison(flight.metrics, flight.scenario.published):
-        table.add_row(*row.cells)
+def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
+    """Figures beside the published ones, whatever the difference; ``own`` heads this product's."""
+    table = open_table(title, "figure", "unit", f"{own}>", "published>", "difference>", "sigma>")
+    for row in rows:
+        style = {True: "green", False: "bold red", None: ""}[row.kept]
+        table.add_row(*row.cells[:4], Text(row.difference, style=style), row.sigmas)
     return table
 
 
-def comparison(figures: Mapping[str, float | None], published_figures: Mapping[str, float]) -> list[Compared]:
-    """A row for each published figure, compared as the table of figures says."""
+def comparison(
+    figures: Mapping[str, float | None],
+    published: Published,
+    deviations: Mapping[str, float] | None = None,
+) -> list[Compared]:
+    """A row for each published figure.
+
+    Args:
+        figures: of a flight, or means.
+        published: what stands beside them.
+        deviations: standard deviations, where the figures are means.
+    """
     return [
-        _compared(figure_of_merit(name), figures.get(name), published)
-        for name, published in published_figures.items()
+        _compared(beside, figures.get(beside.figure.name), (deviations or {}).get(beside.figure.name))
+        for beside in published_figures(published)
     ]
 
 
@@ -86,7 +97,7 @@ def limits_table(flight: Flight) -> Table:
     """Limits of the mission."""
     table = open_table("Limits", "limit", "unit", "this flight>", "allowed>", "")
     for check in flight.checks:
-        mark = Text("ok", style="green") if check.ok else Text("MISSED", style="bold red")
+        mark = Text(VERDICT[check.ok], style="green" if check.ok else "bold red")
         value, limit = aligned_pair(check.value, check.limit, check.ok)
         table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
     return table
@@ -118,20 +129,17 @@ def open_table(title: str, *columns: str) -> Table:
     return table
 
 
-def _compared(figure: FigureOfMerit, own: float | None, published: float) -> Compared:
-    places = _published_places(published)
-    head, shown = (figure.meaning, figure.unit.label), f"{_MARKS[figure.comparison]}{published:,.{places}f}"
+def _compared(beside: Beside, own: float | None, deviation: float | None) -> Compared:
+    figure, published = beside
+    places = _published_places(published.number)
+    head, shown = (figure.meaning, figure.unit.label), f"{published.mark}{published.number:,.{places}f}"
     if own is None or not math.isfinite(own):
-        return Compared(*head, "-", shown, "not reached", figure.kept(math.nan, published))
+        return Compared(*head, "-", shown, "not reached", "", published.kept(math.nan))
     more = places if own == round(own) else places + (places < 2)
-    kept = figure.kept(own, published)
-    return Compared(
-        *head,
-        f"{own:,.{more}f}",
-        shown,
-        "kept" if kept else f"{figure.excess(own, published):+,.{more}f}",
-        kept,
-    )
+    kept, sigmas = published.kept(own), published.sigmas(own, deviation or 0.0)
+    flown = f"{published.of(own):,.{more}f}" + ("" if deviation is None else f" +- {deviation:,.{more}f}")
+    difference = f"{published.of(own) - published.number:+,.{more}f}" if kept is None else VERDICT[kept]
+    return Compared(*head, flown, shown, difference, "" if sigmas is None else f"{sigmas:+.1f}", kept)
 
 
 def _published_places(value: float) -> int:

@@ -7,6 +7,8 @@ from typing import NotRequired, TypeVar
 from pydantic import ConfigDict, TypeAdapter, ValidationError, with_config
 from typing_extensions import TypedDict
 
+from edl6dof.metrics.published import PublishedFigure
+
 Content = TypeVar("Content")
 
 _EXACT = ConfigDict(strict=True, allow_inf_nan=False)
@@ -40,7 +42,7 @@ class Summary(TypedDict):
     scenario_sha256: str
     figures: dict[str, float | None]
     limits: list[Limit]
-    published: dict[str, float]
+    published: dict[str, float | PublishedFigure]
 
 
 @with_config(_EXACT)

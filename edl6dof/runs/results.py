@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof import __version__
 from edl6dof.config.document.jsontext import json_text
+from edl6dof.metrics.published import published_figures
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
@@ -46,7 +47,10 @@ def summary(flight: Flight) -> dict[str, Any]:
             {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
             for c in flight.checks
         ],
-        "published": flight.scenario.published,
+        "published": {
+            beside.figure.name: beside.published.model_dump(exclude_none=True)
+            for beside in published_figures(flight.scenario.published)
+        },
     }
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.fsw.check_out import check_out_problems
-from edl6dof.metrics.figures import published_problems
+from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.vehicle.faults import fault_problems

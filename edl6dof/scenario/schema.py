@@ -27,6 +27,7 @@ from edl6dof.fsw.mission.phases import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
 from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.interface.capacities import MAX_FAULTS
+from edl6dof.metrics.published import PublishedFigure
 from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems
@@ -158,9 +159,9 @@ class Scenario(Params):
         record=False,
         factory=dict,
     )
-    published: dict[str, float] = param(
+    published: dict[str, float | PublishedFigure] = param(
         None,
-        "figures of the real flight, shown beside this one's",
+        "figures of the real flight, shown beside this one's: a flown value, or what is required",
         status="published",
         record=False,
         factory=dict,
@@ -305,8 +306,10 @@ def _checked(document: Document) -> Scenario:
     return scenario
 
 
-#: Sections of a scenario file that say how it is flown many times; a single flight does not read them.
+#: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
+#: the one that says what is uncertain in it.
 CAMPAIGN_SECTIONS = ("campaign", "sweep")
+CALIBRATION = "calibration"
 
 
 def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
@@ -330,7 +333,7 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
         raise ConfigError(
             Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
         )
-    for name in CAMPAIGN_SECTIONS:
+    for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
         document.data.pop(name, None)
         document.forget((name,))
     document = expand_daveml(document)

@@ -23,10 +23,13 @@ class Finding:
     Attributes:
         label: what it is.
         unit: printed unit; empty for a pure number.
-        computed: found by this run of the study.
+        computed: found by this run of the study; a mean where ``spread`` says so.
         published: printed by the source; ``None`` where it prints none.
-        bound: how the computed figure must lie to the published one; empty to set them side by side only.
+        bound: how the computed figure must lie to the published one, which is a requirement; empty for a
+            value, which is compared on both sides.
         note: what a reader must know to compare them.
+        spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
+            number.
     """
 
     label: str
@@ -35,6 +38,7 @@ class Finding:
     published: float | None = None
     bound: Literal["", "<=", ">="] = ""
     note: str = ""
+    spread: float | None = None
 
     @property
     def ok(self) -> bool:

@@ -161,6 +161,7 @@ BRIEF_CHANNELS: tuple[Channel, ...] = tuple(
         *("truth.site_east_m", "truth.site_north_m", "truth.site_up_m"),
         *("truth.backshell_east_m", "truth.backshell_north_m", "truth.backshell_up_m"),
         *("truth.disturbance_x_nm", "truth.disturbance_y_nm", "truth.disturbance_z_nm"),
+        *("estimate.torque_x_nm", "estimate.torque_y_nm", "estimate.torque_z_nm"),
         *("control.error_roll_deg", "control.error_pitch_deg", "control.error_yaw_deg"),
     )
 )

@@ -69,6 +69,8 @@ def record_brief(case, plant, outputs, fsw, tick):
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
         fsw.demand.attitude_error, 0
     )
+    torque = take3(fsw.disturbance.torque, 0)
+    tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = torque
     return c, s, v_rel_I, v_N, airspeed
 
 
@@ -133,7 +135,6 @@ def record(case, plant, outputs, fsw, tick):
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.unallocated_x, tick.control.unallocated_y, tick.control.unallocated_z = unallocated
     estimated = fsw.disturbance
-    tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = take3(estimated.torque, 0)
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence

@@ -27,6 +27,7 @@ LAYERS = (
     ("sim",),
     ("runs", "export"),
     ("campaign",),
+    ("calibration",),
     ("report", "replay"),
     ("studies", "verify"),
     ("cli", "app", "__init__", "__main__"),

@@ -98,7 +98,7 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert run_study(options("small", out=out, quick=True, force=True)) == 0
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
-    assert "A remark." in shown and "every published bound is kept" in shown
+    assert "A remark." in shown and "every published requirement is kept" in shown
 
 
 def test_histogram_leaves_out_runs_that_did_not_arrive_and_shows_its_bars_whole():
@@ -113,7 +113,7 @@ def test_histogram_leaves_out_runs_that_did_not_arrive_and_shows_its_bars_whole(
 
 def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
     assert run_study(options("small", runs=2, out=tmp_path / "s")) == 1
-    assert "MISSED: bound" in capsys.readouterr().out
+    assert "broken: bound" in capsys.readouterr().out
 
 
 def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):

@@ -14,7 +14,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.document.yamltree import parse_yaml
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
-from edl6dof.report.terminal import aligned_pair, comparison
+from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
 #: Figure and format of what is shown at a glance.
@@ -32,8 +32,8 @@ _FACTS = (
 )
 
 
-#: A published bound that was kept or not; other differences are neither good nor bad.
-_KEPT: dict[bool | None, Mood] = {True: "good", False: "warn", None: "plain"}
+#: A requirement that was kept or not; other differences are neither good nor bad.
+_KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 
 def mood(summary: Mapping[str, Any]) -> Mood:
@@ -90,7 +90,7 @@ def limits(run: Run) -> Table:
                 shown,
                 f"≤ {allowed}",
                 used,
-                Cell(*(("kept", "good") if limit["ok"] else ("MISSED", "bad"))),
+                Cell(VERDICT[limit["ok"]], "good" if limit["ok"] else "bad"),
             ]
         )
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
@@ -100,11 +100,20 @@ def published(run: Run) -> Table:
     """This flight's figures beside the published ones, whatever the difference."""
     found = comparison(run.summary["figures"], run.summary["published"])
     rows: list[Row] = [
-        [row.figure, row.unit, row.own, _sign(row.published), Cell(row.difference, _KEPT[row.kept])]
+        [
+            row.figure,
+            row.unit,
+            row.own,
+            _sign(row.published),
+            Cell(row.difference, _KEPT[row.kept]),
+            row.sigmas,
+        ]
         for row in found
     ]
     return Table(
-        ["figure", "unit", "this flight>", "published>", "difference>"], rows, "Beside the published flight"
+        ["figure", "unit", "this flight>", "published>", "difference>", "sigma>"],
+        rows,
+        "Beside the published flight",
     )
 
 

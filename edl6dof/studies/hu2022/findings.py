@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Literal
+from collections.abc import Iterable, Mapping
+from math import nan
 
 import numpy as np
 
+from edl6dof.campaign.neighbours import Spread
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
-from edl6dof.metrics.figures import Comparison, FigureOfMerit, figure_of_merit
+from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
@@ -22,8 +23,8 @@ _FLIGHT = (
     ("lift_start_s", ""),
     ("bank_reversals", "Fig. 8"),
     ("max_bank_rate_deg_s", "Fig. 8"),
-    ("max_pitch_rate_lift_deg_s", "Fig. 9"),
-    ("max_yaw_rate_lift_deg_s", "Fig. 10"),
+    ("max_pitch_rate_lift_deg_s", "Fig. 10"),
+    ("max_yaw_rate_lift_deg_s", "Fig. 9"),
     ("trim_wing_s", ""),
     ("parachute_s", ""),
     ("parachute_total_alpha_deg", "sect. 4"),
@@ -33,39 +34,39 @@ _FLIGHT = (
     ("max_attitude_error_powered_deg", "Fig. 10"),
     ("max_rate_powered_deg_s", "Figs. 8-10"),
     ("max_roll_error_powered_deg", "Fig. 8"),
+    ("max_estimated_torque_nm", "Fig. 11"),
     ("touchdown_s", ""),
     *((f"touchdown_{axis}_error_deg", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
     *((f"touchdown_{axis}_rate_deg_s", "Figs. 8-10") for axis in ("roll", "pitch", "yaw")),
 )
-_BOUNDS: dict[Comparison, Literal["", "<=", ">="]] = {"at most": "<=", "at least": ">="}
 
 
-def all_of(nominal: Flight, rows: list[Row]) -> tuple[Finding, ...]:
-    """Every finding of the study."""
-    flown = (_flown(nominal, figure_of_merit(name), note) for name, note in _FLIGHT)
+def all_of(nominal: Flight, means: Mapping[str, Spread], rows: list[Row]) -> tuple[Finding, ...]:
+    """Every finding of the study: the flight as a mean over neighbouring ones, and the experiments."""
+    published = {name: entry for name, entry in nominal.scenario.published.items() if name in dict(_FLIGHT)}
+    flown = (_flown(beside, means) for beside in published_figures(published))
     experiments = (*_entries(rows), *_steps(rows), *_avoidance(rows), *_wings(rows), *_loops(nominal))
-    return (*flown, *_estimates(nominal), *experiments)
+    return (*flown, _estimated_force(nominal), *experiments)
 
 
-def _flown(flight: Flight, figure: FigureOfMerit, note: str) -> Finding:
-    """A figure of the flight beside its published value; without its sign where that is how it was
-    published.
-    """
-    own, published = flight.metrics.get(figure.name, float("nan")), flight.scenario.published.get(figure.name)
-    computed = abs(own) if figure.comparison == "magnitude" else own
+def _flown(beside: Beside, means: Mapping[str, Spread]) -> Finding:
+    """Mean and spread of a figure beside its published value."""
+    figure, published = beside
+    own = means.get(figure.name, Spread(nan, nan, 0))
     return Finding(
-        figure.meaning, figure.unit.label, computed, published, _BOUNDS.get(figure.comparison, ""), note
+        figure.meaning,
+        figure.unit.label,
+        published.of(own.mean),
+        published.number,
+        published.bound,
+        dict(_FLIGHT)[figure.name],
+        own.deviation,
     )
 
 
-def _estimates(flight: Flight) -> tuple[Finding, ...]:
-    torque = max(_peak(flight, f"estimate.torque_{axis}_nm") for axis in "xyz")
+def _estimated_force(flight: Flight) -> Finding:
     force = max(_peak(flight, f"estimate.force_{axis}_n", HAZARD_AVOIDANCE) for axis in "yz")
-    published = flight.scenario.published.get("max_disturbance_torque_nm")
-    return (
-        Finding("estimated torque", "N m", torque, published, note="Fig. 11"),
-        Finding("estimated force", "N", force, 40.0, note="Fig. 12"),
-    )
+    return Finding("estimated force", "N", force, 40.0, note="Fig. 12, one flight")
 
 
 def _peak(flight: Flight, channel: str, role: str | None = None) -> float:

@@ -37,7 +37,7 @@ def test_nominal_lands_within_limits_with_status_0(nominal, here, capsys, monkey
 def test_missed_limit_is_status_1_and_is_named(here, capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "fly", "tianwen1", "--set", "limits.landing_distance_m=1", *QUICK)
     assert code == 1
-    (line,) = (line for line in out.splitlines() if "MISSED" in line)
+    (line,) = (line for line in out.splitlines() if line.rstrip().endswith("broken"))
     assert line.strip().startswith("distance from the landing site")
     assert "landed outside limits (distance from the landing site)" in out
     assert json.loads(Path("runs/tianwen1/summary.json").read_text())["success"] is False

@@ -4,9 +4,11 @@ as it says.
 
 from __future__ import annotations
 
+from io import StringIO
 from math import nan
 
 import pytest
+from rich.console import Console
 
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
@@ -14,10 +16,14 @@ from edl6dof.config.units import split_unit
 from edl6dof.metrics.diagnosis import diagnosis_figures
 from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
 from edl6dof.metrics.figures import FIGURES, figure_of_merit
+from edl6dof.metrics.published import PublishedFigure
 from edl6dof.metrics.touchdown import touchdown_state
-from edl6dof.report.flight.words import mood
-from edl6dof.report.terminal import comparison, headline, published_table
-from edl6dof.runs.results import summary
+from edl6dof.report.document import Cell
+from edl6dof.report.flight.words import limits_and_published, mood
+from edl6dof.report.terminal import VERDICT, comparison, headline, show_flight
+from edl6dof.runs.folder import atomic_folder
+from edl6dof.runs.results import summary, write_run
+from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import LimitParams
 
 DECLARED = {figure.name for figure in FIGURES}
@@ -73,25 +79,59 @@ def test_published_figures_of_shipped_scenarios_are_declared():
 @pytest.mark.parametrize(
     "name, own, published, shown, difference, kept",
     [
-        ("roll_error_at_ignition_deg", -6.94, 7.7, "+-7.7", "-0.76", None),  # a magnitude was published
-        ("touchdown_yaw_error_deg", -6.94, 7.7, "7.7", "-14.64", None),  # a signed value was
-        ("max_rate_powered_deg_s", 8.3, 15.0, "<= 15", "kept", True),
-        ("max_rate_powered_deg_s", 16.5, 15.0, "<= 15", "+1.5", False),
-        ("bank_reversals", 3.0, 4.0, ">= 4", "-1", False),
-        ("max_bank_rate_deg_s", 19.7, 20.0, "20", "-0.3", None),
-        ("max_rate_powered_deg_s", nan, 15.0, "<= 15", "not reached", False),
+        ("roll_error_at_ignition_deg", -6.94, {"magnitude": 7.7}, "+-7.7", "-0.76", None),
+        ("touchdown_yaw_error_deg", -6.94, 7.7, "7.7", "-14.64", None),  # a signed value was published
+        ("max_rate_powered_deg_s", 8.3, {"at_most": 15.0}, "<= 15", "kept", True),
+        ("max_rate_powered_deg_s", 16.5, {"at_most": 15.0}, "<= 15", "broken", False),
+        ("bank_reversals", 3.0, {"at_least": 4.0}, ">= 4", "broken", False),
+        ("max_rate_powered_deg_s", 4.6, 15.0, "15", "-10.4", None),  # far below a flown value is far off
+        ("max_rate_powered_deg_s", nan, {"at_most": 15.0}, "<= 15", "not reached", False),
         ("touchdown_s", None, 15.0, "15", "not reached", None),
     ],
 )
-def test_published_values_are_compared_as_declared(name, own, published, shown, difference, kept):
+def test_published_values_are_compared_as_they_are_given(name, own, published, shown, difference, kept):
+    published = PublishedFigure(**published) if isinstance(published, dict) else published
     (row,) = comparison({name: own}, {name: published})
     assert (row.figure, row.unit) == (figure_of_merit(name).meaning, figure_of_merit(name).unit.label)
     assert (row.published, row.difference, row.kept) == (shown, difference, kept)
 
 
-def test_table_on_the_terminal_has_a_row_for_each_published_figure(nominal):
-    table = published_table(nominal)
-    assert table.row_count == len(nominal.scenario.published) and len(table.columns) == 5
+def test_differences_are_told_in_standard_deviations_of_what_was_published_and_of_the_mean():
+    entry = PublishedFigure(value=10.0, sigma=0.3)
+    assert entry.sigmas(10.6) == pytest.approx(2.0)
+    assert entry.sigmas(9.0, deviation=0.4) == pytest.approx(-2.0)  # hypot(0.3, 0.4) = 0.5
+    assert PublishedFigure(magnitude=10.0, sigma=0.5).sigmas(-9.0) == pytest.approx(-2.0)
+    assert PublishedFigure(value=10.0).sigmas(9.0) is None
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({}, "value"),
+        ({"sigma": 1.0}, "value"),
+        ({"value": 1.0, "at_most": 2.0}, "at_most"),
+        ({"at_most": 2.0, "sigma": 0.1}, "sigma"),
+        ({"value": 2.0, "sigma": 0.0}, "greater than 0"),
+        ({"magnitude": -2.0}, "greater than or equal to 0"),
+    ],
+)
+def test_a_published_figure_says_one_thing(given, message):
+    with pytest.raises(ValueError, match=message):
+        PublishedFigure(**given)
+
+
+def test_a_broken_requirement_is_called_so_on_the_terminal_and_in_the_report(tmp_path):
+    flight = edl6dof.fly(
+        "msl", ["published={parachute_mach: {at_most: 0.5}}", "limits.parachute_mach_max=0.5"]
+    )
+    console = Console(record=True, width=100, file=StringIO())
+    show_flight(console, flight)
+    assert console.export_text().count(" broken") == 2
+    with atomic_folder(tmp_path / "run", "flight", False) as folder:
+        write_run(flight, folder)
+    tables = limits_and_published(Run(tmp_path / "run"))
+    cells = [cell for table in tables for row in table.rows for cell in row if isinstance(cell, Cell)]
+    assert [cell.mood for cell in cells if cell.text == VERDICT[False]] == ["bad", "bad"]
 
 
 def test_a_figure_of_another_version_speaks_for_itself():

@@ -1,0 +1,88 @@
+"""Figures that mean something: mean and spread over flights that nobody could tell apart at their start.
+
+The closed loop answers a change of a nanometre per second with another sequence of pulses, so the digits of
+one flight are one draw of many.  Neighbouring flights differ by a millionth of a metre per second in entry
+speed and by the number of their random profiles; what they have in common is the figure, what they differ by
+is its spread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.executor import Progress, fly_rows
+from edl6dof.campaign.rows import Row
+from edl6dof.metrics.figures import FIGURES
+from edl6dof.metrics.published import Published, published_figures
+from edl6dof.scenario.initial import InitialState
+from edl6dof.scenario.schema import LoadedScenario
+
+#: Difference in entry speed of one flight and the next, m/s.
+SPEED_STEP_M_S = 1e-6
+#: As many as a mean and a spread in a document rest on.
+FLIGHTS = 30
+
+
+class Spread(NamedTuple):
+    """A figure over several flights: mean, standard deviation (``nan`` of a single one), and how many flights
+    reached it.
+    """
+
+    mean: float
+    deviation: float
+    flights: int
+
+
+def neighbours(loaded: LoadedScenario, count: int, step_m_s: float = SPEED_STEP_M_S) -> list[Case]:
+    """The scenario itself and ``count - 1`` neighbours of it, each ``step_m_s`` faster than the last."""
+    scenario = loaded.scenario
+    return [
+        Case(k, truth=_faster(loaded.truth.initial, k * step_m_s), profile=scenario.profile + k)
+        for k in range(count)
+    ]
+
+
+def fly_neighbours(
+    loaded: LoadedScenario,
+    count: int = FLIGHTS,
+    *,
+    step_m_s: float = SPEED_STEP_M_S,
+    truth: Mapping[str, Any] | None = None,
+    belief: Mapping[str, Any] | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> list[Row]:
+    """Fly neighbours and return their rows; ``truth`` and ``belief`` change all of them, by dotted path."""
+    cases = [
+        Case(case.index, {**case.truth, **(truth or {})}, dict(belief or {}), case.profile)
+        for case in neighbours(loaded, count, step_m_s)
+    ]
+    return list(fly_rows(loaded, cases, workers=workers, progress=progress))
+
+
+def spreads(rows: Sequence[Row], published: Published) -> dict[str, Spread]:
+    """Mean and spread of every figure of merit that a flight reached, in the order of their declaration; of
+    its size where one is published without a sign.
+    """
+    beside = {figure.name: entry for figure, entry in published_figures(published)}
+    found = {}
+    for figure in FIGURES:
+        size = abs if figure.name in beside and beside[figure.name].magnitude is not None else float
+        values = [size(row[figure.name]) for row in rows if row.get(figure.name) is not None]
+        if values:
+            deviation = float(np.std(values, ddof=1)) if len(values) > 1 else nan
+            found[figure.name] = Spread(float(np.mean(values)), deviation, len(values))
+    return found
+
+
+def _faster(initial: InitialState, by: float) -> dict[str, Any]:
+    """The initial velocity with a speed that is larger ``by``, m/s."""
+    if initial.speed_m_s is not None:
+        return {"initial.speed_m_s": initial.speed_m_s + by}
+    velocity = np.array(initial.velocity_ned_m_s)
+    return {"initial.velocity_ned_m_s": (velocity * (1.0 + by / max(initial.speed, 1e-9))).tolist()}

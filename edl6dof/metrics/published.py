@@ -1,0 +1,128 @@
+"""What is published of the real flight, and how this flight's figures stand to it.
+
+A flown value is compared on both sides: the difference, in standard deviations where its uncertainty is
+known.  Only what was required of the mission is a bound, and a bound is kept or broken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from math import hypot
+from typing import Literal, NamedTuple, Self
+
+from pydantic import model_validator
+
+from edl6dof.config.base import Params, param
+from edl6dof.config.errors import Inconsistent
+from edl6dof.metrics.figures import FIGURES, FigureOfMerit, figure_of_merit
+
+_KINDS = ("value", "magnitude", "at_most", "at_least")
+_ONE = "one of value, magnitude, at_most and at_least"
+_FIGURE_NAMES = tuple(figure.name for figure in FIGURES)
+
+
+class PublishedFigure(Params):
+    """One published figure: exactly one of ``value``, ``magnitude``, ``at_most``, ``at_least``, in the unit
+    of the figure's name.  A plain number in its place is a ``value``.
+    """
+
+    value: float | None = param(None, "as flown", record=False)
+    magnitude: float | None = param(
+        None, "as flown, where its sign was not printed or counts in another frame", record=False, ge=0.0
+    )
+    at_most: float | None = param(None, "requirement: the figure is no larger", record=False)
+    at_least: float | None = param(None, "requirement: the figure is no smaller", record=False)
+    sigma: float | None = param(
+        None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
+    )
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> Self:
+        given = [name for name in _KINDS if getattr(self, name) is not None]
+        problems = {}
+        if not given:
+            problems["value"] = f"required key is missing: give {_ONE}"
+        elif len(given) > 1:
+            problems[given[-1]] = f"must not stand beside {given[0]}: give {_ONE}"
+        if self.sigma is not None and self.required:
+            problems["sigma"] = "a requirement has none: leave it out"
+        if problems:
+            raise Inconsistent(problems)
+        return self
+
+    @property
+    def required(self) -> bool:
+        """Whether it is a requirement and not a flown value."""
+        return self.at_most is not None or self.at_least is not None
+
+    @property
+    def number(self) -> float:
+        """What was published, whatever it is."""
+        return next(x for x in (self.value, self.magnitude, self.at_most, self.at_least) if x is not None)
+
+    @property
+    def bound(self) -> Literal["", "<=", ">="]:
+        """How a figure must lie to a requirement; empty for a flown value."""
+        if not self.required:
+            return ""
+        return "<=" if self.at_most is not None else ">="
+
+    @property
+    def mark(self) -> str:
+        """What stands before the number."""
+        return f"{self.bound} " if self.required else "+-" if self.magnitude is not None else ""
+
+    def of(self, own: float) -> float:
+        """What of a figure of this flight stands beside it: without its sign where that is how it was
+        published.
+        """
+        return abs(own) if self.magnitude is not None else own
+
+    def sigmas(self, own: float, deviation: float = 0.0) -> float | None:
+        """Difference of a figure to the flown value in standard deviations: of the published value, and of
+        the figure where it is a mean and the real flight one more draw; ``None`` where the first is unknown.
+        """
+        if self.sigma is None:
+            return None
+        return (self.of(own) - self.number) / hypot(self.sigma, deviation)
+
+    def kept(self, own: float) -> bool | None:
+        """Whether a requirement is kept; ``None`` where it is none.  No number keeps no requirement."""
+        if self.at_most is not None:
+            return own <= self.at_most
+        return own >= self.at_least if self.at_least is not None else None
+
+
+#: An entry of ``published``, by the name of the figure.
+Published = Mapping[str, float | PublishedFigure]
+
+
+class Beside(NamedTuple):
+    """A figure and what is published of it."""
+
+    figure: FigureOfMerit
+    published: PublishedFigure
+
+
+def published_figures(entries: Published) -> list[Beside]:
+    """Every published figure with its declaration, in the order of the file."""
+    return [
+        Beside(
+            figure_of_merit(name),
+            entry if isinstance(entry, PublishedFigure) else PublishedFigure(value=entry),
+        )
+        for name, entry in entries.items()
+    ]
+
+
+def published_problems(names: Iterable[str]) -> dict[str, str]:
+    """Dotted path to message of published values of what is no figure of a flight."""
+    problems = {}
+    for name in names:
+        if name not in _FIGURE_NAMES:
+            near = get_close_matches(name, _FIGURE_NAMES, n=1)
+            problems[f"published.{name}"] = "no figure of a flight has this name" + (
+                f"; did you mean {near[0]!r}?" if near else ""
+            )
+    return problems
