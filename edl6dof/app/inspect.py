@@ -11,7 +11,7 @@ from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import CAMPAIGN_SECTIONS, Scenario, load_document
+from edl6dof.scenario.schema import CALIBRATION, CAMPAIGN_SECTIONS, Scenario, load_document
 
 
 def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
@@ -24,6 +24,10 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
                 from edl6dof.campaign.design.plan import plan_of
 
                 loaded = plan_of(document, tuple(sets)).loaded
+            elif document.data.get(CALIBRATION) is not None:
+                from edl6dof.calibration.problem import calibration_of
+
+                loaded = calibration_of(document, tuple(sets)).loaded
             else:
                 loaded = load_document(document, sets)
         except ConfigError as error:
@@ -41,19 +45,21 @@ def run_schema() -> int:
 
 
 def scenario_schema() -> dict[str, Any]:
-    """Schema of scenario files, of those that extend another one, and of their campaign and sweep
-    sections.
+    """Schema of scenario files, of those that extend another one, and of their campaign, sweep and
+    calibration sections.
     """
+    from edl6dof.calibration.params import CalibrationFile
     from edl6dof.campaign.design.params import CampaignFile
     from edl6dof.config.document.extends import EXTENDS
     from edl6dof.config.schema import json_schema
 
-    schema, campaign = json_schema(Scenario), json_schema(CampaignFile)
-    schema["properties"].update(campaign["properties"])
+    schema = json_schema(Scenario)
     schema["properties"][EXTENDS] = {
         "type": "string",
         "description": ("name or path of a scenario of which this file changes some values"),
     }
-    schema["$defs"].update(campaign["$defs"])
+    for section in (json_schema(CampaignFile), json_schema(CalibrationFile)):
+        schema["properties"].update(section["properties"])
+        schema["$defs"].update(section["$defs"])
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
     return schema

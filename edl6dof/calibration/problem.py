@@ -9,6 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from edl6dof.calibration.params import CalibrationFile, CalibrationParams
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.neighbours import Spread, fly_neighbours, spreads
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
@@ -98,12 +100,16 @@ class Calibration:
 
 
 def load_calibration(name: str, sets: tuple[str, ...] = (), flights: int | None = None) -> Calibration:
-    """Read a scenario file and its calibration section.
+    """Read a scenario file and its calibration section; see :func:`calibration_of`."""
+    return calibration_of(read_document(resolve_scenario(name)), sets, flights)
+
+
+def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int | None = None) -> Calibration:
+    """Check a document that has a calibration section: nothing flies before all of it is right.
 
     Raises:
         ConfigError: every problem, with file and line.
     """
-    document = read_document(resolve_scenario(name))
     if document.data.get(CALIBRATION) is None:
         raise ConfigError(
             [document.problem((), "has no calibration: section; edl6dof calibrate tianwen1 has")]
@@ -135,15 +141,27 @@ def load_calibration(name: str, sets: tuple[str, ...] = (), flights: int | None 
 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
     """Parameters that the scenario has not, or whose bounds it does not allow."""
-    from edl6dof.campaign.design.case import Case
-    from edl6dof.campaign.design.variants import scenario_of
+    priors = calibration.params.parameters
+    corners = [
+        {path: value(prior) for path, prior in priors.items()}
+        for value in (lambda p: p.bounds[0], lambda p: p.mean, lambda p: p.bounds[1])
+    ]
+    if all(_refused(calibration.loaded, corner) is None for corner in corners):
+        return []
+    alone = (
+        (path, _refused(calibration.loaded, {path: corner[path]})) for path in priors for corner in corners
+    )
+    return [
+        own.problem((CALIBRATION, "parameters", path), error.problems[0].message)
+        for path, error in alone
+        if error is not None
+    ]
 
-    problems = []
-    for path, prior in calibration.params.parameters.items():
-        for value in (prior.mean, *prior.bounds):
-            try:
-                scenario_of(calibration.loaded, Case(0, belief={path: value}))
-            except ConfigError as error:
-                problems.append(own.problem((CALIBRATION, "parameters", path), error.problems[0].message))
-                break
-    return problems
+
+def _refused(loaded: LoadedScenario, values: Mapping[str, float]) -> ConfigError | None:
+    """Why a scenario refuses values by dotted path, if it does."""
+    try:
+        scenario_of(loaded, Case(0, belief=values))
+    except ConfigError as error:
+        return error
+    return None
