@@ -27,8 +27,6 @@ REMARKS = (
     "this body frame. The signs of its axes are not told: sizes compare.",
     "Rates in lift are those of the channels of angle of attack and sideslip: without the yaw p tan(alpha) "
     "that banking about the velocity is in the body.",
-    "The real descent under the parachute took 168.9 s; this vehicle needs 20 s less, so all later times are "
-    "earlier.",
     f"Rates and errors are the largest; the thrust direction counts as found within {FOUND_DEG:g} deg, a "
     f"step as settled within {SETTLED_DEG:g} deg; roll in the powered descent is looked at from 8 s on; "
     "beside a phase margin stands its crossover frequency.",

@@ -14,7 +14,12 @@ from edl6dof.studies import plots
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, thrust_error_deg
 
 TIME = "time (s)"
-_AXES = (("fig8", "roll", "p"), ("fig9", "pitch", "q"), ("fig10", "yaw", "r"))
+#: Figure, axis of this body frame, rate, and what S1 calls the axis: its pitch is the channel of sideslip.
+_AXES = (
+    ("fig8", "roll", "p", "roll"),
+    ("fig9", "yaw", "r", "pitch"),
+    ("fig10", "pitch", "q", "yaw"),
+)
 
 
 def drawings(
@@ -45,7 +50,7 @@ def _attitude(flight: Flight) -> list[Figure]:
             f"{name}_{axis}",
             (
                 plots.panel(
-                    f"{axis.title()} angle error",
+                    f"{axis.title()} angle error (S1: {called})",
                     TIME,
                     "error (deg)",
                     (plots.curve(t, table[f"control.error_{axis}_deg"][before]),),
@@ -58,7 +63,7 @@ def _attitude(flight: Flight) -> list[Figure]:
                 ),
             ),
         )
-        for name, axis, rate in _AXES
+        for name, axis, rate, called in _AXES
     ]
 
 
