@@ -16,7 +16,7 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, take3
-from edl6dof.vehicle.aerodynamics import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (

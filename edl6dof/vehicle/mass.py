@@ -18,7 +18,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.jit import kernel
-from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER, Shape
 
 
 class Body(Hardware):

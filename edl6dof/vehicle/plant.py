@@ -19,7 +19,7 @@ from edl6dof.interface.capacities import (
     MAX_THRUSTERS,
 )
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
-from edl6dof.vehicle.aerodynamics import SHAPES
+from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY

@@ -28,7 +28,8 @@ from edl6dof.spatial.vector import (
     sub,
     take3,
 )
-from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
+from edl6dof.vehicle.aerodynamics.surfaces import extension, wing_force
+from edl6dof.vehicle.aerodynamics.wrench import aerodynamic_wrench
 from edl6dof.vehicle.landing_gear import contact
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.parachutes.bridle import confluence
@@ -53,7 +54,6 @@ from edl6dof.vehicle.plant import (
 )
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach, with_propellant
-from edl6dof.vehicle.surfaces import extension, wing_force
 from edl6dof.vehicle.surroundings import gravity, surroundings
 
 
