@@ -30,9 +30,9 @@ from edl6dof.fsw.mission.roles import (
 )
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.motion.integrate import advance
+from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.plain import Setting, in_plain_python, integrate, setting
 
 #: Seconds after the start of a phase at which its window begins, by its role: past deployments, on a smooth

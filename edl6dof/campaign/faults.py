@@ -13,8 +13,8 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS, component_of
-from edl6dof.vehicle.faults import component_names
+from edl6dof.vehicle.faults.fault import component_names
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, component_of
 from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 #: Kinds of fault, and those of them that are of a thruster.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
-from edl6dof.vehicle.faults import FaultParams
+from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 from edl6dof.vehicle.vehicle import VehicleParams
 

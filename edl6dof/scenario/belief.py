@@ -21,9 +21,9 @@ from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
 from edl6dof.spatial.frames import great_circle
-from edl6dof.vehicle.aerodynamics import capsule_coefficients
+from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
-from edl6dof.vehicle.parachute import SUSPENSION
+from edl6dof.vehicle.parachutes.parachute import SUSPENSION
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Mach number at which the one believed drag and lift coefficient are taken.

@@ -13,8 +13,8 @@ from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
-from edl6dof.vehicle.aerodynamics import capsule_aero
-from edl6dof.vehicle.surfaces import wing_force
+from edl6dof.vehicle.aerodynamics.capsule import capsule_aero
+from edl6dof.vehicle.aerodynamics.surfaces import wing_force
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Density (kg/m3) dense enough for continuum flow.

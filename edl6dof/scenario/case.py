@@ -26,11 +26,11 @@ from edl6dof.sensors.registry import SensorParams
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
 )
-from edl6dof.vehicle.faults import FAULTS, fill_faults
+from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
-from edl6dof.vehicle.parachute import SUSPENSION
-from edl6dof.vehicle.point_mass import DYNAMICS, PointMassParams
-from edl6dof.vehicle.tanks import FEEDS, fill_feeds
+from edl6dof.vehicle.motion.point_mass import DYNAMICS, PointMassParams
+from edl6dof.vehicle.parachutes.parachute import SUSPENSION
+from edl6dof.vehicle.propulsion.tanks import FEEDS, fill_feeds
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
 CASE = np.dtype(

@@ -13,7 +13,7 @@ from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.sensors.registry import sensor_problems
-from edl6dof.vehicle.faults import fault_problems
+from edl6dof.vehicle.faults.fault import fault_problems
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario

@@ -25,7 +25,12 @@ from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
 from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import require_topography_of
 from edl6dof.environment.wind import require_winds
-from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table, read_static_table, static_table_path
+from edl6dof.vehicle.aerodynamics.table import (
+    aero_inputs,
+    build_aero_table,
+    read_static_table,
+    static_table_path,
+)
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario

@@ -27,9 +27,9 @@ from edl6dof.fsw.navigation import NAV
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
-from edl6dof.vehicle.engine import ENGINE
-from edl6dof.vehicle.parachute import PARACHUTE_PARAMS
+from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
 from edl6dof.vehicle.plant import OUTPUTS, STATE
+from edl6dof.vehicle.propulsion.engine import ENGINE
 
 #: What a kernel of each role must return, and whether a value is that.
 _RETURNS = {

@@ -34,7 +34,7 @@ from edl6dof.spatial.frames import (
     ned_to_fixed,
 )
 from edl6dof.spatial.quaternion import from_euler_321, multiply
-from edl6dof.vehicle.aerotable import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
 TABLES = np.dtype(

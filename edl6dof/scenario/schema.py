@@ -34,8 +34,8 @@ from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.sensors.registry import SensorParams
-from edl6dof.vehicle.faults import FaultParams
-from edl6dof.vehicle.point_mass import PointMassParams
+from edl6dof.vehicle.faults.fault import FaultParams
+from edl6dof.vehicle.motion.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
 
 _FOLDER_NAME = re.compile(r"[\w+-]([\w .+-]*[\w+-])?")

@@ -23,10 +23,10 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
 from edl6dof.scenario.schema import LoadedScenario, check_document
 from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams
-from edl6dof.vehicle.engine import EngineParams
-from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
-from edl6dof.vehicle.parachute import ParachuteParams
-from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS
+from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS
+from edl6dof.vehicle.parachutes.parachute import ParachuteParams
+from edl6dof.vehicle.propulsion.engine import EngineParams
+from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
 
 _GUIDANCE = ("flight_software", "guidance")
 #: Sections, or lists of them, that plugins may add to, and the keys there that choose a member of a family.

@@ -20,8 +20,8 @@ from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.sim.loop import fly
-from edl6dof.vehicle.integrate import advance
-from edl6dof.vehicle.runge_kutta import retrace
+from edl6dof.vehicle.motion.integrate import advance
+from edl6dof.vehicle.motion.runge_kutta import retrace
 
 _COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software as work; work()"
 

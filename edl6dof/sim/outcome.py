@@ -7,8 +7,8 @@ from math import acos, cos, isfinite, sqrt
 from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
-from edl6dof.vehicle.body import tilt
-from edl6dof.vehicle.parachute import PACKED
+from edl6dof.vehicle.motion.body import tilt
+from edl6dof.vehicle.parachutes.parachute import PACKED
 from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
 
 OUTCOMES = (

@@ -16,9 +16,9 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, take3
-from edl6dof.vehicle.aerodynamics import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
-from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
@@ -27,8 +27,8 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
+from edl6dof.vehicle.propulsion.tanks import propellant_left
 from edl6dof.vehicle.surroundings import planet_rotation
-from edl6dof.vehicle.tanks import propellant_left
 
 
 @kernel

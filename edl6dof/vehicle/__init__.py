@@ -1,3 +1,3 @@
-"""The vehicle as it really is: mass, aerodynamics, actuators, parachute, landing gear, equations of
-motion.
+"""The vehicle as it really is: mass, aerodynamics, actuators, parachutes, landing gear, faults, and the
+motion that follows from them.
 """

@@ -1,5 +1,5 @@
 """Mass, centre of mass and inertia of what is still attached; the propellant that is left is added by
-:mod:`edl6dof.vehicle.tanks`.
+:mod:`edl6dof.vehicle.propulsion.tanks`.
 
 The file gives the whole entry vehicle, its propellant and the parts that leave it; the dry lander is what
 remains.
@@ -18,7 +18,7 @@ from pydantic import model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, stated
 from edl6dof.jit import kernel
-from edl6dof.vehicle.aerodynamics import CONFIG_LANDER, Shape
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER, Shape
 
 
 class Body(Hardware):

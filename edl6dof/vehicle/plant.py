@@ -19,11 +19,11 @@ from edl6dof.interface.capacities import (
     MAX_THRUSTERS,
 )
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
-from edl6dof.vehicle.aerodynamics import SHAPES
+from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
-from edl6dof.vehicle.parachute import PACKED, RELEASED
+from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 
 #: Layout of the integrated state ``y``.
 POSITION, VELOCITY, ATTITUDE, RATE, HEAT, PROPELLANT = 0, 3, 6, 10, 13, 14
@@ -122,7 +122,7 @@ DEBRIS = np.dtype(
     align=True,
 )
 
-#: Largest values met since the initial state (:mod:`edl6dof.vehicle.peaks`).
+#: Largest values met since the initial state (:mod:`edl6dof.vehicle.motion.peaks`).
 PEAKS = np.dtype(
     [
         ("entry_load", "f8"),  # up to the first deployment of a parachute
@@ -134,8 +134,8 @@ PEAKS = np.dtype(
     align=True,
 )
 
-#: What the derivative is given beside time and state, held over a step (:mod:`edl6dof.vehicle.runge_kutta`);
-#: sensors read what the thrusters of the last step did.
+#: What the derivative is given beside time and state, held over a step
+#: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
     [
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step

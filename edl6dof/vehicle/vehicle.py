@@ -19,13 +19,13 @@ from edl6dof.config.base import (
 )
 from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
-from edl6dof.vehicle.aerodynamics import AeroParams
-from edl6dof.vehicle.engine import EngineParams
+from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
+from edl6dof.vehicle.aerodynamics.wrench import AeroParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
 from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
-from edl6dof.vehicle.parachute import ParachuteParams
-from edl6dof.vehicle.rcs import RcsParams
-from edl6dof.vehicle.surfaces import SurfaceParams
+from edl6dof.vehicle.parachutes.parachute import ParachuteParams
+from edl6dof.vehicle.propulsion.engine import EngineParams
+from edl6dof.vehicle.propulsion.rcs import RcsParams
 
 
 def _or_daveml(schema: dict[str, Any]) -> None:

@@ -81,7 +81,7 @@ def integrate(s: Setting, seconds: float, tolerance: float) -> dict[str, np.ndar
     """
     from scipy.integrate import solve_ivp
 
-    from edl6dof.vehicle.body import derivatives
+    from edl6dof.vehicle.motion.body import derivatives
     from edl6dof.vehicle.plant import POSITION
     from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 

@@ -20,7 +20,7 @@ from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import CASE, CASE_PARTS
 from edl6dof.scenario.cross_checks import CROSS_CHECKS
 from edl6dof.scenario.schema import Scenario, check_document
-from edl6dof.vehicle.aerotable import FLOWN, AeroInputs, aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.table import FLOWN, AeroInputs, aero_inputs, build_aero_table
 
 CASES = {
     "truth only": {
@@ -94,7 +94,7 @@ def test_variants_do_not_leak_into_each_other(base):
 
 
 def test_parameters_applied_in_flight_do_not_enter_the_table_of_the_capsule():
-    """What ``aerotable.FLOWN`` promises: a case may share the table when only these change."""
+    """What ``table.FLOWN`` promises: a case may share the table when only these change."""
     capsule, ratio = edl6dof.load("tianwen1").scenario.vehicle.aero.capsule, 1.3
     table = build_aero_table(aero_inputs(capsule, ratio))
     content = aero_inputs(capsule, ratio).content

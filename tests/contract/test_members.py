@@ -20,9 +20,9 @@ from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.sensors.registry import SENSOR_FAMILY
-from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
-from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS
-from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS
+from edl6dof.vehicle.faults.registry import FAULT_KINDS
+from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS
+from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
 
 FAMILIES = (
     *(CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, ESTIMATORS),

@@ -30,7 +30,7 @@ OTHER_MEANINGS = {
     "edl6dof.sim.outcome": {"landed"},
     "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
     "edl6dof.studies.hu2022.rows": {"landed"},
-    "edl6dof.vehicle.fault_kinds.component": {"parachute"},  # kind of component
+    "edl6dof.vehicle.faults.component": {"parachute"},  # kind of component
     "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle
     "edl6dof.vehicle.plant": {"parachute"},  # field of a record
     "edl6dof.vehicle.vehicle": {"parachute"},

@@ -19,11 +19,11 @@ from edl6dof.environment.winds.registry import WINDS, wind_of_model
 from edl6dof.interface.sensed import SENSED
 from edl6dof.scenario.records import build_records, initial_plant, initial_sensors
 from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams, sense, sensor_problems
-from edl6dof.vehicle.engine import ENGINE, EngineParams, propellant_flow, thrust_rate
-from edl6dof.vehicle.engine_models.registry import ENGINE_MODELS
-from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
-from edl6dof.vehicle.parachute_models.registry import PARACHUTE_MODELS, efficiency_of_model
+from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS, efficiency_of_model
+from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 from edl6dof.vehicle.plant import OUTPUTS
+from edl6dof.vehicle.propulsion.engine import ENGINE, EngineParams, propellant_flow, thrust_rate
+from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
 
 #: Altitudes (m): below the ground of any planet, through the air, and far outside.
 ALTITUDES = (-8000.0, -1.0, 0.0, 3e3, 25e3, 79.9e3, 150e3, 1e6)

@@ -137,7 +137,7 @@ from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
 from edl6dof.fsw.guidance.entry.prediction.reference import node_of
 from edl6dof.fsw.navigation import model_atmosphere
 from edl6dof.scenario import records
-from edl6dof.vehicle.aerodynamics import capsule_coefficients
+from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 
 sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
 "flight_software.guidance.entry.law=" + sys.argv[1]]

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import edl6dof
-from edl6dof.vehicle.aerotable import read_static_table
+from edl6dof.vehicle.aerodynamics.table import read_static_table
 from edl6dof.vehicle.plant import PROPELLANT
 
 

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.integrate import advance
+from edl6dof.vehicle.motion.integrate import advance
+from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import OUTPUTS, PROPELLANT, WORKSPACE
-from edl6dof.vehicle.runge_kutta import evaluate
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 

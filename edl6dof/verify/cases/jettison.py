@@ -20,7 +20,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
-from edl6dof.vehicle.tanks import with_propellant
+from edl6dof.vehicle.propulsion.tanks import with_propellant
 from edl6dof.verify.outcome import Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, VACUUM, WEIGHTLESS, doing, scenes, state_of, to_the_end
 

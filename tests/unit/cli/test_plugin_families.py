@@ -26,11 +26,11 @@ FAMILIES = [
         "wind: {model: gradient, gradient: {east_m_s: 3.0}}",
     ),
     (
-        *("parachute_model", "vehicle/parachute_models/reefed.py", '"reefed"', '"skirt"'),
+        *("parachute_model", "vehicle/parachutes/models/reefed.py", '"reefed"', '"skirt"'),
         "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.filling_exponent: 2.0}",
     ),
     (
-        *("engine_model", "vehicle/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
+        *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
         "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
     ),
     (

@@ -9,8 +9,9 @@ import numpy as np
 import edl6dof
 from edl6dof.config.dtype import fill
 from edl6dof.environment.gas import GAS
-from edl6dof.vehicle.aerodynamics import AERO, AeroParams, CapsuleParams, capsule_aero, capsule_coefficients
-from edl6dof.vehicle.aerotable import aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero, capsule_coefficients
+from edl6dof.vehicle.aerodynamics.table import aero_inputs, build_aero_table
+from edl6dof.vehicle.aerodynamics.wrench import AERO, AeroParams
 
 D, AREA = 3.4, pi / 4 * 3.4**2
 DENSE, RARE = 1e-2, 1e-12  # kg/m3: Kn < 1e-3 and Kn > 10

@@ -21,14 +21,13 @@ from aero_capsule import (
     wrench,
 )
 
-from edl6dof.vehicle.aerodynamics import free_molecular_weight
-from edl6dof.vehicle.aerotable import (
-    PACKAGED,
+from edl6dof.vehicle.aerodynamics.capsule import free_molecular_weight
+from edl6dof.vehicle.aerodynamics.newtonian import (
     capsule_rings,
-    read_static_table,
     stagnation_pressure_coefficient,
     surface_integrals,
 )
+from edl6dof.vehicle.aerodynamics.table import PACKAGED, read_static_table
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ import edl6dof
 from edl6dof.config.dtype import duplicate
 from edl6dof.scenario import records
 from edl6dof.sim.flight import fly
-from edl6dof.vehicle.body import derivatives
-from edl6dof.vehicle.parachute import canopy_force
+from edl6dof.vehicle.motion.body import derivatives
+from edl6dof.vehicle.motion.runge_kutta import evaluate, step
+from edl6dof.vehicle.parachutes.parachute import canopy_force
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, STATES, WORKSPACE
-from edl6dof.vehicle.runge_kutta import evaluate, step
 from edl6dof.vehicle.surroundings import planet_rotation, surroundings
 
 #: Coasting, in lift, while the parachute inflates, below it, under power, on the ground.

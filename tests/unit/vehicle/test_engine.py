@@ -10,7 +10,13 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle.engine import ENGINE, EngineParams, propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.propulsion.engine import (
+    ENGINE,
+    EngineParams,
+    propellant_flow,
+    thrust_rate,
+    thrust_wrench,
+)
 
 G0 = 9.80665
 BAND = {"full_thrust_n": 7500.0, "throttle_min_n": 1500.0, "throttle_max_n": 5000.0}

@@ -15,9 +15,9 @@ from edl6dof.interface.command import COMMAND
 from edl6dof.interface.events import DEPLOY
 from edl6dof.scenario.records import build_case, build_tables, initial_plant
 from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.fault_kinds.registry import FAULT_KINDS
+from edl6dof.vehicle.faults.registry import FAULT_KINDS
 from edl6dof.vehicle.plant import THRUST, THRUSTER_KINDS
-from edl6dof.vehicle.rcs import fire
+from edl6dof.vehicle.propulsion.rcs import fire
 
 CYCLE = 0.02
 D7, D8 = 6, 7

@@ -23,7 +23,7 @@ from edl6dof.vehicle.mass import (
     loaded,
 )
 from edl6dof.vehicle.plant import PROPELLANT, STATES
-from edl6dof.vehicle.tanks import with_propellant
+from edl6dof.vehicle.propulsion.tanks import with_propellant
 
 
 def part(name, **numbers):

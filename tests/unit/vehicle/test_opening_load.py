@@ -16,8 +16,8 @@ from scipy.integrate import solve_ivp
 
 import edl6dof
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle import parachute as kernels
-from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams
+from edl6dof.vehicle.parachutes import parachute as kernels
+from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams
 
 SOUND, LBF = 225.0, 4.448222
 FACTOR, SPEED, DECAY = 1.344, 27.2, 0.25

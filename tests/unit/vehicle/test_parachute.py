@@ -13,9 +13,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle import parachute as kernels
-from edl6dof.vehicle.parachute import PARACHUTE_PARAMS, ParachuteParams
-from edl6dof.vehicle.parachute_models.registry import efficiency_of_model
+from edl6dof.vehicle.parachutes import parachute as kernels
+from edl6dof.vehicle.parachutes.models.registry import efficiency_of_model
+from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams
 
 
 def chute(**changes):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from edl6dof.vehicle.pchip import curve
+from edl6dof.vehicle.aerodynamics.pchip import curve
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -21,7 +21,9 @@ from edl6dof.vehicle.mass import (
     compose_dry,
     fill_lander,
 )
-from edl6dof.vehicle.parachute import (
+from edl6dof.vehicle.motion.point_mass import SIX_DOF
+from edl6dof.vehicle.motion.staging import deploy, jettison, release, separate
+from edl6dof.vehicle.parachutes.parachute import (
     EXTRACTING,
     INFLATING,
     PACKED,
@@ -40,9 +42,7 @@ from edl6dof.vehicle.plant import (
     STATE,
     VELOCITY,
 )
-from edl6dof.vehicle.point_mass import SIX_DOF
-from edl6dof.vehicle.staging import deploy, jettison, release, separate
-from edl6dof.vehicle.tanks import with_propellant
+from edl6dof.vehicle.propulsion.tanks import with_propellant
 
 VEHICLE = np.dtype(
     [

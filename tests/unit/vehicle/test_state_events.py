@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.integrate import advance
-from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.motion.integrate import advance
+from edl6dof.vehicle.motion.runge_kutta import evaluate
+from edl6dof.vehicle.motion.state_events import STATE_EVENTS, clearance, slack
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, PROPELLANT, WORKSPACE
-from edl6dof.vehicle.runge_kutta import evaluate
-from edl6dof.vehicle.state_events import STATE_EVENTS, clearance, slack
 from edl6dof.verify.scene import BARE, FLAT, ONE_BODY, VACUUM, WEIGHTLESS, scenes, state_of
 
 G, STEP_S = 3.72, 0.01

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from aero_capsule import AREA, PARAMS, RARE, D, coefficients, table_of
 
-from edl6dof.vehicle.aerodynamics import CapsuleParams
-from edl6dof.vehicle.aerotable import capsule_rings, stagnation_pressure_coefficient, surface_integrals
+from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
+from edl6dof.vehicle.aerodynamics.newtonian import (
+    capsule_rings,
+    stagnation_pressure_coefficient,
+    surface_integrals,
+)
 
 
 def test_stagnation_pressure():

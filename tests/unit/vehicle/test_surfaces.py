@@ -10,8 +10,9 @@ from aero_capsule import gas_record, table_of
 from scipy.optimize import brentq
 
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle.aerodynamics import AERO, AeroParams, capsule_aero
-from edl6dof.vehicle.surfaces import SURFACE, SurfaceParams, wing_force, wing_opening
+from edl6dof.vehicle.aerodynamics.capsule import capsule_aero
+from edl6dof.vehicle.aerodynamics.surfaces import SURFACE, SurfaceParams, wing_force, wing_opening
+from edl6dof.vehicle.aerodynamics.wrench import AERO, AeroParams
 
 D, AREA = 3.4, pi / 4 * 3.4**2
 CG = (-0.25 * D, 0.0, -0.0100 * D)  # above the axis: lift up at alpha -10 deg

@@ -9,7 +9,7 @@ all engines have.
 from __future__ import annotations
 
 from edl6dof.registry import Family
-from edl6dof.vehicle.engine_models import pulsed, throttled
+from edl6dof.vehicle.propulsion.engine_models import pulsed, throttled
 
 ENGINE_MODELS = Family("engine model", (throttled.MEMBER, pulsed.MEMBER))
 

@@ -1,6 +1,6 @@
 """The kinds of fault that each of ``faults`` may name as its ``kind``.
 
-A member's parameters derive from the fault of a component (:mod:`edl6dof.vehicle.fault_kinds.component`),
+A member's parameters derive from the fault of a component (:mod:`edl6dof.vehicle.faults.component`),
 and say so what breaks.  Its kernel ``inflict(fault, case, since, command, plant)`` runs in every base cycle
 from the time ``since`` (s) at which the fault began, after the commands have reached valves and engines and
 before the plant moves; ``fault.component`` is the index of the component in its list of the vehicle.
@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
 from edl6dof.registry import Family
-from edl6dof.vehicle.fault_kinds import engine, parachute, surface, thruster
-from edl6dof.vehicle.fault_kinds.component import Component, ComponentFault
+from edl6dof.vehicle.faults import engine, parachute, surface, thruster
+from edl6dof.vehicle.faults.component import Component, ComponentFault
 
 FAULT_KINDS = Family("fault kind", (*thruster.MEMBERS, *surface.MEMBERS, *parachute.MEMBERS, *engine.MEMBERS))
 

@@ -16,7 +16,8 @@ from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, inertia_solve, put3, scale, sub, take3
 from edl6dof.vehicle.debris import LOOSE
 from edl6dof.vehicle.mass import compose
-from edl6dof.vehicle.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
+from edl6dof.vehicle.motion.point_mass import POINT_MASS
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING, RELEASED, nominal_area
 from edl6dof.vehicle.plant import (
     ATTITUDE,
     CANOPY_POSITION,
@@ -25,8 +26,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
-from edl6dof.vehicle.point_mass import POINT_MASS
-from edl6dof.vehicle.tanks import with_propellant
+from edl6dof.vehicle.propulsion.tanks import with_propellant
 
 
 @kernel

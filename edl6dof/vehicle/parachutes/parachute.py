@@ -2,7 +2,7 @@
 
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
 it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
-(:mod:`edl6dof.vehicle.parachute_models`).  Left out: the thrust term of growing apparent mass (opening-load
+(:mod:`edl6dof.vehicle.parachutes.models`).  Left out: the thrust term of growing apparent mass (opening-load
 factors are fitted without it) and canopy attitude of its own.  The skirt hangs on lines all around, which
 turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40 kN/m = 630 kN
 m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m turns it by 0.01
@@ -22,10 +22,10 @@ from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, group, 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
-from edl6dof.vehicle.bridle import LEGS
-from edl6dof.vehicle.mach_table import MachTable, tabulated
-from edl6dof.vehicle.parachute_models.disk_gap_band import DiskGapBandParams
-from edl6dof.vehicle.parachute_models.registry import (
+from edl6dof.vehicle.parachutes.bridle import LEGS
+from edl6dof.vehicle.parachutes.mach_table import MachTable, tabulated
+from edl6dof.vehicle.parachutes.models.disk_gap_band import DiskGapBandParams
+from edl6dof.vehicle.parachutes.models.registry import (
     ParachuteChoice,
     efficiency_of_model,
     inflation_of_model,

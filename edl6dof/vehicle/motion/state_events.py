@@ -15,11 +15,11 @@ from edl6dof.registry import switch
 from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
-from edl6dof.vehicle.bridle import confluence
 from edl6dof.vehicle.landing_gear import lowest_point
-from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.motion.runge_kutta import NEAR_GROUND, take_attitude
+from edl6dof.vehicle.parachutes.bridle import confluence
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, POSITION, PROPELLANT, STATES
-from edl6dof.vehicle.runge_kutta import NEAR_GROUND, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 #: Value of an event function while its event cannot happen.

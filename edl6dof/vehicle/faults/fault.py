@@ -19,8 +19,8 @@ from edl6dof.config.base import Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.jit import kernel
-from edl6dof.vehicle.fault_kinds.component import COMPONENTS, Component
-from edl6dof.vehicle.fault_kinds.registry import FaultChoice, component_of, inflict_kind
+from edl6dof.vehicle.faults.component import COMPONENTS, Component
+from edl6dof.vehicle.faults.registry import FaultChoice, component_of, inflict_kind
 from edl6dof.vehicle.plant import NOT_BEGUN
 from edl6dof.vehicle.vehicle import VehicleParams
 

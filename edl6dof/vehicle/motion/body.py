@@ -28,11 +28,12 @@ from edl6dof.spatial.vector import (
     sub,
     take3,
 )
-from edl6dof.vehicle.aerodynamics import aerodynamic_wrench
-from edl6dof.vehicle.bridle import confluence
-from edl6dof.vehicle.engine import propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.aerodynamics.surfaces import extension, wing_force
+from edl6dof.vehicle.aerodynamics.wrench import aerodynamic_wrench
 from edl6dof.vehicle.landing_gear import contact
-from edl6dof.vehicle.parachute import (
+from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_motion
+from edl6dof.vehicle.parachutes.bridle import confluence
+from edl6dof.vehicle.parachutes.parachute import (
     EXTRACTING,
     INFLATING,
     apparent_mass,
@@ -51,10 +52,9 @@ from edl6dof.vehicle.plant import (
     THRUST,
     VELOCITY,
 )
-from edl6dof.vehicle.point_mass import POINT_MASS, point_attitude, point_motion
-from edl6dof.vehicle.surfaces import extension, wing_force
+from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach, with_propellant
 from edl6dof.vehicle.surroundings import gravity, surroundings
-from edl6dof.vehicle.tanks import draw, load_within_reach, with_propellant
 
 
 @kernel
@@ -255,7 +255,7 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.rcs`).
+    Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.propulsion.rcs`).
     """
     out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)

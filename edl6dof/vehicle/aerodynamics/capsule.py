@@ -1,43 +1,22 @@
-"""Aerodynamic force and moment of the entry capsule, of what is left after jettisons, and of simple
-constant-coefficient bodies.
-
-Every model takes the air-relative velocity (u, v, w) in body axes `B` (x forward through the nose, y right, z
-down, m/s), the dynamic pressure ``qbar`` (Pa) and the rates (p, q, r) (rad/s), and returns (Fx, Fy, Fz, Mx,
-My, Mz) in `B` (N, N m).  Moments are
-about a point on the x axis: ``table.moment_reference_x`` (capsule), ``bluff.centre_of_pressure_x``,
-``constant.moment_reference_x``.  The caller adds (r_ref - r_cg) x F; :func:`aerodynamic_wrench` returns the
-station as well.
-
-Axisymmetric bodies are described by the total angle aT between velocity and +x, 0..pi, and the direction e =
-(0, v, w)/|(v, w)|: F = qbar A (-CA, -CN e_y, -CN e_z), M = qbar A D Cm (0, e_z, -e_y).  CN and Cm vanish with
-aT: zero lateral velocity is regular.
-"""
+"""The sphere-cone entry capsule: its shape and tables as given, its coefficients and force in flight."""
 
 from __future__ import annotations
 
 from math import atan2, log10, pi, sin, sqrt
-from typing import ClassVar, Literal, Self, get_args
+from typing import ClassVar, Self
 
 from pydantic import model_validator
 
-from edl6dof.config.base import Hardware, group, param
-from edl6dof.config.dtype import dtype_of
+from edl6dof.config.base import Hardware, param
 from edl6dof.environment.gas import inverse_knudsen_number
 from edl6dof.jit import inlined_kernel, kernel
 from edl6dof.spatial.lookups import cell, cell_among
+from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
 
 PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
 
-MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
-#: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
-#: the open backshell with the lander inside.
-Shape = Literal["none", "capsule", "backshell"]
-SHAPES: tuple[Shape, ...] = get_args(Shape)
-CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL = range(len(SHAPES))
-
 DEG_PER_RAD = 180.0 / pi
-MIN_SPEED = 1e-9
 
 
 class CapsuleParams(Hardware):
@@ -154,92 +133,6 @@ class CapsuleParams(Hardware):
         return self
 
 
-class ConstantAeroParams(Hardware):
-    """Constant drag and rate damping (NASA NESC check cases: sphere, brick, cannonball)."""
-
-    drag_coefficient: float = param(0.0, "CD, force against the velocity", ge=0.0)
-    roll_damping: float = param(0.0, "Clp per rad of p span/2V")
-    pitch_damping: float = param(0.0, "Cmq per rad of q chord/2V")
-    yaw_damping: float = param(0.0, "Cnr per rad of r span/2V")
-    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
-    span_m: float = param(1.0, "reference length of roll and yaw", gt=0.0)
-    chord_m: float = param(1.0, "reference length of pitch", gt=0.0)
-    moment_reference_x_m: float = param(
-        0.0, "station where the drag acts; the CG for a body without static moment"
-    )
-
-
-class LiftDragParams(Hardware):
-    """Constant drag and lift coefficient whatever the attitude: the vehicle of point-mass studies."""
-
-    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
-    drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
-    lift_to_drag: float = param(
-        0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0
-    )
-
-
-class BluffParams(Hardware):
-    """Bluff body after a jettison: CA = CD cos aT and CN = slope sin aT, acting at a centre of pressure on
-    the axis.
-    """
-
-    reference_area_m2: float = param(
-        9.079, "reference area", status="derived", source="pi/4 (3.4 m)^2", gt=0.0
-    )
-    reference_length_m: float = param(
-        3.4, "reference length of the damping", status="published", source="S&T Daily 2021", gt=0.0
-    )
-    drag_coefficient: float = param(
-        1.3, "axial coefficient at aT = 0; its negative at 180 deg", status="estimate", ge=0.0
-    )
-    normal_slope: float = param(
-        0.3,
-        "CN = slope sin aT; equal to the drag coefficient it makes the force pure drag",
-        status="estimate",
-        ge=0.0,
-    )
-    centre_of_pressure_x_m: float = param(
-        -1.4,
-        "body station of the centre of pressure; aft of the CG (more negative) is stable",
-        status="estimate",
-    )
-    pitch_damping: float = param(-0.2, "Cmq = Cnr per rad of rate L/2V", status="estimate", le=1.0)
-
-
-def _backshell() -> BluffParams:
-    return BluffParams()
-
-
-def _lander() -> BluffParams:
-    return BluffParams(
-        reference_area_m2=5.0,
-        reference_length_m=2.5,
-        drag_coefficient=1.2,
-        normal_slope=1.0,
-        centre_of_pressure_x_m=-1.1,
-        pitch_damping=-0.2,
-    )
-
-
-class AeroParams(Hardware):
-    """Aerodynamics of the vehicle in all its configurations."""
-
-    model: Literal["capsule", "constant", "none", "lift_drag"] = param(
-        "capsule", "which aerodynamic model flies"
-    )
-    capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
-    constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
-    lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
-    backshell: BluffParams = param(
-        ..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell
-    )
-    lander: BluffParams = param(..., "bare lander", status="estimate", factory=_lander)
-
-
-AERO = dtype_of(AeroParams)
-
-
 @kernel
 def free_molecular_weight(capsule, gas, rho):
     """Share of the free-molecular coefficients at density ``rho`` (kg/m3): 0 continuum .. 1 free molecular.
@@ -272,7 +165,7 @@ def capsule_coefficients(capsule, table, gas, mach, rho, angle):
     table's reference.
 
     Cubic Hermite in angle (C1), linear in Mach (clamped); damping linear in both.  Source:
-    :mod:`edl6dof.vehicle.aerotable`.
+    :mod:`edl6dof.vehicle.aerodynamics.table`.
     """
     low, b = cell_among(table.mach, table.n_mach, mach)
     i, t = cell(angle * DEG_PER_RAD, 180)
@@ -304,7 +197,7 @@ def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
 
     Damping: qbar A D Cmq (D/2V) (0, q, r), rates relative to the air.  ``moment_bias`` adds qbar A D bias to
     My.
-    Source: decomposition by total angle for a body of revolution, module docstring.
+    Source: decomposition by total angle for a body of revolution, :mod:`edl6dof.vehicle.aerodynamics.shape`.
     """
     capsule = aero.capsule
     lateral = sqrt(v * v + w * w)
@@ -323,77 +216,3 @@ def capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r):
         -force * ca, -force * cn * e_y, -force * cn * e_z,
         0.0, moment * (cm * e_z + capsule.moment_bias) + damping * q, -moment * cm * e_y + damping * r,
     )  # fmt: skip
-
-
-@kernel
-def bluff_aero(bluff, qbar, u, v, w, p, q, r):
-    """Force and moment in `B` of a bluff body, moment (pitch and yaw damping only) about
-    (bluff.centre_of_pressure_x, 0, 0).
-
-    CA = CD cos aT, CN = slope sin aT.  Source: engineering estimate, see :class:`BluffParams`.
-    """
-    speed = sqrt(u * u + v * v + w * w)
-    if speed < MIN_SPEED:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    force = qbar * bluff.reference_area / speed
-    damping = force * bluff.pitch_damping * 0.5 * bluff.reference_length * bluff.reference_length
-    return (
-        -force * bluff.drag_coefficient * u, -force * bluff.normal_slope * v, -force * bluff.normal_slope * w,
-        0.0, damping * q, damping * r,
-    )  # fmt: skip
-
-
-@kernel
-def constant_aero(aero, qbar, u, v, w, p, q, r):
-    """Constant drag against the velocity and rate damping in `B`, moment about (constant.moment_reference_x,
-    0, 0).
-
-    L = qbar S b Clp p b/2V, M = qbar S c Cmq q c/2V, N = qbar S b Cnr r b/2V.  Source: NASA/TM-2015-218675,
-    cases 3 and 4.
-    """
-    constant = aero.constant
-    speed = sqrt(u * u + v * v + w * w)
-    if speed < MIN_SPEED:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    force = qbar * constant.reference_area / speed
-    drag = force * constant.drag_coefficient
-    b2, c2 = 0.5 * constant.span**2, 0.5 * constant.chord**2
-    return (
-        -drag * u, -drag * v, -drag * w,
-        force * b2 * constant.roll_damping * p, force * c2 * constant.pitch_damping * q,
-        force * b2 * constant.yaw_damping * r,
-    )  # fmt: skip
-
-
-@kernel
-def lift_drag_aero(lift_drag, qbar, u, v, w):
-    """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source:
-    definition of lift and drag.
-    """
-    speed, plane = sqrt(u * u + v * v + w * w), sqrt(u * u + w * w)
-    if plane < MIN_SPEED:
-        return 0.0, 0.0, 0.0
-    drag = qbar * lift_drag.reference_area * lift_drag.drag_coefficient
-    along, across = -drag / speed, drag * lift_drag.lift_to_drag / plane
-    return along * u + across * w, along * v, along * w - across * u
-
-
-@inlined_kernel
-def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
-    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
-    (``CONFIG_...``).
-    """
-    if aero.model == MODEL_NONE:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if aero.model == MODEL_CONSTANT:
-        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p, q, r)
-        return fx, fy, fz, mx, my, mz, aero.constant.moment_reference_x
-    if aero.model == MODEL_LIFT_DRAG:
-        fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
-        return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
-    if configuration == CONFIG_CAPSULE:
-        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
-        return fx, fy, fz, mx, my, mz, table.moment_reference_x
-    bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander
-    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p, q, r)
-    return fx, fy, fz, mx, my, mz, bluff.centre_of_pressure_x

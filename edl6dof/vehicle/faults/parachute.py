@@ -6,7 +6,7 @@ from edl6dof.config.base import param
 from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.vehicle.fault_kinds.component import ParachuteFault
+from edl6dof.vehicle.faults.component import ParachuteFault
 
 
 class ParachuteDelayParams(ParachuteFault):

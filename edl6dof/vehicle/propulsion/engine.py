@@ -1,5 +1,5 @@
 """Landing engines: place, direction and levels; how the thrust follows its command is the engine's model's
-(:mod:`edl6dof.vehicle.engine_models`).
+(:mod:`edl6dof.vehicle.propulsion.engine_models`).
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vecto
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
-from edl6dof.vehicle.engine_models.registry import (
+from edl6dof.vehicle.propulsion.engine_models.registry import (
     EngineChoice,
     rate_of_model,
     specific_impulse_of_model,
 )
-from edl6dof.vehicle.engine_models.throttled import ThrottledParams
+from edl6dof.vehicle.propulsion.engine_models.throttled import ThrottledParams
 
 G0 = 9.80665
 

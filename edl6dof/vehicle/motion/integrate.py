@@ -1,19 +1,19 @@
 """Flight of the plant from one time to another, cut at every event.
 
 Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state
-(:mod:`edl6dof.vehicle.state_events`) are found by repeating the step with a shorter length until the first of
-their functions is zero to 1e-9 s.  A step is cut, never rounded; thruster impulse stays exact because valve
-levels are integrated in closed form over whatever length the step has.
+(:mod:`edl6dof.vehicle.motion.state_events`) are found by repeating the step with a shorter length until the
+first of their functions is zero to 1e-9 s.  A step is cut, never rounded; thruster impulse stays exact
+because valve levels are integrated in closed form over whatever length the step has.
 """
 
 from __future__ import annotations
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
+from edl6dof.vehicle.motion.runge_kutta import evaluate, step
+from edl6dof.vehicle.motion.staging import carry_out
+from edl6dof.vehicle.motion.state_events import carry_out_state_events, until_event
 from edl6dof.vehicle.plant import STATES
-from edl6dof.vehicle.runge_kutta import evaluate, step
-from edl6dof.vehicle.staging import carry_out
-from edl6dof.vehicle.state_events import carry_out_state_events, until_event
 
 TIME_TOLERANCE = 1e-9
 

@@ -18,8 +18,9 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
-from edl6dof.vehicle.body import derivatives, motion
-from edl6dof.vehicle.parachute import EXTRACTING, INFLATING
+from edl6dof.vehicle.motion.body import derivatives, motion
+from edl6dof.vehicle.motion.point_mass import POINT_MASS
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
     ATTITUDE,
     POSITION,
@@ -29,8 +30,7 @@ from edl6dof.vehicle.plant import (
     THRUST,
     VELOCITY,
 )
-from edl6dof.vehicle.point_mass import POINT_MASS
-from edl6dof.vehicle.rcs import fire
+from edl6dof.vehicle.propulsion.rcs import fire
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
 #: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far

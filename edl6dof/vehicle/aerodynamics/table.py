@@ -4,18 +4,13 @@ numpy, at load time.
 0-16 deg is the published static table, made C1 in angle by monotone cubics (PCHIP) through its points and
 their mirror images. Beyond it modified Newtonian flow over the whole capsule, plus a correction that makes
 value and slope continuous at the end of the table and fades out at 40 deg.  Free-molecular coefficients by
-the same surface integral.
-
-The capsule is a convex body of revolution, so the only shadowing is n.v < 0, and the integrals over the
-azimuth are closed form: with flow direction (cos a, 0, sin a) and normal (nx, nr cos phi), n.v = nx cos a +
-nr sin a cos phi, positive for |phi| < phi0.
+the same surface integral (:mod:`edl6dof.vehicle.aerodynamics.newtonian`).
 """
 
 from __future__ import annotations
 
 import csv
 from functools import lru_cache
-from math import cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -24,14 +19,18 @@ import numpy as np
 from edl6dof.config.document.regular import read_regular, read_regular_text
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.records import require_finite
-from edl6dof.vehicle.aerodynamics import CapsuleParams
-from edl6dof.vehicle.pchip import curve
+from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
+from edl6dof.vehicle.aerodynamics.newtonian import (
+    capsule_rings,
+    stagnation_pressure_coefficient,
+    surface_integrals,
+)
+from edl6dof.vehicle.aerodynamics.pchip import curve
 
-PACKAGED = Path(__file__).parent.parent / "data" / "aerodynamics"
+PACKAGED = Path(__file__).parents[2] / "data" / "aerodynamics"
 MACH_CAPACITY = 64
 ANGLES = 181
 FADE_END = 40
-BASE_SUCTION = 0.2  # [E] mean base pressure coefficient of a bluff body at Mach 0
 
 #: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA ..
 #: dCm)], slopes per degree.
@@ -45,19 +44,6 @@ AERO_TABLE = np.dtype(
     ],
     align=True,
 )
-
-
-class Rings(NamedTuple):
-    """Surface of revolution: station and radius (m), outward normal (axial, radial), weight = radius x
-    meridian length (m2).
-    """
-
-    x: np.ndarray
-    r: np.ndarray
-    nx: np.ndarray
-    nr: np.ndarray
-    weight: np.ndarray
-
 
 #: Parameters that are applied in flight and do not enter the table.
 FLOWN = ("axial_factor", "normal_factor", "moment_factor", "moment_bias", "damping_factor")
@@ -179,110 +165,6 @@ def _checked(
         raise ValueError(f"{path}: holds a number that is not finite")
     c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
     return mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
-
-
-def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
-    """Effective Cp_max of the Newtonian integral, in a gas of this ratio of specific heats behind the shock.
-
-    Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a
-    base suction (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral
-    leaves out [E].
-    Source: Anderson, Modern Compressible Flow, eq. 8.80 (recalled).
-    """
-    mach = np.asarray(mach, dtype=np.float64)
-    g = heat_capacity_ratio
-    m2 = np.maximum(mach, 1.0) ** 2
-    pitot = (
-        ((g + 1.0) ** 2 * m2 / (4.0 * g * m2 - 2.0 * (g - 1.0))) ** (g / (g - 1.0))
-        * (1.0 - g + 2.0 * g * m2)
-        / (g + 1.0)
-    )
-    s2 = np.minimum(mach, 1.0) ** 2
-    stagnation = (1.0 + 0.5 * (g - 1.0) * s2) ** (g / (g - 1.0))
-    subsonic = (stagnation - 1.0) / (0.5 * g * s2) + BASE_SUCTION * (1.0 - s2)
-    return np.where(mach >= 1.0, (pitot - 1.0) / (0.5 * g * m2), subsonic)
-
-
-def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
-    """Rings of nose sphere, cone, shoulder, two backshell cones and flat lid; Gauss-Legendre points on every
-    piece.
-    """
-    rn, rs, rmax = capsule.nose_radius_m, capsule.shoulder_radius_m, 0.5 * capsule.diameter_m
-    cone, back = radians(capsule.cone_half_angle_deg), radians(capsule.backshell_cone_angle_deg)
-    back2 = radians(capsule.backshell_second_cone_angle_deg)
-    r1, x1 = rn * cos(cone), -rn * (1.0 - sin(cone))
-    r2 = rmax - rs * (1.0 - cos(cone))
-    if r2 <= r1:
-        raise ValueError("nose and shoulder radii leave no room for the cone")
-    x2 = x1 - (r2 - r1) / tan(cone)
-    x_shoulder = x2 - rs * sin(cone)
-    x3, r3 = x_shoulder - rs * sin(back), rmax - rs * (1.0 - cos(back))
-    r4, r5 = capsule.backshell_break_radius_m, capsule.backshell_base_radius_m
-    x4 = x3 - (r3 - r4) / tan(back)
-    x5 = x4 - (r4 - r5) / tan(back2)
-    pieces = [
-        _arc(-rn, 0.0, rn, 0.5 * pi, cone, points),
-        _line(x1, r1, x2, r2, points),
-        _arc(x_shoulder, rmax - rs, rs, cone, 0.0, points),
-        _arc(x_shoulder, rmax - rs, rs, 0.0, -back, points),
-        _line(x3, r3, x4, r4, points),
-        _line(x4, r4, x5, r5, points),
-        _line(x5, r5, x5, 0.0, points),
-    ]
-    return Rings(*(np.concatenate(column) for column in zip(*pieces, strict=True)))
-
-
-def surface_integrals(
-    rings: Rings, angle: np.ndarray, diameter: float, x_ref: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Newtonian (per unit Cp_max) and free-molecular coefficients [angle, (CA, CN, Cm)], Cm about (x_ref, 0,
-    0) and ``diameter``.
-
-    ``angle`` is the total angle, rad, 0..pi.
-
-    Newtonian: Cp = Cp_max (n.v)^2.  Free molecular: hyperthermal, diffuse, cold fully accommodated wall:
-    force 2 qbar per projected area against the velocity.  Source: Regan & Anandakrishnan, Dynamics of
-    Atmospheric Re-Entry, ch. 11-12 (recalled).
-    """
-    area, ca, sa = 0.25 * pi * diameter**2, np.cos(angle)[:, None], np.sin(angle)[:, None]
-    a, b = rings.nx * ca, rings.nr * sa
-    tiny = b < 1e-14
-    ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
-    bound = np.arccos(np.clip(ratio, -1.0, 1.0))
-    # Integrals of 1, cos, cos^2, cos^3 over the windward arc |phi| < bound; b >= 0 for angles 0..pi.
-    s, c = np.sin(bound), np.cos(bound)
-    m0, m1, m2, m3 = 2.0 * bound, 2.0 * s, bound + s * c, 2.0 * s - 2.0 / 3.0 * s**3
-    arm = rings.x - x_ref
-
-    def total(density: np.ndarray) -> np.ndarray:
-        return (density * rings.weight).sum(axis=1) / area
-
-    flat, wave = a * a * m0 + 2 * a * b * m1 + b * b * m2, a * a * m1 + 2 * a * b * m2 + b * b * m3
-    moment = -total(wave * (rings.r * rings.nx - arm * rings.nr)) / diameter
-    newton = np.stack((total(flat * rings.nx), total(wave * rings.nr), moment), axis=1)
-    shadow, tilt = a * m0 + b * m1, a * m1 + b * m2
-    moment = -2.0 * total(tilt * rings.r * ca - shadow * arm * sa) / diameter
-    rare = np.stack((2.0 * total(shadow) * ca[:, 0], 2.0 * total(shadow) * sa[:, 0], moment), axis=1)
-    return newton, rare
-
-
-def _arc(x: float, r: float, radius: float, start: float, end: float, points: int) -> Rings:
-    """Arc around (x, r); the normal turns from elevation ``start`` (towards +x) down to ``end``."""
-    node, weight = np.polynomial.legendre.leggauss(points)
-    elevation = start + 0.5 * (end - start) * (node + 1.0)
-    nx, nr = np.sin(elevation), np.cos(elevation)
-    rr = r + radius * nr
-    return Rings(x + radius * nx, rr, nx, nr, rr * radius * 0.5 * abs(end - start) * weight)
-
-
-def _line(x0: float, r0: float, x1: float, r1: float, points: int) -> Rings:
-    """Cone from (x0, r0) aft to (x1, r1); the normal points away from the axis (aft for a disc)."""
-    node, weight = np.polynomial.legendre.leggauss(points)
-    t, length = 0.5 * (node + 1.0), sqrt((x1 - x0) ** 2 + (r1 - r0) ** 2)
-    r, one = r0 + t * (r1 - r0), np.ones(points)
-    return Rings(
-        x0 + t * (x1 - x0), r, one * (r1 - r0) / length, one * (x0 - x1) / length, r * 0.5 * length * weight
-    )
 
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

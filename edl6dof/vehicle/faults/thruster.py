@@ -5,7 +5,7 @@ from __future__ import annotations
 from edl6dof.config.base import param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.vehicle.fault_kinds.component import ThrusterFault
+from edl6dof.vehicle.faults.component import ThrusterFault
 
 #: Longer than any base cycle, s: a valve held open is open all through it.
 LONG = 1.0

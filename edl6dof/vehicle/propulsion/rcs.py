@@ -18,7 +18,7 @@ from edl6dof.interface.capacities import MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, put3
-from edl6dof.vehicle.tanks import draw, load_within_reach
+from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
 
 G0 = 9.80665
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from edl6dof.config.base import param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-from edl6dof.vehicle.fault_kinds.component import SurfaceFault
-from edl6dof.vehicle.surfaces import wing_opening
+from edl6dof.vehicle.aerodynamics.surfaces import wing_opening
+from edl6dof.vehicle.faults.component import SurfaceFault
 
 
 class WingStuckParams(SurfaceFault):

@@ -9,7 +9,7 @@ over its value at low Mach number.  ``params`` are the member's own, ``chute`` w
 from __future__ import annotations
 
 from edl6dof.registry import Family
-from edl6dof.vehicle.parachute_models import disk_gap_band, reefed
+from edl6dof.vehicle.parachutes.models import disk_gap_band, reefed
 
 PARACHUTE_MODELS = Family("parachute model", (disk_gap_band.MEMBER, reefed.MEMBER))
 

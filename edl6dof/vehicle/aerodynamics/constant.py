@@ -1,0 +1,69 @@
+"""Bodies of constant coefficients: drag with rate damping (check cases), drag with lift (point masses)."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from edl6dof.config.base import Hardware, param
+from edl6dof.jit import kernel
+from edl6dof.vehicle.aerodynamics.shape import MIN_SPEED
+
+
+class ConstantAeroParams(Hardware):
+    """Constant drag and rate damping (NASA NESC check cases: sphere, brick, cannonball)."""
+
+    drag_coefficient: float = param(0.0, "CD, force against the velocity", ge=0.0)
+    roll_damping: float = param(0.0, "Clp per rad of p span/2V")
+    pitch_damping: float = param(0.0, "Cmq per rad of q chord/2V")
+    yaw_damping: float = param(0.0, "Cnr per rad of r span/2V")
+    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
+    span_m: float = param(1.0, "reference length of roll and yaw", gt=0.0)
+    chord_m: float = param(1.0, "reference length of pitch", gt=0.0)
+    moment_reference_x_m: float = param(
+        0.0, "station where the drag acts; the CG for a body without static moment"
+    )
+
+
+class LiftDragParams(Hardware):
+    """Constant drag and lift coefficient whatever the attitude: the vehicle of point-mass studies."""
+
+    reference_area_m2: float = param(1.0, "reference area", gt=0.0)
+    drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
+    lift_to_drag: float = param(
+        0.0, "L/D; lift stands on the velocity in the plane of x and z of B, towards -z", ge=-5.0, le=5.0
+    )
+
+
+@kernel
+def constant_aero(aero, qbar, u, v, w, p, q, r):
+    """Constant drag against the velocity and rate damping in `B`, moment about (constant.moment_reference_x,
+    0, 0).
+
+    L = qbar S b Clp p b/2V, M = qbar S c Cmq q c/2V, N = qbar S b Cnr r b/2V.  Source: NASA/TM-2015-218675,
+    cases 3 and 4.
+    """
+    constant = aero.constant
+    speed = sqrt(u * u + v * v + w * w)
+    if speed < MIN_SPEED:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    force = qbar * constant.reference_area / speed
+    drag = force * constant.drag_coefficient
+    b2, c2 = 0.5 * constant.span**2, 0.5 * constant.chord**2
+    return (
+        -drag * u, -drag * v, -drag * w,
+        force * b2 * constant.roll_damping * p, force * c2 * constant.pitch_damping * q,
+        force * b2 * constant.yaw_damping * r,
+    )  # fmt: skip
+
+
+@kernel
+def lift_drag_aero(lift_drag, qbar, u, v, w):
+    """Force in `B` of constant drag and lift: D against the velocity, L along y_B x velocity.  Source:
+    definition of lift and drag.
+    """
+    speed, plane = sqrt(u * u + v * v + w * w), sqrt(u * u + w * w)
+    if plane < MIN_SPEED:
+        return 0.0, 0.0, 0.0
+    drag = qbar * lift_drag.reference_area * lift_drag.drag_coefficient
+    along, across = -drag / speed, drag * lift_drag.lift_to_drag / plane
+    return along * u + across * w, along * v, along * w - across * u

@@ -1,0 +1,74 @@
+"""Aerodynamic force and moment of the vehicle in all its configurations: the model chosen, the shape seen."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from edl6dof.config.base import Hardware, group, param
+from edl6dof.config.dtype import dtype_of
+from edl6dof.jit import inlined_kernel
+from edl6dof.vehicle.aerodynamics.bluff import BluffParams, bluff_aero
+from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
+from edl6dof.vehicle.aerodynamics.constant import (
+    ConstantAeroParams,
+    LiftDragParams,
+    constant_aero,
+    lift_drag_aero,
+)
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
+
+MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
+
+
+def _backshell() -> BluffParams:
+    return BluffParams()
+
+
+def _lander() -> BluffParams:
+    return BluffParams(
+        reference_area_m2=5.0,
+        reference_length_m=2.5,
+        drag_coefficient=1.2,
+        normal_slope=1.0,
+        centre_of_pressure_x_m=-1.1,
+        pitch_damping=-0.2,
+    )
+
+
+class AeroParams(Hardware):
+    """Aerodynamics of the vehicle in all its configurations."""
+
+    model: Literal["capsule", "constant", "none", "lift_drag"] = param(
+        "capsule", "which aerodynamic model flies"
+    )
+    capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
+    constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
+    lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
+    backshell: BluffParams = param(
+        ..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell
+    )
+    lander: BluffParams = param(..., "bare lander", status="estimate", factory=_lander)
+
+
+AERO = dtype_of(AeroParams)
+
+
+@inlined_kernel
+def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
+    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
+    (``CONFIG_...``).
+    """
+    if aero.model == MODEL_NONE:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if aero.model == MODEL_CONSTANT:
+        fx, fy, fz, mx, my, mz = constant_aero(aero, qbar, u, v, w, p, q, r)
+        return fx, fy, fz, mx, my, mz, aero.constant.moment_reference_x
+    if aero.model == MODEL_LIFT_DRAG:
+        fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
+        return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
+    if configuration == CONFIG_CAPSULE:
+        fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        return fx, fy, fz, mx, my, mz, table.moment_reference_x
+    bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander
+    fx, fy, fz, mx, my, mz = bluff_aero(bluff, qbar, u, v, w, p, q, r)
+    return fx, fy, fz, mx, my, mz, bluff.centre_of_pressure_x

@@ -1,0 +1,1 @@
+"""Motion of the plant: its equations, the steps over them, and the events that cut a step."""

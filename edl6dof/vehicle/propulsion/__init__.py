@@ -1,0 +1,1 @@
+"""Landing engines and reaction-control thrusters, and the tanks that they draw from."""
