@@ -89,6 +89,10 @@ outside_sources: list[str] = []
 _FAMILIES = str(PACKAGE / "registry.py")
 
 
+#: Folders for machine code that could be written to.
+_writable: set[str] = set()
+
+
 class _TreeStamp:
     """Replaces numba's stamp (one file) by the hash of the file and of the package modules it imports."""
 
@@ -96,7 +100,14 @@ class _TreeStamp:
 
     def get_source_stamp(self) -> str:
         """Hash that changes when this function, or anything of the package it can call, is edited."""
-        return tree_stamp(Path(self._py_file).resolve())
+        return tree_stamp(self._py_file)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder and try to write into it, once for all the functions that share it."""
+        folder = self.get_cache_path()
+        if folder not in _writable:
+            super().ensure_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
+            _writable.add(folder)
 
     def get_cache_path(self) -> str:
         """numba's folder; below it one for each set of outside files, so that flights with and without them
@@ -167,14 +178,15 @@ def _user() -> int:
 
 
 @cache
-def tree_stamp(path: Path) -> str:
-    """Stamp of ``path`` with all that it imports, and of the flags that change compiled code.
+def tree_stamp(file: str) -> str:
+    """Stamp of ``file`` with all that it imports, and of the flags that change compiled code.
 
     What may call a member of a family also depends on the members from outside the package, and on all that
     these import.
     """
-    calls_members = _FAMILIES in TREE.reached(str(path))
-    stamp = TREE.stamp([str(path), *(outside_sources if calls_members else [])])
+    path = str(Path(file).resolve())
+    calls_members = _FAMILIES in TREE.reached(path)
+    stamp = TREE.stamp([path, *(outside_sources if calls_members else [])])
     return hashlib.sha256(f"{stamp} boundscheck={SETTINGS.BOUNDSCHECK}".encode()).hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""Whole processes as a user starts them: wall and CPU seconds, peak resident memory."""
+"""A section of bench.py: whole processes as a user starts them; wall and CPU time, peak resident memory."""
 
 from __future__ import annotations
 

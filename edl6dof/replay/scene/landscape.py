@@ -7,7 +7,7 @@ is the same for every flight to a site, fades out where a vehicle stands, and is
 
 from __future__ import annotations
 
-from math import pi
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -136,17 +136,20 @@ class Landscape:
 def _waves(
     random: np.random.Generator, east: np.ndarray, north: np.ndarray, spacing: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry."""
+    """Fractal tone about 0.5, and ripples (m), of waves that a mesh of the given spacing (m) can carry; in
+    single precision, as they are drawn.
+    """
+    east, north, spacing = (values.astype(np.float32) for values in (east, north, spacing))
     tone, weight, height = np.zeros_like(east), np.full_like(east, 1e-9), np.zeros_like(east)
-    for wavelength in np.geomspace(1.5, 4e5, 34):
+    for wavelength in np.geomspace(1.5, 4e5, 34).tolist():
         fits = np.clip(wavelength / (3.0 * spacing) - 1.0, 0.0, 1.0) * np.clip(
             60.0 * spacing / wavelength, 0.0, 1.0
         )
         rows = np.flatnonzero(fits)  # the rings of the mesh that it fits
         for _ in range(3):
-            heading, phase = random.uniform(0.0, 2.0 * pi, 2)
-            along = (east[rows] * np.cos(heading) + north[rows] * np.sin(heading)) / wavelength
-            across = (north[rows] * np.cos(heading) - east[rows] * np.sin(heading)) / wavelength
+            heading, phase = random.uniform(0.0, 2.0 * pi, 2).tolist()
+            along = (east[rows] * cos(heading) + north[rows] * sin(heading)) / wavelength
+            across = (north[rows] * cos(heading) - east[rows] * sin(heading)) / wavelength
             wave = fits[rows] * np.sin(2.0 * pi * along + phase + 2.0 * np.sin(3.1 * across + phase))
             tone[rows] += wave
             weight[rows] += fits[rows] ** 2

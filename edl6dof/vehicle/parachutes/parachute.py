@@ -137,7 +137,9 @@ class ParachuteParams(ParachuteChoice, Hardware):
         """Share of the full drag area at times after line stretch, s."""
         record = np.zeros(1, PARACHUTE_PARAMS)[0]
         fill(record, self)
-        return np.array([inflation(record, since) for since in since_line_stretch_s])
+        share = np.zeros(len(since_line_stretch_s))
+        inflations(record, since_line_stretch_s, share)
+        return share
 
 
 PARACHUTE_PARAMS = dtype_of(ParachuteParams)
@@ -152,6 +154,13 @@ def inflation(chute, since_line_stretch):
     if not since_line_stretch > 0.0:  # not a number where the lines were never taut
         return 0.0
     return inflation_of_model(chute.model, chute, chute, since_line_stretch)
+
+
+@kernel
+def inflations(chute, since_line_stretch, found):
+    """:func:`inflation` at several times, into ``found``."""
+    for i in range(len(found)):
+        found[i] = inflation(chute, since_line_stretch[i])
 
 
 @kernel

@@ -195,7 +195,7 @@ def test_estimator_of_a_plugin_is_chosen_by_name_and_tried_alone(tmp_path, old, 
 
 def stamp(file, monkeypatch, folder):
     monkeypatch.setattr(jit, "TREE", SourceTree(jit.PACKAGE, folder / "sources.json"))
-    return jit.tree_stamp.__wrapped__(jit.PACKAGE / file)
+    return jit.tree_stamp.__wrapped__(str(jit.PACKAGE / file))
 
 
 def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path, monkeypatch):
