@@ -14,8 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.environment.areoid import areoid_at, areoid_map
 from edl6dof.environment.curves import MAX_ROWS, cubic_coefficients, integral, monotone_slopes
 from edl6dof.environment.gravity import gravity_F
+from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.planet import PLANET, PlanetParams, fill_planet
 from edl6dof.spatial.frames import from_geodetic
 
@@ -49,14 +51,14 @@ class Ground(NamedTuple):
         longitude: rad.
         elevation: of the ground, m above the areoid.
         pressure: there, Pa.
-        areoid: height of the areoid there above the ellipsoid, m.
+        areoid: map of the areoid, from which heights count; ``None``: from the ellipsoid.
     """
 
     latitude: float
     longitude: float
     elevation: float
     pressure: float
-    areoid: float = 0.0
+    areoid: MapFile | None = None
 
 
 class Warmth(NamedTuple):
@@ -86,9 +88,9 @@ def gravity_along(planet: PlanetParams, ground: Ground, heights: np.ndarray) -> 
     fill_planet(record, planet)
     lat, lon, spin = ground.latitude, ground.longitude, planet.rotation_rate_rad_s
     up = (cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat))
-    found = np.empty(len(heights))
+    base, found = areoid_at(areoid_map(ground.areoid), lat, lon)[0], np.empty(len(heights))
     for i, height in enumerate(heights):
-        r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + ground.areoid)
+        r = from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, height + base)
         pull = gravity_F(record["gravity"], *r)
         found[i] = -np.dot(pull, up) - spin * spin * (r[0] * up[0] + r[1] * up[1])
     return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from edl6dof.config.errors import Inconsistent
+from edl6dof.environment.areoid import areoid_file
 from edl6dof.environment.atmosphere_table import ClimateInputs
 from edl6dof.environment.atmospheres.seasonal import SeasonalParams
 from edl6dof.environment.calendar import days_since_j2000, local_true_solar_time, solar_longitude, utc
@@ -21,14 +22,12 @@ class Place(NamedTuple):
         latitude: geodetic, rad.
         longitude: rad.
         elevation: m above the areoid.
-        areoid: height of the areoid there above the ellipsoid, m.
     """
 
     epoch_utc: str
     latitude: float
     longitude: float
     elevation: float
-    areoid: float = 0.0
 
 
 def climate_inputs(params: SeasonalParams, planet: PlanetParams, place: Place) -> ClimateInputs:
@@ -58,6 +57,6 @@ def climate_inputs(params: SeasonalParams, planet: PlanetParams, place: Place) -
     warmer = warming_at(hour, params.diurnal_amplitude_k, params.warmest_hour)
     return ClimateInputs(
         planet,
-        Ground(place.latitude, place.longitude, place.elevation, pressure, place.areoid),
+        Ground(place.latitude, place.longitude, place.elevation, pressure, areoid_file(planet)),
         Warmth(params.lapse_rate_k_m, warmer, params.diurnal_depth_m),
     )

@@ -61,7 +61,8 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     """Dotted path to message of every table that cannot be built."""
     problems: dict[str, str] = {}
     with _collected(problems, "atmosphere.table"):
-        air = build_table(air_inputs(scenario.atmosphere, scenario.planet, scenario.place))
+        of_air = air_inputs(scenario.atmosphere, scenario.planet, scenario.place)
+        air = build_table(of_air._replace(climate=None))  # the column of a climate is made of the same rows
         with _collected(problems, "wind.model"):
             require_winds(scenario.wind, air[0])
     for name, file in scenario.atmosphere.profiles.items():

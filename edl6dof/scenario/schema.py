@@ -214,7 +214,6 @@ class Scenario(Params):
             radians(ground.site_latitude_deg),
             radians(ground.site_longitude_deg),
             ground.site_elevation_m,
-            self.site_areoid_m,
         )
 
     @property
