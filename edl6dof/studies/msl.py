@@ -127,7 +127,7 @@ REMARKS = (
     f"{FLIGHTS} where the study flies in full.",
     "Datum, air and gas took off what the deployment was late; but the entry then flew range control to 560 "
     "m/s, which MSL left at 1100 m/s, and came low to the mortar.",
-    "MSL's trigger was a velocity, 405 m/s.  At Mach 1.7 that asks for air 13 K warmer than it is here: a "
+    "MSL's trigger was a velocity, 405 m/s.  At Mach 1.7 that asks for air some 14 K warmer than here: a "
     "trigger at Mach 1.7 fires later, lower and steeper.",
     "The mean wind is a tail wind: the true Mach number is less than the navigated one, and heading "
     "alignment, which does not control range, overshoots, as the real flight did.",
@@ -168,8 +168,7 @@ def corrected() -> tuple[Change, ...]:
 
 def run(runs: int, progress: Progress) -> Report:
     """Fly ``runs`` neighbours of the scenario as it was, after each correction, and with each change."""
-    rows = corrected()
-    changes = (*rows, *SENSITIVITIES)
+    changes = (*(rows := corrected()), *SENSITIVITIES)
     table: list[Row] = []
     for change in changes:
         loaded = load_scenario(SCENARIO, change.overrides)
