@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, hu2022, lu_bayard, wu2013, yan2016, zheng2015
+from edl6dof.studies import guidance, hu2022, lu_bayard, msl, wu2013, yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -14,5 +14,6 @@ STUDIES: dict[str, Study] = {
         lu_bayard,
         guidance,
         hu2022,
+        msl,
     )
 }  # fmt: skip

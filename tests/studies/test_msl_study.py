@@ -1,0 +1,89 @@
+"""The study of MSL's entry on few flights: what each correction is worth, and how the flight stands to the
+published one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.studies import msl
+from edl6dof.studies.cases import values
+
+RUNS = 2
+
+
+@pytest.fixture(scope="module")
+def report():
+    return msl.run(RUNS, lambda done, total: None)
+
+
+def grid(report, number):
+    """Rows of a table by name, their figures by column."""
+    table = report.grids[number]
+    return {row[0]: dict(zip(table.heads[1:], row[1:], strict=True)) for row in table.rows}
+
+
+def found(report, label):
+    return next(finding for finding in report.findings if finding.label == label)
+
+
+def test_the_last_row_of_the_corrections_is_the_scenario_itself(report):
+    assert msl.corrected()[-1].overrides == ()
+    own = edl6dof.fly("msl").metrics
+    last = list(grid(report, 0).values())[-1]
+    assert last["mortar s"] == pytest.approx(own["parachute_s"], abs=0.1)
+    assert last["q Pa"] == pytest.approx(own["parachute_dynamic_pressure_pa"], rel=1e-3)
+
+
+def test_each_row_takes_back_what_the_rows_below_correct():
+    rows = msl.corrected()
+    for above, below, change in zip(rows[:-1], rows[1:], msl.CORRECTIONS, strict=True):
+        assert above.overrides == change.overrides + below.overrides
+    for name, overrides in (*msl.CORRECTIONS, *msl.SENSITIVITIES):
+        scenario = edl6dof.load("msl", overrides).scenario
+        assert scenario != edl6dof.load("msl").scenario, name
+
+
+def test_datum_and_air_take_off_what_the_deployment_was_late(report):
+    """Ten seconds late of 259.1 s, on the ellipsoid and in another season's air."""
+    rows = grid(report, 0)
+    assert rows["as it was"]["mortar s"] == pytest.approx(271.0, abs=1.5)
+    assert rows["+ vibrating gas"]["mortar s"] == pytest.approx(259.4, abs=1.5)
+    assert rows["+ areoid"]["areoid m"] - rows["as it was"]["areoid m"] > 50.0
+
+
+def test_the_path_was_steep_for_want_of_heading_alignment_and_a_velocity_trigger(report):
+    rows = grid(report, 0)
+    last = list(rows.values())[-1]
+    assert last["path deg"] - rows["as it was"]["path deg"] > 5.0
+    assert rows["+ heading alignment"]["ground m"] - rows["+ target, 0.2 g"]["ground m"] > 500.0
+    assert last["path deg"] - rows["+ straightening"]["path deg"] > 1.0
+
+
+def test_a_tail_wind_makes_the_true_mach_number_less_than_the_navigated_one(report):
+    navigated = found(report, "Mach at mortar fire, as navigated").computed
+    assert navigated - found(report, "Mach at mortar fire").computed > 0.05
+    still, windy = grid(report, 1)["no wind"], list(grid(report, 0).values())[-1]
+    assert still["Mach"] == pytest.approx(navigated, abs=0.02)
+    assert still["range km"] < windy["range km"] - 2.0
+
+
+def test_published_figures_stand_beside_and_the_flight_near_them(report):
+    beside = {f.label: f for f in report.findings if f.published is not None}
+    assert {"mortar fire", "Mach at mortar fire", "reversals of range control"} <= beside.keys()
+    assert beside["mortar fire"].computed == pytest.approx(259.12, abs=2.0)
+    assert beside["peak load of the entry"].computed == pytest.approx(12.58, rel=0.02)
+    assert beside["reversals of range control"].computed == 3.0
+    for k in (1, 2, 3):
+        name = f"reversal {k}, through zero bank"
+        assert beside[name].computed == pytest.approx(beside[name].published, abs=8.0)
+    assert report.ok
+
+
+def test_every_flight_is_a_row(report):
+    kinds = len(msl.CORRECTIONS) + 1 + len(msl.SENSITIVITIES)
+    assert report.runs == report.table.num_rows == RUNS * kinds
+    assert np.all(values(report.table, "parachute_s") > 200.0)
+    assert report.table["success"].to_pylist().count(False) <= 2 * RUNS
