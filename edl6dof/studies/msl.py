@@ -47,8 +47,8 @@ CORRECTIONS = (
     Change(
         "target, 0.2 g",
         (
-            f"{ENTRY}.aim_north_m=0",
-            f"{ENTRY}.aim_east_m=-8000",
+            "terrain.site_latitude_deg=-4.5895",
+            "terrain.site_longitude_deg=137.4417",
             "mission.phases.trim_aoa.until.value=1.1",
         ),
     ),
@@ -84,7 +84,7 @@ SENSITIVITIES = (
     Change("density +5 %", ("atmosphere.density_factor=1.05",)),
     Change("axial force +3 %", ("vehicle.aero.capsule.axial_factor=1.03",)),
     Change("bank 80/30 deg", (_BANK_80_30,)),
-    Change("aim 1 km on", (f"{ENTRY}.aim_east_m=-10400",)),
+    Change("target 1 km on", ("terrain.site_longitude_deg=137.4188",)),
 )
 
 
