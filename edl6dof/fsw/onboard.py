@@ -1,12 +1,13 @@
 """The Onboard record: everything the flight computer believes, and its settings.
 
 It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is
-a coarse table of density and speed of sound without wind; drag and lift are one number each.
+a coarse table of density and speed of sound; of the wind no more than the aim point is known, in which the
+expected one is allowed for; drag and lift are one number each.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
 from edl6dof.fsw.estimation.registry import DISTURBANCE, EstimationParams
 from edl6dof.fsw.estimation.update import ESTIMATION
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.prediction.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, ReferenceBankParams
@@ -50,6 +52,11 @@ _PoweredLaws: Any = POWERED_LAWS.params_model("PoweredLawParams", "law", "polyno
 
 class EntryGuidanceParams(_EntryLaws):
     """Entry guidance: the law, and what all laws share."""
+
+    former: ClassVar = dict.fromkeys(
+        ("aim_north_m", "aim_east_m"),
+        "worked out before the flight, from the descent that is expected: expected_wind: {table_factor: 1.0}",
+    )
 
     preset_bank_deg: float = param(
         55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0
@@ -86,11 +93,10 @@ class EntryGuidanceParams(_EntryLaws):
     final_mach: float = param(
         0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0
     )
-    aim_north_m: float = param(
-        0.0, "aim point of entry guidance north of the landing site", status="derived", ge=-1e5, le=1e5
-    )
-    aim_east_m: float = param(
-        0.0, "aim point of entry guidance east of the landing site", status="derived", ge=-1e5, le=1e5
+    expected_wind: ExpectedWindParams = group(
+        ExpectedWindParams,
+        "mean wind that the drift under the parachute is allowed for; the true one is the section wind",
+        record=False,
     )
 
 

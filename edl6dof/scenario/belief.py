@@ -11,16 +11,15 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.check_out import fill_check_out
-from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
+from edl6dof.scenario.aim import set_aim, start_of
 from edl6dof.scenario.believed_aero import fill_airframe
 from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
-from edl6dof.spatial.frames import great_circle
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
@@ -33,7 +32,9 @@ BEYOND = 1000.0
 
 
 def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
-    """What the flight computer believes, shape (1,): nominal models, no perturbation, no wind."""
+    """What the flight computer believes, shape (1,): nominal models, no perturbation, and of the wind
+    what the aim point allows for.
+    """
     onboard = np.zeros(1, ONBOARD)
     record = onboard[0]
     planet = scenario.planet
@@ -51,8 +52,10 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
-    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
-        _plan_entry(onboard, scenario)
+    set_aim(onboard, scenario, tables)
+    law = ENTRY_LAWS.member(software.guidance.entry.law)
+    if law.plan is not None and any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        law.plan(onboard, start_of(scenario))
     return onboard
 
 
@@ -147,26 +150,3 @@ def _set_site(record: np.void, scenario: Scenario) -> None:
         radians(terrain.site_longitude_deg),
     )
     record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m
-    record["aim_latitude"], record["aim_longitude"] = scenario.aim_point
-
-
-def _plan_entry(onboard: np.ndarray, scenario: Scenario) -> None:
-    """Solve the reference trajectory from entry interface to the aim point, and what the chosen law plans
-    from it.
-    """
-    initial, entry = scenario.initial, scenario.flight_software.guidance.entry
-    site = onboard["site"][0]
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    arc, _ = great_circle(
-        sin(lat),
-        cos(lat),
-        lon,
-        sin(site["aim_latitude"]),
-        cos(site["aim_latitude"]),
-        float(site["aim_longitude"]),
-    )
-    start = (scenario.initial_altitude_m, initial.speed, initial.flight_path_angle)
-    fill_reference(onboard, start, arc * scenario.planet.equatorial_radius_m, entry.final_speed_m_s)
-    law = ENTRY_LAWS.member(entry.law)
-    if law.plan is not None:
-        law.plan(onboard, start)

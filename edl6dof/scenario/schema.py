@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from math import cos, radians
+from math import radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -178,16 +178,6 @@ class Scenario(Params):
         if (length := len(value.encode())) > _LONGEST_NAME:
             raise ValueError(f"must do as a folder name: at most {_LONGEST_NAME} bytes (got {length})")
         return value
-
-    @property
-    def aim_point(self) -> tuple[float, float]:
-        """Latitude and longitude (rad) that entry guidance steers to."""
-        entry, radius = self.flight_software.guidance.entry, self.planet.equatorial_radius_m
-        latitude, longitude = (
-            radians(self.terrain.site_latitude_deg),
-            radians(self.terrain.site_longitude_deg),
-        )
-        return latitude + entry.aim_north_m / radius, longitude + entry.aim_east_m / (radius * cos(latitude))
 
     @property
     def initial_altitude_m(self) -> float:

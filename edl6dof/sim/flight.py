@@ -54,6 +54,7 @@ class Flight:
         peaks: the largest loads met, ``PEAKS`` record.
         fsw: final flight-software memory.
         log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
+        aim_point: latitude and longitude (rad) that entry guidance steered to.
         code: outcome code of the loop.
         flown_cycles: base cycles flown by this call.
         saved: the state that was to be kept, if the flight came so far.
@@ -67,6 +68,7 @@ class Flight:
     peaks: np.ndarray
     fsw: np.ndarray
     log: np.ndarray
+    aim_point: tuple[float, float]
     code: int
     flown_cycles: int = 0
     saved: State | None = field(default=None, repr=False)
@@ -174,8 +176,8 @@ class Flight:
             phase.guidance != "entry" for phase in self.scenario.mission.phases
         ):
             return {}
-        aim, radius_m = self.scenario.aim_point, self.scenario.planet.equatorial_radius_m
-        return deployment_figures(self.telemetry, figures["parachute_s"], aim, radius_m)
+        radius_m = self.scenario.planet.equatorial_radius_m
+        return deployment_figures(self.telemetry, figures["parachute_s"], self.aim_point, radius_m)
 
     @cached_property
     def checks(self) -> list[Check]:
@@ -350,6 +352,7 @@ def fly(
         peaks,
         fsw,
         log[:rows],
+        (float(onboard["site"]["aim_latitude"][0]), float(onboard["site"]["aim_longitude"][0])),
         NOT_FINITE if wrong else code,
         cycle - first,
         saved,

@@ -115,7 +115,7 @@ def node_of(reference, energy_speed):
 @kernel
 def fly(onboard, entry, shift, final_speed, dt, history):
     """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, ground per path,
-    time). Returns the row count.
+    time). Returns the row count, and the altitude (m) and flight-path angle (rad) at which it ends.
 
     ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum =
     0).
@@ -140,7 +140,7 @@ def fly(onboard, entry, shift, final_speed, dt, history):
         gamma += dt * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
         s += dt * (a[3] + 2.0 * (b[3] + c[3]) + d[3]) / 6.0
         t += dt
-    return count
+    return count, h, gamma
 
 
 @kernel
@@ -149,7 +149,7 @@ def solve_shift(onboard, entry, wanted, final_speed, dt, history):
     low, high = LEAST_COSINE - 1.0, 1.0 - LEAST_COSINE
     for _ in range(40):
         middle = 0.5 * (low + high)
-        n = fly(onboard, entry, middle, final_speed, dt, history)
+        n, _, _ = fly(onboard, entry, middle, final_speed, dt, history)
         if history[n - 1, 1] < wanted:
             low = middle
         else:
@@ -159,9 +159,9 @@ def solve_shift(onboard, entry, wanted, final_speed, dt, history):
 
 def fill_reference(
     onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, final: float
-) -> None:
+) -> tuple[float, float]:
     """Fly the reference, for a range of ``wanted`` metres if that is to be fitted, and tabulate it into
-    ``onboard[0]["reference"]``.
+    ``onboard[0]["reference"]``; returns the altitude (m) and flight-path angle (rad) at which it ends.
 
     Args:
         onboard: onboard record array of length one, its models filled.
@@ -173,7 +173,7 @@ def fill_reference(
     dt = 0.1
     fitted = onboard["guidance"]["entry"]["reference_bank"]["fit_range"][0]
     shift = solve_shift(onboard[0], entry, wanted, final, dt, history) if fitted else 0.0
-    n = fly(onboard[0], entry, shift, final, dt, history)
+    n, altitude, path_angle = fly(onboard[0], entry, shift, final, dt, history)
     u, s, drag, cos_path, t = history[:n].T
     drag_rate = np.gradient(drag, t)
     drag_acceleration = np.gradient(drag_rate, t)
@@ -191,3 +191,4 @@ def fill_reference(
     }
     for name, values in columns.items():
         table[name] = np.interp(nodes, u[keep][::-1], values[keep][::-1])
+    return altitude, path_angle

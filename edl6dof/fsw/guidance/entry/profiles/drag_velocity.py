@@ -133,7 +133,7 @@ def fill_drag_velocity(
         profile: ``DRAG_VELOCITY`` record to fill.
     """
     settings, history = onboard["guidance"]["entry"][0], np.zeros((STEPS, 5))
-    n = fly(
+    n, _, _ = fly(
         onboard[0],
         entry,
         float(onboard["reference"]["shift"][0]),

@@ -1,0 +1,132 @@
+"""Where entry guidance steers to: the point above which the parachute must open for the lander to come down
+at the site, as far as that is known before the flight.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, pi, radians, sin
+
+import numpy as np
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
+from edl6dof.scenario.expected_descent import SCRATCH, Wind, expected_drift
+from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.frames import geodetic, great_circle, ned_to_fixed
+from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at the initial state.
+Start = tuple[float, float, float]
+
+
+def set_aim(onboard: np.ndarray, scenario: Scenario, tables: np.ndarray) -> None:
+    """Write the aim point into ``onboard[0]["site"]``, and the reference trajectory that leads there.
+
+    Where the mission deploys no parachute, or only notes it, the aim point is the landing site.
+
+    Args:
+        onboard: onboard record array of length one, everything else filled.
+        scenario: the nominal one.
+        tables: those of the nominal one, shape (1,), for the winds.
+    """
+    site = onboard[0]["site"]
+    site["aim_latitude"], site["aim_longitude"] = site["latitude"], site["longitude"]
+    if all(phase.guidance != "entry" for phase in scenario.mission.phases):
+        return
+    altitude, path_angle = _plan(onboard, scenario)
+    phase = _deploying_phase(scenario)
+    if phase is None:
+        return
+    speed, azimuth = scenario.flight_software.guidance.entry.final_speed_m_s, _azimuth_at_site(scenario, site)
+    level = speed * cos(path_angle)
+    velocity = level * cos(azimuth), level * sin(azimuth), speed * sin(path_angle)
+    north, east = drift(onboard, scenario, tables, phase, (altitude, *velocity))
+    site["aim_latitude"], site["aim_longitude"] = _displaced(onboard[0], -north, -east)
+    _plan(onboard, scenario)
+
+
+def drift(
+    onboard: np.ndarray,
+    scenario: Scenario,
+    tables: np.ndarray,
+    phase: int,
+    arrival: tuple[float, float, float, float],
+) -> tuple[float, float]:
+    """Way north and east (m) that the descent under the parachute is expected to take.
+
+    Args:
+        onboard: as of :func:`set_aim`.
+        scenario: the nominal one.
+        tables: those of the nominal one, shape (1,).
+        phase: index of the mission phase that deploys.
+        arrival: altitude (m) and velocity towards north, east and up (m/s) at which it does.
+    """
+    expected = scenario.flight_software.guidance.entry.expected_wind
+    wind = Wind(expected.table_factor, expected.north_m_s, expected.east_m_s)
+    vehicle = np.zeros(1, dtype_of(VehicleParams))
+    fill(vehicle[0], scenario.vehicle)
+    y = np.array((0.0, 0.0, *arrival))
+    expected_drift(
+        onboard[0],
+        vehicle[0]["parachutes"],
+        tables[0]["atmosphere"],
+        wind,
+        scenario.site_areoid_m,
+        phase,
+        y,
+        np.zeros(1, SCRATCH)[0],
+    )
+    return float(y[0]), float(y[1])
+
+
+def _plan(onboard: np.ndarray, scenario: Scenario) -> tuple[float, float]:
+    """Solve the reference trajectory from the initial state to the aim point; altitude (m) and path angle
+    (rad) at which it ends.
+    """
+    initial, site = scenario.initial, onboard[0]["site"]
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    arc, _ = great_circle(
+        sin(lat),
+        cos(lat),
+        lon,
+        sin(site["aim_latitude"]),
+        cos(site["aim_latitude"]),
+        float(site["aim_longitude"]),
+    )
+    final = scenario.flight_software.guidance.entry.final_speed_m_s
+    return fill_reference(onboard, start_of(scenario), arc * scenario.planet.equatorial_radius_m, final)
+
+
+def start_of(scenario: Scenario) -> Start:
+    """What the plan begins with."""
+    initial = scenario.initial
+    return scenario.initial_altitude_m, initial.speed, initial.flight_path_angle
+
+
+def _deploying_phase(scenario: Scenario) -> int | None:
+    """Index of the first mission phase that deploys a parachute which is more than noted."""
+    packed = {chute.name for chute in scenario.vehicle.parachutes if chute.pack is not None}
+    deploys = (
+        any(event.action == "deploy" and event.thing in packed for event in phase.events)
+        for phase in scenario.mission.phases
+    )
+    return next((index for index, does in enumerate(deploys) if does), None)
+
+
+def _azimuth_at_site(scenario: Scenario, site: np.void) -> float:
+    """Azimuth (rad) in which the great circle from the initial state arrives at the site."""
+    lat, lon = radians(scenario.initial.latitude_deg), radians(scenario.initial.longitude_deg)
+    here = float(site["latitude"])
+    _, back = great_circle(sin(here), cos(here), float(site["longitude"]), sin(lat), cos(lat), lon)
+    return back + pi
+
+
+def _displaced(onboard: np.void, north: float, east: float) -> tuple[float, float]:
+    """Latitude and longitude (rad) of the point so far (m) from the landing site."""
+    frame, planet = onboard["site"]["frame"], onboard["planet"]
+    axes = (frame["sin_lat"], frame["cos_lat"], frame["sin_lon"], frame["cos_lon"])
+    r_F = frame["origin_F"] + np.array(ned_to_fixed(*axes, (north, east, 0.0)))
+    sin_lat, cos_lat, sin_lon, cos_lon, _ = geodetic(
+        float(planet["equatorial_radius"]), float(planet["flattening"]), tuple(r_F)
+    )
+    return atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon)

@@ -1,0 +1,144 @@
+"""The descent under the parachute as it is expected before the flight: how far it carries the lander.
+
+A point mass in the believed air and the expected wind, over flat ground at rest (Coriolis acceleration,
+0.01 m/s2, carries it 30 m), hanging from a canopy whose axis lies along the flow.  The flight computer's own
+sequencer runs its own mission from the phase that deploys a parachute, as long as no phase steers; delays of
+events, some 10 ms, are left out but for the mortar's.
+Source: equations of motion with drag alone, Knacke, Parachute Recovery Systems Design Manual (1991), section
+5.2; the classical Runge-Kutta method.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.environment.winds.table import mean as mean_of_table
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.mission.phases import G_NONE
+from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
+from edl6dof.fsw.navigation import NAV, model_atmosphere
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.interface.events import DEPLOY, JETTISON
+from edl6dof.jit import kernel
+from edl6dof.vehicle.parachutes.parachute import drag_efficiency, inflation, nominal_area
+
+#: Step, s, and how many of them at most.
+STEP, STEPS = 0.1, 36000
+#: Rows of the state: place, m, and velocity relative to the ground, m/s.
+NORTH, EAST, ALTITUDE, V_NORTH, V_EAST, V_UP = range(6)
+
+#: What the sequencer looks at, remembers and writes.
+SCRATCH = np.dtype(
+    [
+        ("nav", NAV),
+        ("vehicle", VEHICLE_STATE),
+        ("guide", GUIDE),
+        ("sequence", SEQUENCE),
+        ("request", "u1", (MAX_EVENTS,)),
+    ],
+    align=True,
+)
+
+
+class Wind(NamedTuple):
+    """The expected wind: factor on that of the table, and what is added to it towards north and east, m/s."""
+
+    table_factor: float
+    north: float
+    east: float
+
+
+class Hanging(NamedTuple):
+    """What falls: index of the parachute, flight time (s) at which its lines are taut, and mass (kg)."""
+
+    chute: int
+    line_stretch: float
+    mass: float
+
+
+@kernel
+def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
+    """Carry ``y`` from the deployment of the parachute to where it has left the lander to its engines or to
+    the ground.
+
+    Args:
+        onboard: ``ONBOARD`` record, its air, site, vehicle and mission filled.
+        parachutes: records of the nominal parachutes.
+        winds: ``ATMOSPHERE_TABLE`` of the believed air.
+        wind: :class:`Wind`.
+        areoid: height of the areoid at the site above the ellipsoid, m.
+        phase: index of the mission phase that deploys.
+        y: state, shape (6,), updated.
+        scratch: ``SCRATCH`` record, zero.
+    """
+    mission, configuration = onboard.mission, onboard.vehicle.configuration
+    gone, hanging = 0, Hanging(0, np.inf, configuration[0].mass)
+    enter(phase, 0.0, scratch.sequence)
+    for k in range(STEPS):
+        if mission.phases[scratch.sequence.phase].guidance != G_NONE or y[ALTITUDE] <= onboard.site.altitude:
+            return
+        _look(onboard, y, k * STEP, scratch.nav)
+        scratch.request[:] = 0
+        sequence(mission, scratch.nav, scratch.vehicle, scratch.guide, scratch.sequence, scratch.request)
+        for number in range(mission.n_events):
+            event = mission.events[number]
+            if scratch.request[number] == 0:
+                continue
+            if event.action == JETTISON:
+                gone |= 1 << event.thing
+                hanging = Hanging(hanging.chute, hanging.line_stretch, configuration[gone].mass)
+            elif event.action == DEPLOY:
+                pack = parachutes[event.thing]
+                taut = k * STEP + event.delay + pack.line_length / pack.mortar_speed
+                hanging = Hanging(event.thing, taut, hanging.mass)
+        _advance(onboard, parachutes, winds, wind, areoid, hanging, k * STEP, y)
+
+
+@kernel
+def _look(onboard, y, t, nav):
+    """Write what triggers watch."""
+    density, sound, _ = model_atmosphere(onboard.atmosphere, y[ALTITUDE])
+    nav.t = t
+    nav.speed = sqrt(y[V_NORTH] * y[V_NORTH] + y[V_EAST] * y[V_EAST] + y[V_UP] * y[V_UP])
+    nav.mach = nav.speed / sound
+    nav.dynamic_pressure = 0.5 * density * nav.speed * nav.speed
+    nav.altitude = y[ALTITUDE]
+    nav.height = y[ALTITUDE] - onboard.site.altitude
+    nav.v_N[2] = -y[V_UP]
+
+
+@kernel
+def _advance(onboard, parachutes, winds, wind, areoid, hanging, t, y):
+    a = _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y)
+    b = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, y + 0.5 * STEP * a)
+    c = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, y + 0.5 * STEP * b)
+    d = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + STEP, y + STEP * c)
+    y += STEP / 6.0 * (a + 2.0 * (b + c) + d)
+
+
+@kernel
+def _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y):
+    """Rates of the state."""
+    planet, chute = onboard.planet, parachutes[hanging.chute]
+    density, sound, _ = model_atmosphere(onboard.atmosphere, y[ALTITUDE])
+    east, north = mean_of_table(wind, winds, y[ALTITUDE] - areoid)
+    v_north = y[V_NORTH] - wind.table_factor * north - wind.north
+    v_east = y[V_EAST] - wind.table_factor * east - wind.east
+    speed = sqrt(v_north * v_north + v_east * v_east + y[V_UP] * y[V_UP])
+    mach = speed / sound
+    area, _ = believed_aero(onboard.vehicle, mach)
+    canopy = nominal_area(chute) * chute.drag_coefficient * chute.drag_factor * drag_efficiency(chute, mach)
+    area += canopy * inflation(chute, t - hanging.line_stretch)
+    per_speed = 0.5 * density * speed * area / hanging.mass
+    radius = planet.equatorial_radius + y[ALTITUDE]
+    rates = np.empty(6)
+    rates[:V_NORTH] = y[V_NORTH:]
+    rates[V_NORTH] = -per_speed * v_north
+    rates[V_EAST] = -per_speed * v_east
+    rates[V_UP] = -per_speed * y[V_UP] - planet.mu / (radius * radius)
+    return rates
