@@ -245,7 +245,7 @@ def segments(onboard, fast_deg, slow_deg, align=640.0):
 def test_reference_flight_is_the_independently_integrated_one(onboard, fast_deg, slow_deg):
     history = np.zeros((STEPS, 5))
     bank = segments(onboard, fast_deg, slow_deg)
-    n = fly(onboard[0], ENTRY_STATE, 0.0, 420.0, 0.1, history)
+    n, _, _ = fly(onboard[0], ENTRY_STATE, 0.0, 420.0, 0.1, history)
     distance, duration, _ = independent_flight(onboard, ENTRY_STATE, bank, 640.0, 420.0)
     assert history[n - 1, 4] == pytest.approx(duration, abs=0.3)
     assert history[n - 1, 1] == pytest.approx(distance, abs=150.0)  # of 700 km; one step is 42 m
