@@ -16,7 +16,8 @@ peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pin
 formed pair by pair.
             The peers come with ``pip install "edl6dof[bench]"``; a missing one is reported and left out.
 
-How to read it.  A step is one integration step of 10 ms; steps that events split or repeat are not counted.
+How to read it.  A step is one integration step of a cycle; steps that events, a canopy or the
+ground split are not counted.
 Seconds are CPU
 seconds where it says so: on a machine with other work they are what repeats, wall seconds are not.  No peer
 flies the whole chain, so every case of theirs contains less than our flight (``tools/peers_*.py`` list what

@@ -47,7 +47,9 @@ _LONGEST_NAME = 150
 class SimulationParams(Params):
     """Integration, logging and when to stop."""
 
-    step_s: float = param(0.01, "integration step", ge=1e-4, le=0.1)
+    step_s: float = param(0.02, "integration step", ge=1e-4, le=0.1)
+    canopy_step_s: float = param(0.01, "longest step while a parachute is out", ge=1e-4, le=0.1)
+    contact_step_s: float = param(0.0025, "longest step once the ground was touched", ge=1e-4, le=0.1)
     log_every: int = param(1, "base cycles of the flight software per row of telemetry", ge=1, le=1000)
     time_limit_s: float = param(900.0, "flight time after which the run ends", gt=0.0, le=20000.0)
     settle_s: float = param(3.0, "time flown on after first ground contact", ge=0.0, le=60.0)

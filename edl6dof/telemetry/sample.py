@@ -15,7 +15,7 @@ from edl6dof.spatial.frames import (
     wind_angles,
 )
 from edl6dof.spatial.quaternion import axes
-from edl6dof.spatial.vector import clamp, norm, take3
+from edl6dof.spatial.vector import clamp, norm, scale, take3
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
@@ -27,6 +27,7 @@ from edl6dof.vehicle.plant import (
     RATE,
     VELOCITY,
 )
+from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.propulsion.tanks import propellant_left
 from edl6dof.vehicle.surroundings import planet_rotation
 
@@ -98,7 +99,9 @@ def record(case, plant, outputs, fsw, tick):
     truth.centre_x, truth.centre_y, truth.centre_z = take3(out.centre, 0)
     truth.aero_force_x, truth.aero_force_y, truth.aero_force_z = take3(out.aero_force_B, 0)
     truth.aero_moment_x, truth.aero_moment_y, truth.aero_moment_z = take3(out.aero_moment_B, 0)
-    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = take3(plant.inputs.rcs_force, 0)
+    truth.rcs_force_x, truth.rcs_force_y, truth.rcs_force_z = scale(
+        efficiency(case.vehicle.rcs, out.dynamic_pressure), take3(plant.inputs.rcs_force, 0)
+    )
     truth.load = norm(take3(out.specific_force_B, 0))
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
     truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads

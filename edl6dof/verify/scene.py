@@ -24,6 +24,8 @@ BARE = (
     "terrain.model=none",
     "planet.rotation_rate_rad_s=0",
     "planet.flattening=0",
+    "planet.areoid=''",
+    "simulation.step_s=0.01",
 )
 VACUUM = ("atmosphere.model=none", "vehicle.aero.model=none")
 WEIGHTLESS = ("planet.gravity.model=none",)

@@ -1,18 +1,21 @@
 """Verifies: order of the integrator, and that the default step is fine enough, on flights without
-flight-software quantisation.
+flight-software quantisation and, by means over neighbouring flights, in the closed loop.
 
 gravity GMM-3 degree 4 | atmosphere exponential (smooth) or table | winds none or table | vehicle tianwen1 |
 source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4 (order from step
 halving).
-Planted error: the weights 1, 2, 2, 1 changed to 1, 1, 3, 1 drop the measured order to two.
+Planted error: the weights 1, 2, 2, 1 changed to 1, 1, 3, 1 drop the measured order to two;
+Euler's step in place of Runge-Kutta's parts the means of the closed loop.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import f_oneway
 
 import edl6dof
+from edl6dof.campaign.neighbours import fly_neighbours
 
 FREE = ["mission.phases=[]", "initial.rate_deg_s=[0, 0, 0]", "initial.alpha_deg=-10", "initial.beta_deg=0"]
 
@@ -55,3 +58,27 @@ def test_runge_kutta_is_of_fourth_order(quantity, part):
     coarse, middle, fine = state(0.1), state(0.05), state(0.025)
     ratio = np.linalg.norm(coarse - middle) / np.linalg.norm(middle - fine)
     assert np.log2(ratio) == pytest.approx(4.0, abs=0.3), quantity
+
+
+#: One of each stretch of the flight: entry, parachute phase, powered phase, and what it all cost.
+CLOSED_LOOP = ("parachute_s", "backshell_s", "touchdown_s", "powered_duration_s", "propellant_used_kg")
+
+
+@pytest.fixture(scope="module")
+def rows_by_rate():
+    """Rows of neighbouring flights by the steps a second they took, from entry to standstill."""
+    kinds = ("step_s", "canopy_step_s", "contact_step_s")
+    scenarios = {
+        rate: edl6dof.load("tianwen1", [f"simulation.{kind}={1.0 / rate}" for kind in kinds])
+        for rate in (50, 100, 200, 400)
+    }
+    return {rate: fly_neighbours(loaded, 12, step_m_s=1e-3) for rate, loaded in scenarios.items()}
+
+
+@pytest.mark.parametrize("figure", CLOSED_LOOP)
+def test_closed_loop_means_agree_at_every_rate(rows_by_rate, figure):
+    """One-way analysis of variance: rates differ by no more than flights of one rate do."""
+    samples = [[row[figure] for row in rows] for rows in rows_by_rate.values()]
+    assert f_oneway(*samples).pvalue > 1e-3, {
+        rate: np.mean(s) for rate, s in zip(rows_by_rate, samples, strict=True)
+    }

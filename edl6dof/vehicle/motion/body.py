@@ -53,6 +53,7 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach, with_propellant
 from edl6dof.vehicle.surroundings import gravity, surroundings
 
@@ -255,7 +256,8 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces are the mean over the current step (see :mod:`edl6dof.vehicle.propulsion.rcs`).
+    Thruster forces are their mean over the current step, less what the flow takes
+    (:mod:`edl6dof.vehicle.propulsion.rcs`).
     """
     out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
@@ -263,10 +265,14 @@ def motion(case, plant, t, y, outputs, dy):
     i = out.inertia
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
     engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
-    rcs_force = take3(inputs.rcs_force, 0)
+    share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
+    rcs_force, rcs_moment = (
+        scale(share, take3(inputs.rcs_force, 0)),
+        scale(share, take3(inputs.rcs_moment, 0)),
+    )
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
-    moment = add(disturbance, sub(take3(inputs.rcs_moment, 0), cross(centre, rcs_force)))
+    moment = add(disturbance, sub(rcs_moment, cross(centre, rcs_force)))
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)

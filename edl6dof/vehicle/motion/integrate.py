@@ -3,16 +3,21 @@
 Scheduled events (pyrotechnics with their delays) split the step at their time.  Events of the state
 (:mod:`edl6dof.vehicle.motion.state_events`) are found by repeating the step with a shorter length until the
 first of their functions is zero to 1e-9 s.  A step is cut, never rounded; thruster impulse stays exact
-because valve levels are integrated in closed form over whatever length the step has.
+because valve levels are integrated in closed form over whatever length the step has.  While a canopy is out,
+and from the first contact with the ground on, steps are shorter (``simulation.canopy_step_s`` and
+``contact_step_s``).
 """
 
 from __future__ import annotations
+
+from math import ceil
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
 from edl6dof.vehicle.motion.staging import carry_out
 from edl6dof.vehicle.motion.state_events import carry_out_state_events, until_event
+from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import STATES
 
 TIME_TOLERANCE = 1e-9
@@ -85,6 +90,20 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
 
 
 @kernel
+def next_stop(case, plant, due):
+    """Where the next step is to end that leads towards ``due`` (s): there, or at the end of the first of
+    equal parts where a canopy or the ground asks for shorter steps.
+    """
+    longest = due - plant.t
+    if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
+        longest = min(longest, case.simulation.canopy_step)
+    if plant.touched != 0:
+        longest = min(longest, case.simulation.contact_step)
+    parts = ceil((due - plant.t) / longest - 1e-6)
+    return plant.t + (due - plant.t) / parts if parts > 1 else due
+
+
+@kernel
 def advance(case, tables, plant, outputs, work, t_end):
     """Fly from ``plant.t`` to ``t_end`` (s), carrying out every scheduled or located event on the way; False
     after a step that failed.
@@ -94,12 +113,14 @@ def advance(case, tables, plant, outputs, work, t_end):
     while True:
         event, due = next_scheduled(case, plant, t_end)
         if due - plant.t > TIME_TOLERANCE:
-            come, succeeded = step_to_event(case, tables, plant, outputs, work, due)
+            stop = next_stop(case, plant, due)
+            come, succeeded = step_to_event(case, tables, plant, outputs, work, stop)
             if not succeeded:
                 return False
             if come:
                 carry_out_state_events(case, plant, outputs)
                 evaluate(case, tables, plant, outputs, work)
+            if come or stop < due:
                 continue
         if plant.t != due or event >= 0:
             plant.t = due

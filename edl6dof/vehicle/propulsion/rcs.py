@@ -101,9 +101,15 @@ def mean_level(level, rise, decay, start, step, opens, closes):
 
 
 @kernel
-def fire(rcs, loads, valves, t, step, dynamic_pressure, inputs):
-    """Mean force and moment of all thrusters over a step and their propellant flow, for constant application
-    in that step.
+def efficiency(rcs, dynamic_pressure):
+    """Share of the thrust that the flow around the vehicle leaves, at a dynamic pressure in Pa."""
+    return 1.0 - rcs.flow_loss * clamp(dynamic_pressure / rcs.flow_loss_pressure, 0.0, 1.0)
+
+
+@kernel
+def fire(rcs, loads, valves, t, step, inputs):
+    """Mean force and moment of all thrusters in vacuum over a step and their propellant flow, for constant
+    application in that step; what the flow takes of it (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
     as plumes); writes ``rcs_force``, ``rcs_moment`` (N and N m about the origin of B) and ``rcs_flow``
@@ -112,7 +118,6 @@ def fire(rcs, loads, valves, t, step, dynamic_pressure, inputs):
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = 0.0
-    efficiency = 1.0 - rcs.flow_loss * clamp(dynamic_pressure / rcs.flow_loss_pressure, 0.0, 1.0)
     fx = fy = fz = mx = my = mz = 0.0
     for i in range(rcs.n_thrusters):
         if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
@@ -131,7 +136,6 @@ def fire(rcs, loads, valves, t, step, dynamic_pressure, inputs):
         force = mean * jet.thrust
         flow = force / (jet.specific_impulse * G0)
         draw(loads, i, inputs.filled, within, flow, inputs.rcs_flow, 0)
-        force *= efficiency
         x, y, z = force * jet.direction[0], force * jet.direction[1], force * jet.direction[2]
         px, py, pz = jet.position[0], jet.position[1], jet.position[2]
         fx += x

@@ -50,7 +50,7 @@ def test_one_parameter(capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "params", "simulation.step_s")
     assert code == 0
     assert out.splitlines()[0] == "simulation"
-    assert out.splitlines()[1].split() == ["step_s", "0.01", "s", ">=", "0.0001,", "<=", "0.1"]
+    assert out.splitlines()[1].split() == ["step_s", "0.02", "s", ">=", "0.0001,", "<=", "0.1"]
     assert len(out.splitlines()) == 3
 
 

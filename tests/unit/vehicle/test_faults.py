@@ -50,7 +50,7 @@ def impulse(case, plant, command, cycles, pulse=None):
         actuate(case, command, plant)
         inputs, loads = plant["inputs"], case["feeds"]["thrusters"]
         inputs["filled"] = 1
-        fire(case["vehicle"]["rcs"], loads, plant["valves"], plant["t"], CYCLE, 0.0, inputs)
+        fire(case["vehicle"]["rcs"], loads, plant["valves"], plant["t"], CYCLE, inputs)
         total += inputs["rcs_force"] * CYCLE
         used += inputs["rcs_flow"].sum() * CYCLE
     return total, used
