@@ -39,7 +39,9 @@ def figures(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Mean and spread of a scenario's figures over flights that differ by next to nothing.
+    """Mean and spread of a scenario's figures over its neighbours.
+
+    Neighbours are flights that differ by a millionth of a metre per second.
 
     The digits of one flight are one draw of many: what a document quotes is made by this command.
 
@@ -66,7 +68,7 @@ def calibrate(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Find the uncertain parameters that best explain what is published of a flight.
+    """Fit what is uncertain to what is published of a flight.
 
     Writes calibrated.yaml, a scenario that extends this one.
 

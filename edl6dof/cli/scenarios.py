@@ -68,7 +68,7 @@ def check(
     sets: Sets = None,
     trust: Trust = False,
 ) -> None:
-    """Check scenario files; name each mistake with file, line and key."""
+    """Check scenario files: each mistake by file, line and key."""
     load_plugins(*files, trust=trust)
     from edl6dof.app.inspect import run_check
 

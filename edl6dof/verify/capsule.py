@@ -50,15 +50,25 @@ class Published:
         return float(DIAMETER * cm + z * ca + (REFERENCE - STATION) * cn)
 
 
+#: The published table as it stands, and a gas whose ratio of specific heats is one number.
+HEAT_CAPACITY_RATIO = 1.29
+PLAIN = (
+    "vehicle.aero.capsule.axial_factor=1",
+    f"planet.gas.heat_capacity_ratio={HEAT_CAPACITY_RATIO}",
+    "planet.gas.vibrations=[]",
+)
+
+
 def scene(mach: float, density: float = 1e-3, extra: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Overrides for a capsule at one Mach number that trims at alpha = -11 deg."""
-    sound = sqrt(1.29 * 191.0 * 214.0)
+    sound = sqrt(HEAT_CAPACITY_RATIO * 191.0 * 214.0)
     return (
         *BARE,
         *WEIGHTLESS,
         *UNIFORM,
         *ONE_BODY,
         *ENDLESS,
+        *PLAIN,
         "vehicle.mass.entry_kg=1e9",
         f"vehicle.mass.entry_centre_m=[{STATION}, 0, {Published(mach).offset()!r}]",
         "vehicle.aero.capsule.damping_factor=0",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from math import atan2, sqrt
 
-from edl6dof.environment.areoid import lay_areoid
+from edl6dof.environment.areoid import areoid_at, lay_areoid
 from edl6dof.environment.terrain import ground
 from edl6dof.interface.capacities import MAX_TANKS
 from edl6dof.jit import kernel
@@ -40,23 +40,28 @@ NEAR_GROUND = 2000.0
 
 @kernel
 def survey(case, tables, plant, outputs):
-    """Look at the ground under the place in ``outputs``: the planes of areoid and ground that the next step
-    is given, and the height above the ground.
+    """Look at the areoid and the ground under the place in ``outputs``: the planes that the next cycle of the
+    flight software is given, and the height above the ground.
     """
     out = outputs
     out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
+    c, s = planet_rotation(case.planet, plant.t)
+    place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
+    r_F = rotate_z(c, s, take3(plant.y, POSITION))
+    areoid = lay_areoid(tables.areoid, place, out.latitude, out.longitude, r_F, plant.inputs.areoid)
+    look_at_ground(case, tables, plant, outputs, areoid)
+
+
+@kernel
+def look_at_ground(case, tables, plant, outputs, areoid):
+    """The plane of the ground under the place in ``outputs``, and the height above it; ``areoid``: its height
+    (m) there and its rise per metre towards north and east.
+    """
+    inputs, out = plant.inputs, outputs
     elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, out.latitude, out.longitude)
-    inputs, (c, s) = plant.inputs, planet_rotation(case.planet, plant.t)
-    place, r_F = (
-        (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon),
-        rotate_z(c, s, take3(plant.y, POSITION)),
-    )
-    areoid, areoid_north, areoid_east = lay_areoid(
-        tables.areoid, place, out.latitude, out.longitude, r_F, inputs.areoid
-    )
-    inputs.ground_altitude = areoid + elevation
-    inputs.ground_slope[0] = areoid_north + slope_north
-    inputs.ground_slope[1] = areoid_east + slope_east
+    inputs.ground_altitude = areoid[0] + elevation
+    inputs.ground_slope[0] = areoid[1] + slope_north
+    inputs.ground_slope[1] = areoid[2] + slope_east
     out.elevation, out.height = elevation, out.altitude - inputs.ground_altitude
 
 
@@ -75,8 +80,12 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
     if case.dynamics == POINT_MASS:
         for i in range(4):
             plant.y[ATTITUDE + i] = outputs.q_I2B[i]
-    if outputs.altitude - plant.inputs.ground_altitude < NEAR_GROUND:
-        survey(case, tables, plant, outputs)
+    out = outputs
+    if out.altitude - plant.inputs.ground_altitude < NEAR_GROUND:
+        # not the plane of the areoid, from which these outputs follow: evaluated again, they are the same
+        out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
+        areoid = areoid_at(tables.areoid, out.latitude, out.longitude)
+        look_at_ground(case, tables, plant, outputs, areoid)
         if plant.touched != 0:
             derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])
 

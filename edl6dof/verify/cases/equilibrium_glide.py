@@ -17,7 +17,7 @@ from math import exp, pi
 
 import numpy as np
 
-from edl6dof.verify.capsule import DIAMETER, STATION, TRIM_DEG, Published
+from edl6dof.verify.capsule import DIAMETER, PLAIN, STATION, TRIM_DEG, Published
 from edl6dof.verify.outcome import History, Outcome, Result
 from edl6dof.verify.scene import BARE, ENDLESS, ONE_BODY, flown
 
@@ -39,6 +39,7 @@ def _scene(table: Published) -> tuple[str, ...]:
         *BARE,
         *ONE_BODY,
         *ENDLESS,
+        *PLAIN,
         f"planet.equatorial_radius_m={RADIUS}",
         "planet.gravity.model=central",
         f"planet.gravity.mu_m3_s2={MU}",

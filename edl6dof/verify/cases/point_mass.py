@@ -25,6 +25,7 @@ _SCENE = (
     "dynamics=point_mass",
     "mission={goal: time, phases: []}",
     "planet.flattening=0",
+    "planet.areoid=''",
     "planet.gravity.model=central",
     "atmosphere.model=exponential",
     "wind.model=none",

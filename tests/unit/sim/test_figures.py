@@ -54,7 +54,9 @@ def test_figures_come_from_where_the_table_says(nominal, faulty):
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
     assert (
-        diagnosis_figures(faulty.isolated_faults, faulty.loaded.truth.faults, faulty.plant[0]).keys()
+        diagnosis_figures(
+            faulty.isolated_faults, faulty.loaded.truth.faults, faulty.loaded.truth.vehicle, faulty.plant[0]
+        ).keys()
         == by_source["diagnosis"]
     )
 

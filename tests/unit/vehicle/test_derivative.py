@@ -76,7 +76,8 @@ def test_the_canopy_flies_in_the_air_at_its_own_height(points):
     outputs, dy = np.zeros(1, OUTPUTS), np.zeros(STATES)
     derivatives(case, tables, plant[0], t, planet_rotation(case["planet"], t), y, outputs[0], dy)
     out, place = outputs[0], y[CANOPY_POSITION : CANOPY_POSITION + 3]
-    _, gas, _, air = surroundings(case, tables, planet_rotation(case["planet"], t), place)
+    areoid, rotation = plant["inputs"]["areoid"][0], planet_rotation(case["planet"], t)
+    _, gas, _, air = surroundings(case, tables, areoid, rotation, place)
     assert gas[0] < 0.999 * out["density"]
 
     chute, mass = case["vehicle"]["parachutes"][0], case["vehicle"]["parts"][2]["mass"]

@@ -21,6 +21,7 @@ from edl6dof.vehicle.propulsion.rcs import fire
 
 CYCLE = 0.02
 D7, D8 = 6, 7
+PARACHUTE_PHASE = edl6dof.load("tianwen1").scenario.phase_names.index("parachute")
 
 #: Numbers of two events of the mission.
 MORTAR, IGNITION = (
@@ -90,7 +91,7 @@ def test_fault_of_a_phase_counts_from_the_cycle_in_which_that_phase_was_entered(
         tables, "{thruster: D7, kind: stuck_off, at: {phase: parachute, plus_s: 0.1}}"
     )
     for k in range(20):
-        plant["t"], command["phase"] = k * CYCLE, 1 if k < 7 else 2
+        plant["t"], command["phase"] = k * CYCLE, 1 if k < 7 else PARACHUTE_PHASE
         actuate(case, command, plant)
     assert plant["fault_since"][0] == pytest.approx(12 * CYCLE)
 
