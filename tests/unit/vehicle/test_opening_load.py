@@ -92,13 +92,16 @@ def peak_over_drag(*changes):
 
 
 def test_the_peak_tension_is_drag_times_the_opening_load_factor_once_nothing_is_counted_twice():
-    """The area that oscillates while it fills moves the peak by up to 10 % either way, the elastic riser adds
-    2.5 %.
+    """The area that oscillates while it fills moves the peak by 10 % and more either way, the elastic riser
+    adds the share that the shipped canopy states.
     """
+    stated = edl6dof.load("tianwen1").scenario.vehicle.main_parachute.disk_gap_band.dynamic_load_factor
     once = "disk_gap_band.dynamic_load_factor=1"
     phases = [f"area_oscillation_frequency_hz={f}" for f in (2.6, 2.8, 3.0, 3.2, 3.4)]
     moved = [peak_over_drag("area_oscillates=always", once, phase) for phase in phases]
-    assert 1.05 * FACTOR < max(moved) < 1.15 * FACTOR and 0.85 * FACTOR < min(moved) < FACTOR
+    assert 1.05 * FACTOR < max(moved) < 1.25 * FACTOR and 0.85 * FACTOR < min(moved) < FACTOR
     for phase in phases[::2]:
-        assert peak_over_drag("area_oscillates=open", once, phase) == pytest.approx(1.026 * FACTOR, rel=0.01)
-    assert peak_over_drag("area_oscillates=open") == pytest.approx(FACTOR, rel=0.01)
+        assert peak_over_drag("area_oscillates=open", once, phase) == pytest.approx(
+            stated * FACTOR, rel=0.005
+        )
+    assert peak_over_drag("area_oscillates=open") == pytest.approx(FACTOR, rel=0.005)
