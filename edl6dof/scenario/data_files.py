@@ -60,8 +60,11 @@ _UNREADABLE = (OSError, ValueError, LookupError, ArithmeticError, MemoryError, c
 def file_problems(scenario: Scenario) -> dict[str, str]:
     """Dotted path to message of every table that cannot be built."""
     problems: dict[str, str] = {}
+    with _collected(problems, "planet.areoid"):
+        require_areoid_of(scenario.planet)
     with _collected(problems, "atmosphere.table"):
-        of_air = air_inputs(scenario.atmosphere, scenario.planet, scenario.place)
+        without_map = scenario.planet.model_copy(update={"areoid": ""})  # its mistakes are not the air's
+        of_air = air_inputs(scenario.atmosphere, without_map, scenario.place)
         air = build_table(of_air._replace(climate=None))  # the column of a climate is made of the same rows
         with _collected(problems, "wind.model"):
             require_winds(scenario.wind, air[0])
@@ -71,8 +74,6 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.terrain.model == "mola":
         with _collected(problems, "terrain.model"):
             require_topography_of(scenario.planet.mean_radius_m)
-    with _collected(problems, "planet.areoid"):
-        require_areoid_of(scenario.planet)
     with _collected(problems, "planet.gravity.coefficients"):
         fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
     if scenario.vehicle.aero.model == "capsule":

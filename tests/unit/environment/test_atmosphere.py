@@ -3,7 +3,7 @@ statistics.
 """
 
 import csv
-from math import exp, sqrt
+from math import exp, sinh, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -18,27 +18,40 @@ from edl6dof.environment.atmosphere import (
     fill_atmosphere,
 )
 from edl6dof.environment.atmosphere_table import build_table
-from edl6dof.environment.gas import GAS, fill_gas
+from edl6dof.environment.gas import GAS, GasParams, fill_gas
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
 COSPAR = "mars_cospar_nh_mean.csv"
 
 
 GIVEN = edl6dof.load("tianwen1").scenario
+RIGID = {"gas_constant_j_kg_k": 191.0, "heat_capacity_ratio": 1.29, "vibrations": []}
+CO2 = {
+    "heat_capacity_ratio": 1.4,
+    "vibrations": [
+        {"temperature_k": 960.0, "modes": 2},
+        {"temperature_k": 1997.0},
+        {"temperature_k": 3380.0},
+    ],
+}
 EXPONENTIAL = {"density_kg_m3": 0.0158, "scale_height_m": 9354.0, "temperature_k": 214.0}
 
 
-def build(seed: int = 0, case: int = 0, planet=GIVEN.planet, **given) -> tuple[np.void, np.void, np.void]:
+def with_gas(**changes):
+    gas = GasParams(**GIVEN.planet.gas.model_dump() | RIGID | changes)
+    return GIVEN.planet.model_copy(update={"gas": gas})
+
+
+CONSTANT = with_gas()
+
+
+def build(seed: int = 0, case: int = 0, planet=CONSTANT, **given) -> tuple[np.void, np.void, np.void]:
     params = AtmosphereParams(**{"table": GIVEN.atmosphere.table, "extension_gravity_m_s2": 3.72, **given})
     table = build_table(air_inputs(params, planet))[0]
     atm, gas = np.zeros(1, ATMOSPHERE)[0], np.zeros(1, GAS)[0]
     fill_atmosphere(atm, params, table, seed, case)
     fill_gas(gas, planet.gas)
     return atm, gas, table
-
-
-def with_gas(**changes):
-    return GIVEN.planet.model_copy(update={"gas": GIVEN.planet.gas.model_copy(update=changes)})
 
 
 def columns(name: str, skip: int = 1) -> np.ndarray:
@@ -53,6 +66,17 @@ def test_table_reproduces_its_file():
         assert t == pytest.approx(temperature, rel=1e-12)
         assert p == pytest.approx(density * 191.0 * temperature, rel=1e-12)
         assert a == pytest.approx(sqrt(1.29 * p / rho), rel=1e-12)
+
+
+def test_sound_in_a_gas_that_vibrates_follows_the_temperature_of_the_table():
+    """Each harmonic oscillator adds (x / 2 sinh(x/2))^2, x = theta / T, to the heat capacity c_v / R."""
+    atm, gas, table = build(planet=with_gas(**CO2))
+    for h, _, temperature, *_ in columns("marsgram2010_jezero_feb2021_winds.csv"):
+        rho, p, t, a = air(atm, gas, table, h * 1e3)
+        halves = [theta / (2.0 * temperature) for theta in (960.0, 960.0, 1997.0, 3380.0)]
+        ratio = 1.0 + 1.0 / (2.5 + sum((half / sinh(half)) ** 2 for half in halves))
+        assert t == pytest.approx(temperature, rel=1e-12) and 1.29 < ratio < 1.4
+        assert (p, a) == pytest.approx((rho * 191.0 * t, sqrt(ratio * p / rho)), rel=1e-6)
 
 
 def test_other_tables_load_too():
