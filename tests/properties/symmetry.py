@@ -15,6 +15,8 @@ from edl6dof.verify.scene import doing
 #: An axisymmetric planet: oblate, turning, with a wind that depends on altitude alone, and no ground to meet.
 SCENE = (
     "planet.gravity.model=j2",
+    "planet.areoid=''",
+    "atmosphere.model=table",
     "terrain.model=none",
     "wind.model=constant",
     "simulation.time_limit_s=12",
