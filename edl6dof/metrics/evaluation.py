@@ -180,10 +180,11 @@ def _powered_figures(telemetry: Telemetry, start: float, end: float) -> dict[str
         "max_rate_powered_deg_s": _largest(powered, *_RATES),
         "max_attitude_error_powered_deg": powered.longest("control.error_pitch_deg", "control.error_yaw_deg"),
         "roll_error_at_ignition_deg": telemetry.at(start, "control.error_roll_deg")[0],
-        "max_roll_error_powered_deg": _largest(settled, "control.error_roll_deg"),
         "max_disturbance_torque_nm": _largest(powered, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")),
         "max_estimated_torque_nm": _largest(powered, *(f"estimate.torque_{axis}_nm" for axis in "xyz")),
     }
+    if len(settled["t_s"]):
+        figures["max_roll_error_powered_deg"] = _largest(settled, "control.error_roll_deg")
     separated = telemetry.rows(_beyond(times, start + 5.0), last)
     if len(separated["t_s"]):
         figures["min_backshell_distance_m"] = separated.nearest("site", "backshell")

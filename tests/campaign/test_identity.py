@@ -43,6 +43,8 @@ def drop_with(folder: Path, *lines: str) -> str:
 def test_shipped_tables_of_the_shipped_campaign():
     assert names(load_plan("tianwen1_mc")) == [
         AERO.name,
+        "mars_gmm3_degree12.npy",
+        "mars_gmm3_degree12.yaml",
         AIR.name,
         "gmm3_degree12_sha.tab",
         "mola_1deg_colat_lon.npy",

@@ -12,6 +12,7 @@ from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.schema import load_scenario
 
+NOMINAL_KG = load_scenario("tianwen1").scenario.vehicle.mass.entry_kg
 HEAD = "extends: tianwen1\nname: test\ncampaign:\n  cases: 40\n  seed: 5\n"
 
 
@@ -39,7 +40,7 @@ def test_drawn_values_have_the_widths_of_the_file():
     shipped = load_plan("tianwen1_mc")
     values = {target.path: column for target, column in shipped.values(0, 1000)}
     assert values["vehicle.mass.entry_kg"].std() == pytest.approx(5.0, rel=0.01)
-    assert values["vehicle.mass.entry_kg"].mean() == pytest.approx(1285.0, abs=0.01)
+    assert values["vehicle.mass.entry_kg"].mean() == pytest.approx(NOMINAL_KG, abs=0.01)
     assert values["vehicle.rcs.thrusters.F1.thrust_n"].std() == pytest.approx(25.0 * 0.05 / 3.0, rel=0.01)
     inertia = np.stack([values[f"vehicle.mass.entry_inertia_kg_m2.{k}"] for k in range(3)])
     assert np.corrcoef(inertia)[0, 1:] == pytest.approx([0.9, 0.9], abs=0.02)
@@ -77,9 +78,9 @@ def test_pieces_are_those_of_the_whole_across_the_points_of_a_sweep(tmp_path):
 
 def test_dispersed_belief_leaves_the_truth_at_its_nominal(tmp_path):
     dispersed = plan(tmp_path, "  belief: {vehicle.mass.entry_kg: {kind: normal, three_sigma: 30.0}}\n")
-    assert dispersed.loaded.truth.vehicle.mass.entry_kg == 1285.0
-    assert dispersed.loaded.scenario.truth == {"vehicle.mass.entry_kg": 1285.0}
-    assert {case.belief["vehicle.mass.entry_kg"] for case in dispersed.cases()} - {1285.0}
+    assert dispersed.loaded.truth.vehicle.mass.entry_kg == NOMINAL_KG
+    assert dispersed.loaded.scenario.truth == {"vehicle.mass.entry_kg": NOMINAL_KG}
+    assert {case.belief["vehicle.mass.entry_kg"] for case in dispersed.cases()} - {NOMINAL_KG}
 
 
 def test_dispersion_known_to_both_has_no_truth_of_its_own(tmp_path):

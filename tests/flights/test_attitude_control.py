@@ -95,7 +95,8 @@ def test_a_wing_that_is_not_open_two_seconds_after_its_command_is_a_branch(fault
     branch, after = (flight.phase_names.index(name) for name in ("wing_failed", "parachute"))
     flown = flight.telemetry["guide.phase"]
     assert list(dict.fromkeys(flown))[1:4] == [branch - 1, branch, after]
-    assert flight.metrics["parachute_mach"] == pytest.approx(1.8, abs=0.02)
+    # the trigger is navigated: ground speed over the speed of sound that is expected
+    assert flight.metrics["parachute_mach"] == pytest.approx(1.8, abs=0.06)
     assert flight.metrics["parachute_total_alpha_deg"] < 7.0
     assert flight.success, flight.outcome
 

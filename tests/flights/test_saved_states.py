@@ -199,7 +199,7 @@ def test_thrusters_that_the_state_knows_must_exist(saved):
 
 def test_another_base_rate_is_refused(saved):
     state = saved[300.0]
-    other = continue_from(state, ("flight_software.rates.base_hz=100",))
+    other = continue_from(state, ("flight_software.rates.base_hz=100", "simulation.step_s=0.01"))
     with pytest.raises(ConfigError, match="base_hz: does not fit the scenario"):
         fly(other, start=state)
 

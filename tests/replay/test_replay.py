@@ -269,7 +269,9 @@ def test_several_flights_share_one_scene(flight, tmp_path):
 def test_site_frame_agrees_with_the_kernels(flight):
     site, terrain = Site(flight.scenario), flight.scenario.terrain
     lat, lon = np.radians(terrain.site_latitude_deg), np.radians(terrain.site_longitude_deg)
-    origin = from_geodetic(site.radius, site.flattening, lat, lon, terrain.site_elevation_m)
+    origin = from_geodetic(
+        site.radius, site.flattening, lat, lon, terrain.site_elevation_m + flight.scenario.site_areoid_m
+    )
     assert np.allclose(site.origin, origin, atol=1e-6)
     far = from_geodetic(site.radius, site.flattening, lat + 0.05, lon - 0.03, 1500.0)
     east, north, up = fixed_to_enu(origin, np.sin(lat), np.cos(lat), np.sin(lon), np.cos(lon), far)

@@ -10,8 +10,6 @@ and from the first contact with the ground on, steps are shorter (``simulation.c
 
 from __future__ import annotations
 
-from math import ceil
-
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.motion.runge_kutta import evaluate, step
@@ -99,8 +97,10 @@ def next_stop(case, plant, due):
         longest = min(longest, case.simulation.canopy_step)
     if plant.touched != 0:
         longest = min(longest, case.simulation.contact_step)
-    parts = ceil((due - plant.t) / longest - 1e-6)
-    return plant.t + (due - plant.t) / parts if parts > 1 else due
+    left, parts = due - plant.t, 1.0
+    while left > parts * longest * (1.0 + 1e-6):
+        parts += 1.0
+    return plant.t + left / parts if parts > 1.0 else due
 
 
 @kernel
