@@ -50,6 +50,19 @@ def _cycle_problems(scenario: Scenario) -> dict[str, str]:
     return {"simulation.step_s": message}
 
 
+def _pulse_problems(scenario: Scenario) -> dict[str, str]:
+    """Steps see the edges of a pulse to a third of their length: long ones would take thrust away."""
+    step = scenario.simulation.step_s
+    found = {}
+    for engine in scenario.vehicle.engines:
+        if engine.model == "pulsed" and step > (1.0 + 1e-9) * engine.pulsed.period_s / 10.0:
+            found["simulation.step_s"] = (
+                f"must not exceed a tenth of vehicle.engines.{engine.name}.pulsed.period_s = "
+                f"{engine.pulsed.period_s:g} s (got {step:g})"
+            )
+    return found
+
+
 def _delay_problems(scenario: Scenario) -> dict[str, str]:
     """The flight computer keeps its valve commands for the age of a reading."""
     delay, oldest = scenario.sensors.imu.delay_cycles, scenario.flight_software.rates.control_every
@@ -85,6 +98,7 @@ def _entry_problems(scenario: Scenario) -> dict[str, str]:
 
 CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
+    CrossCheck(frozenset({"simulation", "vehicle"}), _pulse_problems),
     CrossCheck(frozenset({"sensors"}), lambda s: sensor_problems(s.sensors)),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.fsw.mission.roles import LIFT
@@ -95,8 +96,9 @@ def test_a_wing_that_is_not_open_two_seconds_after_its_command_is_a_branch(fault
     branch, after = (flight.phase_names.index(name) for name in ("wing_failed", "parachute"))
     flown = flight.telemetry["guide.phase"]
     assert list(dict.fromkeys(flown))[1:4] == [branch - 1, branch, after]
-    # the trigger is navigated: ground speed over the speed of sound that is expected
-    assert flight.metrics["parachute_mach"] == pytest.approx(1.8, abs=0.06)
+    # by the flight computer's own air, which is not that of the day
+    believed = flight.telemetry.at(flight.metrics["parachute_s"], "nav.mach")[0]
+    assert believed == pytest.approx(1.8, abs=0.02)
     assert flight.metrics["parachute_total_alpha_deg"] < 7.0
     assert flight.success, flight.outcome
 
@@ -189,20 +191,43 @@ def smallest_roll_deg_s():
     return np.degrees(roll[i] * fine["minimum_pulse"][i] / body["inertia"][0])
 
 
+def turned_by_swinging_deg(table, rows):
+    """Angle by which the swinging of its axis alone turns the vehicle about the vertical, to the right.
+
+    An axis that goes round a cone brings its vehicle back turned by the solid angle of that cone, without
+    any rate about the axis.
+    """
+    attitude = Rotation.from_quat(np.stack([table[f"truth.q_I2B_{part}"][rows] for part in "xyzw"], axis=1))
+    down = -np.stack([table[f"truth.r_I_{axis}_m"][rows] for axis in "xyz"], axis=1)
+    down /= np.linalg.norm(down, axis=1)[:, None]
+    east = np.cross(down, (0.0, 0.0, 1.0))
+    east /= np.linalg.norm(east, axis=1)[:, None]
+    axis = attitude.apply((1.0, 0.0, 0.0))
+    n, e, d = (np.sum(axis * one, axis=1) for one in (np.cross(east, down), east, down))
+    assert d.min() > 0.8
+    area = (0.5 * (n[1:] + n[:-1]) * np.diff(e) - 0.5 * (e[1:] + e[:-1]) * np.diff(n)) / (
+        1.0 + 0.5 * (d[1:] + d[:-1])
+    )
+    return np.degrees(np.concatenate(([0.0], np.cumsum(area))))
+
+
 def test_roll_under_the_parachute_goes_at_the_commanded_rate():
     """S1 section 5: about 0.5 deg/s towards the local geographic frame.
 
     The smallest pulse turns the vehicle by a quarter of a degree per second.  One flight is a sample of a
-    limit cycle (0.59 or 0.75 deg/s for a command of 0.65) within half a pulse of the command; many that
-    differ by 1e-6 m/s in speed keep it in their mean, within three standard errors.
+    limit cycle within half a pulse of the command; many that differ by 1e-6 m/s in speed keep it in their
+    mean, within three standard errors.  The rate is that about the vehicle's own axis, which gyros measure;
+    the heading also goes as the axis swings: gliding, it swings round a cone, by 0.08 deg/s.
     """
     slopes = []
     for k in range(FLIGHTS):
         flight = edl6dof.fly("tianwen1", [f"initial.speed_m_s={4800.24 + k * 1e-6}"])
         t, table = under_the_parachute(flight)
         steady = (t > 40.0) & (t < 100.0)
-        # the error that is steered for is a heading, so the swinging of the vehicle averages out of it
-        slopes.append(-np.polyfit(t[steady], np.abs(table["control.error_roll_deg"][steady]), 1)[0])
+        swung = turned_by_swinging_deg(table, steady)
+        heading = table["control.error_roll_deg"][steady]
+        assert np.all(heading < 0.0)  # it turns to the left
+        slopes.append(np.polyfit(t[steady], heading + swung, 1)[0])
     rate, pulse = flight.scenario.flight_software.control.rate_damping.roll.rate_deg_s, smallest_roll_deg_s()
     assert slopes == pytest.approx([rate] * FLIGHTS, abs=pulse / 2.0)
     assert np.mean(slopes) == pytest.approx(rate, abs=3.0 * pulse / np.sqrt(12.0 * FLIGHTS))

@@ -165,10 +165,21 @@ def test_prediction_to_a_mach_number_ends_at_it(sphere):
 
 
 @pytest.mark.parametrize("drag_ratio", [0.9, 1.0, 1.1])
-def test_solution_of_the_corrector_is_predicted_to_hit(onboard, drag_ratio):
+def test_solution_of_the_corrector_is_predicted_to_hit(onboard, nominal, drag_ratio):
+    """From 65 km on the way that the vehicle flies, within reach of the target in all three airs."""
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
+    names = (
+        "latitude_deg",
+        "longitude_deg",
+        "altitude_m",
+        "speed_m_s",
+        "flight_path_angle_deg",
+        "azimuth_deg",
+    )
+    table = nominal.telemetry
+    row = np.argmax(table["truth.altitude_m"] < 65e3)
     nav, out, memory = (
-        state(33.2, 110.2, 65e3, 4820.0, -9.3, 181.4),
+        state(*(table[f"truth.{name}"][row] for name in names)),
         out_record(drag_ratio),
         np.zeros(1, NPC_MEMORY)[0],
     )
