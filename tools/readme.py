@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 
 import edl6dof
-from edl6dof.campaign.neighbours import fly_neighbours, spreads
+from edl6dof.campaign.neighbours import fly_neighbours, sample_means
 from edl6dof.report.terminal import comparison
 
 README = Path(__file__).resolve().parents[1] / "README.md"
@@ -20,7 +20,7 @@ def flight_table() -> str:
     """Mean and spread of neighbouring flights beside the published flight, as Markdown."""
     loaded = edl6dof.load("tianwen1")
     rows = fly_neighbours(loaded)
-    found = spreads(rows, loaded.scenario.published)
+    found = sample_means(rows, loaded.scenario.published)
     means = {name: spread.mean for name, spread in found.items()}
     deviations = {name: spread.deviation for name, spread in found.items()}
     lines = [

@@ -50,7 +50,7 @@ def run_calibrate(options: CalibrateOptions) -> int:
         (folder / "summary.json").write_text(summary, encoding="utf-8")
         text = overlay_text(
             f"{name}_calibrated",
-            options.scenario,
+            _extended(options.scenario),
             rounded(calibration, found),
             claims(options, calibration, found),
         )
@@ -60,6 +60,12 @@ def run_calibrate(options: CalibrateOptions) -> int:
     else:
         _show(calibration, found, target)
     return 0 if not unexplained(calibration, found) else 1
+
+
+def _extended(scenario: str) -> str:
+    """How the overlay names the scenario it extends: by the name of a shipped one, or by its full path."""
+    file = Path(scenario)
+    return str(file.resolve()) if file.is_file() else scenario
 
 
 def _evaluations(calibration: Calibration) -> int:

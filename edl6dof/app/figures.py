@@ -11,7 +11,7 @@ from rich.console import Console
 
 from edl6dof.app.counting import count_runs
 from edl6dof.app.exit_status import refuse
-from edl6dof.campaign.neighbours import SPEED_STEP_M_S, Spread, fly_neighbours, spreads
+from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, fly_neighbours, sample_means
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
@@ -23,14 +23,15 @@ from edl6dof.scenario.schema import LoadedScenario, load_scenario
 MOST_FLIGHTS = 100_000
 
 
-def run_figures(scenario: str, sets: Sequence[str], flights: int, as_json: bool) -> int:
+def run_figures(scenario: str, sets: Sequence[str], flights: int | None, as_json: bool) -> int:
     """Fly neighbours of a scenario and show mean and spread of their figures; returns the exit status."""
+    flights = FLIGHTS if flights is None else flights
     if not 2 <= flights <= MOST_FLIGHTS:
         return refuse(f"-n {flights}: a spread needs 2 flights, and at most {MOST_FLIGHTS} are flown")
     loaded = load_scenario(scenario, sets)
     with count_runs(loaded.scenario.name, quiet=as_json) as progress:
         rows = fly_neighbours(loaded, flights, progress=lambda done, row: progress(done, flights))
-    found = spreads(rows, loaded.scenario.published)
+    found = sample_means(rows, loaded.scenario.published)
     if as_json:
         print(json.dumps(_plain(loaded, rows, found), indent=1))
     else:
@@ -38,7 +39,7 @@ def run_figures(scenario: str, sets: Sequence[str], flights: int, as_json: bool)
     return 0 if all(row["success"] for row in rows) else 1
 
 
-def _plain(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, Spread]) -> dict[str, Any]:
+def _plain(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, SampleMean]) -> dict[str, Any]:
     return {
         "scenario": loaded.scenario.name,
         "flights": len(rows),
@@ -54,7 +55,7 @@ def _plain(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, Spre
     }
 
 
-def _show(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, Spread]) -> None:
+def _show(loaded: LoadedScenario, rows: Sequence[Row], found: Mapping[str, SampleMean]) -> None:
     console = Console(highlight=False)
     beside = comparison(
         {name: s.mean for name, s in found.items()},

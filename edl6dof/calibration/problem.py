@@ -11,7 +11,7 @@ import numpy as np
 from edl6dof.calibration.params import CalibrationFile, CalibrationParams
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
-from edl6dof.campaign.neighbours import Spread, fly_neighbours, spreads
+from edl6dof.campaign.neighbours import SampleMean, fly_neighbours, sample_means
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import validate
@@ -42,7 +42,7 @@ class Calibration:
     params: CalibrationParams
     beside: tuple[Beside, ...]
     progress: Progress | None = None
-    flown: dict[tuple[float, ...], Mapping[str, Spread]] = field(default_factory=dict)
+    flown: dict[tuple[float, ...], Mapping[str, SampleMean]] = field(default_factory=dict)
 
     @property
     def paths(self) -> list[str]:
@@ -64,13 +64,13 @@ class Calibration:
             for (path, prior), offset in zip(self.params.parameters.items(), x, strict=True)
         }
 
-    def figures(self, x: np.ndarray) -> Mapping[str, Spread]:
+    def figures(self, x: np.ndarray) -> Mapping[str, SampleMean]:
         """Mean and spread of the figures over neighbouring flights, the same ones whatever the parameters."""
         key = tuple(float(value) for value in x)
         if key not in self.flown:
             flights = self.params.flights
             rows = fly_neighbours(self.loaded, flights, step_m_s=_SPEED_STEP_M_S, belief=self.values(x))
-            self.flown[key] = spreads(rows, self.loaded.scenario.published)
+            self.flown[key] = sample_means(rows, self.loaded.scenario.published)
             if self.progress is not None:
                 self.progress(len(self.flown))
         return self.flown[key]
@@ -142,6 +142,14 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
     """Parameters that the scenario has not, or whose bounds it does not allow."""
     priors = calibration.params.parameters
+    elements = [path for path in priors if path.rpartition(".")[2].isdecimal()]
+    if elements:
+        return [
+            own.problem(
+                (CALIBRATION, "parameters", path), "must be a value of its own, not an element of a list"
+            )
+            for path in elements
+        ]
     corners = [
         {path: value(prior) for path, prior in priors.items()}
         for value in (lambda p: p.bounds[0], lambda p: p.mean, lambda p: p.bounds[1])

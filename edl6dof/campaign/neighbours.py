@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import nan
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -28,7 +28,7 @@ SPEED_STEP_M_S = 1e-6
 FLIGHTS = 30
 
 
-class Spread(NamedTuple):
+class SampleMean(NamedTuple):
     """A figure over several flights: mean, standard deviation (``nan`` of a single one), and how many flights
     reached it.
     """
@@ -36,6 +36,12 @@ class Spread(NamedTuple):
     mean: float
     deviation: float
     flights: int
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Self:
+        """Of at least one value."""
+        deviation = float(np.std(values, ddof=1)) if len(values) > 1 else nan
+        return cls(float(np.mean(values)), deviation, len(values))
 
 
 def neighbours(loaded: LoadedScenario, count: int, step_m_s: float = SPEED_STEP_M_S) -> list[Case]:
@@ -52,20 +58,20 @@ def fly_neighbours(
     count: int = FLIGHTS,
     *,
     step_m_s: float = SPEED_STEP_M_S,
-    truth: Mapping[str, Any] | None = None,
     belief: Mapping[str, Any] | None = None,
-    workers: int | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Fly neighbours and return their rows; ``truth`` and ``belief`` change all of them, by dotted path."""
+    """Fly neighbours and return their rows; ``belief`` changes all of them, by dotted path, and the truth
+    with it.
+    """
     cases = [
-        Case(case.index, {**case.truth, **(truth or {})}, dict(belief or {}), case.profile)
+        Case(case.index, case.truth, dict(belief or {}), case.profile)
         for case in neighbours(loaded, count, step_m_s)
     ]
-    return list(fly_rows(loaded, cases, workers=workers, progress=progress))
+    return list(fly_rows(loaded, cases, progress=progress))
 
 
-def spreads(rows: Sequence[Row], published: Published) -> dict[str, Spread]:
+def sample_means(rows: Sequence[Row], published: Published) -> dict[str, SampleMean]:
     """Mean and spread of every figure of merit that a flight reached, in the order of their declaration; of
     its size where one is published without a sign.
     """
@@ -75,8 +81,7 @@ def spreads(rows: Sequence[Row], published: Published) -> dict[str, Spread]:
         size = abs if figure.name in beside and beside[figure.name].magnitude is not None else float
         values = [size(row[figure.name]) for row in rows if row.get(figure.name) is not None]
         if values:
-            deviation = float(np.std(values, ddof=1)) if len(values) > 1 else nan
-            found[figure.name] = Spread(float(np.mean(values)), deviation, len(values))
+            found[figure.name] = SampleMean.of(values)
     return found
 
 

@@ -35,7 +35,9 @@ def figures(
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
     ],
     sets: Sets = None,
-    flights: Annotated[int, typer.Option("-n", "--flights", metavar="N", help="Flights.")] = 30,
+    flights: Annotated[
+        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights; 30 if not given.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     trust: Trust = False,
 ) -> None:

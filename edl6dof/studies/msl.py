@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, Spread, neighbours, spreads
+from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, neighbours, sample_means
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.metrics.published import published_figures
 from edl6dof.report.figure import Figure
@@ -193,20 +193,19 @@ def run(runs: int, progress: Progress) -> Report:
     )
 
 
-def means_of(rows: Sequence[Row]) -> dict[str, Spread]:
+def means_of(rows: Sequence[Row]) -> dict[str, SampleMean]:
     """Mean and spread of every figure over flights of one kind; what a flight did not come to is left out."""
-    found = spreads(rows, {})
+    found = sample_means(rows, {})
     for name in COMPARED:
         values = [row[name] for row in rows if isfinite(row[name])]
         if values:
-            deviation = float(np.std(values, ddof=1)) if len(values) > 1 else nan
-            found[name] = Spread(float(np.mean(values)), deviation, len(values))
+            found[name] = SampleMean.of(values)
     return found
 
 
-def findings(means: Mapping[str, Spread]) -> tuple[Finding, ...]:
+def findings(means: Mapping[str, SampleMean]) -> tuple[Finding, ...]:
     """The scenario as it is beside what is published of it."""
-    nothing = Spread(nan, nan, 0)
+    nothing = SampleMean(nan, nan, 0)
     found = []
     for figure, entry in published_figures(load_scenario(SCENARIO).scenario.published):
         own, unit = means.get(figure.name, nothing), figure.unit.label
@@ -217,7 +216,7 @@ def findings(means: Mapping[str, Spread]) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def _grid(title: str, means: Mapping[str, Mapping[str, Spread]]) -> Grid:
+def _grid(title: str, means: Mapping[str, Mapping[str, SampleMean]]) -> Grid:
     """A row for each kind of flight, a column for each figure of ``COLUMNS``."""
     rows: list[tuple[str | float, ...]] = [
         (name, *(own[column].mean for _, column in COLUMNS)) for name, own in means.items()

@@ -92,7 +92,8 @@ def test_twin_is_found_again(twin):
 def test_command_writes_a_scenario_that_flies_with_the_values_it_found(twin, tmp_path, monkeypatch, capsys):
     path, _ = twin
     out = tmp_path / "found"
-    monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", str(path), "--out", str(out)])
+    monkeypatch.chdir(path.parent)  # named by a relative path, and found again from another folder
+    monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", path.name, "--out", str(out)])
     monkeypatch.setenv("COLUMNS", "100")
     with pytest.raises(SystemExit) as end:
         cli.main()
@@ -117,6 +118,10 @@ def test_command_writes_a_scenario_that_flies_with_the_values_it_found(twin, tmp
         ),
         ("{parameters: {vehicle.mass.entry_kg: {mean: 3000, sigma: -1}}}", ["sigma: must be > 0"]),
         ("{parameters: {atmosphere.density_factor: {mean: 1, sigma: 0.5}}}", ["atmosphere.density_factor"]),
+        (
+            "{parameters: {vehicle.mass.entry_centre_m.0: {mean: -1, sigma: 0.01}}}",
+            ["vehicle.mass.entry_centre_m.0: must be a value of its own"],
+        ),
         (
             "{figures: [touchdwn_s], parameters: {initial.alpha_deg: {mean: -15, sigma: 1}}}",
             ["figures.0: is no flown value with a sigma under published (allowed "],

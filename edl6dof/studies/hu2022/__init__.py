@@ -11,7 +11,7 @@ tables; where it prints no figure, none stands beside.
 from __future__ import annotations
 
 from edl6dof.campaign.executor import in_threads
-from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, fly_neighbours, spreads
+from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, fly_neighbours, sample_means
 from edl6dof.campaign.rows import table_of
 from edl6dof.sim.flight import fly
 from edl6dof.studies.hu2022 import findings, rigs, rows
@@ -41,7 +41,7 @@ def run(runs: int, progress: Progress) -> Report:
     """
     nominal = fly(rigs.nominal())
     around = min(FLIGHTS, max(2, runs))
-    means = spreads(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
+    means = sample_means(fly_neighbours(nominal.loaded, around), nominal.scenario.published)
     release = rigs.state_at(nominal.metrics["backshell_s"] + rigs.AFTER_RELEASE_S)
     starts = [
         (index, entry, name)

@@ -7,7 +7,7 @@ from math import nan
 
 import numpy as np
 
-from edl6dof.campaign.neighbours import Spread
+from edl6dof.campaign.neighbours import SampleMean
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.metrics.published import Beside, published_figures
@@ -41,7 +41,7 @@ _FLIGHT = (
 )
 
 
-def all_of(nominal: Flight, means: Mapping[str, Spread], rows: list[Row]) -> tuple[Finding, ...]:
+def all_of(nominal: Flight, means: Mapping[str, SampleMean], rows: list[Row]) -> tuple[Finding, ...]:
     """Every finding of the study: the flight as a mean over neighbouring ones, and the experiments."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in dict(_FLIGHT)}
     flown = (_flown(beside, means) for beside in published_figures(published))
@@ -49,10 +49,10 @@ def all_of(nominal: Flight, means: Mapping[str, Spread], rows: list[Row]) -> tup
     return (*flown, _estimated_force(nominal), *experiments)
 
 
-def _flown(beside: Beside, means: Mapping[str, Spread]) -> Finding:
+def _flown(beside: Beside, means: Mapping[str, SampleMean]) -> Finding:
     """Mean and spread of a figure beside its published value."""
     figure, published = beside
-    own = means.get(figure.name, Spread(nan, nan, 0))
+    own = means.get(figure.name, SampleMean(nan, nan, 0))
     return Finding(
         figure.meaning,
         figure.unit.label,

@@ -9,7 +9,7 @@ import pytest
 from cli_run import run
 
 import edl6dof
-from edl6dof.campaign.neighbours import SPEED_STEP_M_S, fly_neighbours, neighbours, spreads
+from edl6dof.campaign.neighbours import SPEED_STEP_M_S, fly_neighbours, neighbours, sample_means
 from edl6dof.metrics.published import PublishedFigure
 
 FEW = 3
@@ -39,16 +39,16 @@ def test_a_velocity_given_by_components_grows_by_as_much():
 def test_means_and_deviations_are_those_of_the_rows_and_of_sizes_where_no_sign_is_published():
     rows = [{"roll_error_at_ignition_deg": x, "touchdown_s": 10.0 + x} for x in (-2.0, 2.0, 5.0)]
     rows.append({"touchdown_s": None})
-    found = spreads(rows, {"roll_error_at_ignition_deg": PublishedFigure(magnitude=7.7)})
+    found = sample_means(rows, {"roll_error_at_ignition_deg": PublishedFigure(magnitude=7.7)})
     assert found["roll_error_at_ignition_deg"] == pytest.approx((3.0, np.sqrt(3.0), 3))
     assert found["touchdown_s"].mean == pytest.approx(10.0 + 5.0 / 3.0)
-    assert spreads(rows, {})["roll_error_at_ignition_deg"].mean == pytest.approx(5.0 / 3.0)
+    assert sample_means(rows, {})["roll_error_at_ignition_deg"].mean == pytest.approx(5.0 / 3.0)
 
 
 def test_command_prints_what_the_flights_gave(capsys, monkeypatch):
     code, out, _ = run(capsys, monkeypatch, "figures", "msl", "-n", str(FEW), "--json")
     data = json.loads(out)
-    table = spreads(fly_neighbours(edl6dof.load("msl"), FEW), {})
+    table = sample_means(fly_neighbours(edl6dof.load("msl"), FEW), {})
     assert code == 0 and data["flights"] == data["within_limits"] == FEW
     assert data["figures"]["parachute_s"]["mean"] == table["parachute_s"].mean
     code, out, _ = run(capsys, monkeypatch, "figures", "msl", "-n", str(FEW))
