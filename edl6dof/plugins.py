@@ -67,7 +67,10 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
             "efficiency": ("params", "chute", "mach"),
         },
     ),
-    "sensor": ("sensor", {"measure": ("params", "memory", "plant", "outputs", "sensed")}),
+    "sensor": (
+        "sensor",
+        {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
+    ),
     "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
 }
 

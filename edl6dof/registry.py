@@ -50,6 +50,7 @@ class Member:
         plan: fills those tables, before a flight in which the member is chosen; the family decides the
             arguments.
         writes: fields it fills, where the members of a family fill one record together.
+        reads: fields it needs of a record that others fill.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Member:
     tables: np.dtype = field(default=EMPTY_MEMORY)
     plan: Callable[..., None] | None = None
     writes: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ class Family:
 
 
 #: Arguments that hold a section for each member of a family.
-OWN = ("params", "plan", "memory")
+OWN = ("params", "plan", "unit", "memory")
 
 
 def switch(kernels: Sequence[Callable[..., Any]], *arguments: str) -> Callable[..., Any]:

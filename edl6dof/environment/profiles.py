@@ -17,6 +17,8 @@ from edl6dof.jit import kernel
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
 DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM = 1, 2, 3
+#: Of the first sensor of the family; the others follow.
+SENSOR_STREAM = 100
 
 
 def stream(seed: int, case: int, source: int) -> np.random.Generator:

@@ -20,7 +20,8 @@ from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_pair
-from edl6dof.fsw.navigation import navigate
+from edl6dof.fsw.navigation.derived import derive
+from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.engine import ENGINE_OFF
 from edl6dof.jit import kernel
@@ -53,7 +54,8 @@ def run(onboard, sensed, k, fsw):
         command.request[i] = 0
 
     # navigation
-    navigate(onboard.planet, onboard.atmosphere, onboard.site.frame, sensed, nav)
+    estimate_state(onboard, sensed, fsw.navigation)
+    derive(onboard.planet, onboard.atmosphere, onboard.site.frame, fsw.navigation.estimate, nav)
     if onboard.mission.n_phases == 0:
         return
 

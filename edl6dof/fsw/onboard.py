@@ -38,7 +38,10 @@ from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.navigation.filters.registry import NavigationParams
+from edl6dof.fsw.navigation.instruments import INSTRUMENTS
+from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
@@ -134,6 +137,7 @@ class FlightSoftwareParams(Params):
     """Settings of the flight software."""
 
     rates: RateParams = group(RateParams, "rate table")
+    navigation: NavigationParams = group(NavigationParams, "navigation")
     guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
     check_out: CheckOutParams = group(CheckOutParams, "check-out of thrusters")
     control: ControlParams = group(ControlParams, "attitude controllers")
@@ -221,6 +225,8 @@ ONBOARD = np.dtype(
             ),
         ),
         ("rates", dtype_of(RateParams)),
+        ("instruments", INSTRUMENTS),
+        ("navigation", dtype_of(NavigationParams)),
         ("guidance", dtype_of(GuidanceParams)),
         ("check_out", CHECK_OUT),
         ("control", dtype_of(ControlParams)),
@@ -253,6 +259,7 @@ FSW = np.dtype(
         ("estimation", ESTIMATION),
         ("diagnosis", DIAGNOSIS),
         ("check_out", CHECK_OUT_MEMORY),
+        ("navigation", NAVIGATION),
         ("effectiveness", EFFECTIVENESS),
         ("allocation", ALLOCATION),
         ("modulation", MODULATION),

@@ -13,6 +13,11 @@ MAX_SURFACES = 4
 MAX_TANKS = 4
 #: Parachutes of a vehicle.
 MAX_PARACHUTES = 4
+#: Gyros, and accelerometers, of an inertial unit; beams of a landing radar; ports of an air data system.
+MAX_GYROS = 8
+MAX_ACCELEROMETERS = 8
+MAX_BEAMS = 8
+MAX_PORTS = 8
 #: Phases of a mission.
 MAX_PHASES = 16
 #: Events of a mission, and those of one phase.

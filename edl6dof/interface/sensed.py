@@ -1,13 +1,61 @@
-"""The record that crosses from the plant to the flight software: what the instruments say in a base cycle."""
+"""The record that crosses from the plant to the flight software: what the instruments say in a base cycle.
+
+Ideal instruments tell the state itself, as the first fields; real ones give readings, as the records below,
+and the flight software has to make a state of them.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_PORTS
 from edl6dof.records import FLAG
 
-#: Ideal instruments sit at the centre of mass and say what is; the inertial measurement unit says what was,
-#: some cycles ago.
+#: What gyros and accelerometers of an inertial unit read, each along its own axis.  They count, so that
+#: nothing between two readings is lost; the counts go on from the start of the flight.
+INERTIAL = np.dtype(
+    [
+        ("angle", "f8", (MAX_GYROS,)),  # rad: integral of the rate about the axis of each gyro
+        ("rate", "f8", (MAX_GYROS,)),  # rad/s: that rate at the time of the reading
+        ("gain", "f8", (MAX_ACCELEROMETERS,)),  # m/s: integral of the specific force along each
+        ("gyro_saturated", FLAG, (MAX_GYROS,)),  # whether each met the end of its range
+        ("accelerometer_saturated", FLAG, (MAX_ACCELEROMETERS,)),  # likewise
+    ],
+    align=True,
+)
+
+#: What a star tracker says.
+STARS = np.dtype(
+    [
+        ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
+        ("valid", FLAG),  # whether it is of this cycle
+    ],
+    align=True,
+)
+
+#: What the beams of a landing radar return.
+RADAR = np.dtype(
+    [
+        ("range", "f8", (MAX_BEAMS,)),  # m, along each beam from the antenna to the ground
+        ("speed", "f8", (MAX_BEAMS,)),  # m/s, along each beam towards the ground, of the antenna
+        ("locked", FLAG, (MAX_BEAMS,)),  # whether the beam has an echo
+        ("fresh", FLAG),  # whether they are of this cycle
+    ],
+    align=True,
+)
+
+#: What ground tracking sends up: the state of the centre of mass in the cycle in which it arrives.
+TRACKING = np.dtype(
+    [
+        ("r_I", "f8", (3,)),  # m, I
+        ("v_I", "f8", (3,)),  # m/s, I: inertial velocity
+        ("fresh", FLAG),  # whether it arrives in this cycle
+    ],
+    align=True,
+)
+
+#: Ideal instruments sit at the centre of mass and say what is; the ideal inertial unit says what was, some
+#: cycles ago.
 SENSED = np.dtype(
     [
         ("t", "f8"),  # s, flight time
@@ -17,9 +65,14 @@ SENSED = np.dtype(
         ("w_B", "f8", (3,)),  # rad/s, B: rate of B relative to I
         ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
         ("height_above_ground", "f8"),  # m, of the centre of mass above the ground below
+        ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the ideal inertial unit
+        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, counted by it
+        ("inertial", INERTIAL),  # of the inertial unit, some cycles old
+        ("stars", STARS),  # of the star tracker
+        ("radar", RADAR),  # of the landing radar
+        ("tracking", TRACKING),  # of ground tracking
+        ("pressure", "f8", (MAX_PORTS,)),  # Pa, at each port of the air data system
         ("footpad_contact", FLAG),  # a footpad touches the ground
-        ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the IMU
-        ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, counted by the IMU
         ("wing_open", FLAG),  # end switch of the trim wing
     ],
     align=True,

@@ -12,6 +12,7 @@ from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.navigation.filters.registry import GIVEN
 from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
@@ -25,6 +26,11 @@ from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
+#: Sections of the flight software that stand in the record as they are.
+FILLED = (
+    *("rates", "navigation", "guidance", "control", "estimation", "diagnosis", "allocation"),
+    "modulation",
+)
 #: Mach number at which the one believed drag and lift coefficient are taken.
 BELIEF_MACH = 15.0
 #: How far (m) the believed atmosphere reaches at least below the site and above the initial state.
@@ -46,8 +52,10 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
     software = scenario.flight_software
-    for name in ("rates", "guidance", "control", "estimation", "diagnosis", "allocation", "modulation"):
+    for name in FILLED:
         fill(record[name], getattr(software, name))
+    if scenario.sensors.set == "perfect":
+        record["navigation"]["filter"] = GIVEN
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)

@@ -22,7 +22,7 @@ from edl6dof.scenario.events import fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
-from edl6dof.sensors.registry import SensorParams
+from edl6dof.sensors.registry import SENSOR_UNITS, fill_sensors
 from edl6dof.spatial.frames import (
     LOCAL_FRAME,
 )
@@ -52,7 +52,7 @@ CASE = np.dtype(
         ("initial", extended(InitialState, altitude="f8")),
         ("simulation", dtype_of(SimulationParams)),
         ("limits", dtype_of(LimitParams)),
-        ("sensors", dtype_of(SensorParams)),
+        ("sensors", SENSOR_UNITS),
         ("faults", FAULTS),
     ],
     align=True,
@@ -115,6 +115,10 @@ def _fill_wind(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_wind(case["wind"], s.wind, tables["atmosphere"], s.seed, s.profile)
 
 
+def _fill_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
+    fill_sensors(case["sensors"], s.sensors, s.seed, s.profile)
+
+
 def _fill_ground(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_terrain(case["terrain"], s.terrain, tables["terrain"], s.planet.mean_radius_m)
     fill_site(case["site"], s)
@@ -149,12 +153,13 @@ def _fill_faults(case: np.void, s: Scenario, tables: np.void) -> None:
 CASE_PARTS = (
     *(
         CasePart((name,), frozenset({name}), partial(_fill_section, name))
-        for name in ("point_mass", "simulation", "sensors")
+        for name in ("point_mass", "simulation")
     ),
     CasePart(("planet",), frozenset({"planet"}), lambda case, s, _: fill_planet(case["planet"], s.planet)),
     CasePart(("initial",), frozenset({"initial", "planet"}), _fill_initial),
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
+    CasePart(("sensors",), frozenset({"sensors", "seed", "profile"}), _fill_sensors),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),
     CasePart(("vehicle", "lander", "feeds", "suspension", "carrier"), frozenset({"vehicle"}), _fill_vehicle),
     CasePart(("events",), frozenset({"mission", "vehicle"}), _fill_events),

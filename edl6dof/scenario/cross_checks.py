@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.fsw.check_out import check_out_problems
+from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.sensors.registry import sensor_problems
@@ -72,6 +73,13 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
     return {"sensors.imu.delay_cycles": message}
 
 
+def _sensor_problems(scenario: Scenario) -> dict[str, str]:
+    """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
+    name = "given" if scenario.sensors.set == "perfect" else scenario.flight_software.navigation.filter
+    read = NAVIGATION_FILTERS.member(name).reads
+    return sensor_problems(scenario.sensors, (*read, "footpad_contact", "wing_open"))
+
+
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.dynamics == "six_dof" or scenario.mission.goal != "landing":
         return {}
@@ -99,7 +107,7 @@ def _entry_problems(scenario: Scenario) -> dict[str, str]:
 CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _pulse_problems),
-    CrossCheck(frozenset({"sensors"}), lambda s: sensor_problems(s.sensors)),
+    CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),

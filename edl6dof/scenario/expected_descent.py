@@ -20,7 +20,7 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.mission.phases import G_NONE
 from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
-from edl6dof.fsw.navigation import NAV, model_atmosphere
+from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.events import DEPLOY, JETTISON

@@ -23,7 +23,7 @@ from edl6dof.environment.wind import WIND
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
@@ -85,6 +85,10 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
 
 
 def _argument(name: str, key: str, member: Member) -> Any:
+    # these import the schema, which tries plugins out
+    from edl6dof.scenario.case import CASE
+    from edl6dof.scenario.records import TABLES
+
     scalars = {
         **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
         **{"since_line_stretch": 1.0, "mach": 1.5},
@@ -93,6 +97,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
     records = {
         "params": dtype_of(member.params),
         "plan": member.tables,
+        "unit": member.tables,
+        "case": CASE,
+        "tables": TABLES,
         "memory": member.memory,
         "onboard": ONBOARD,
         "vehicle": ONBOARD["vehicle"],

@@ -38,18 +38,18 @@ READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("t
 
 
 @kernel
-def measure(params, readings, plant, outputs, sensed):
+def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no
     older).
     """
-    slot = readings.taken % DEPTH
-    old = max(readings.taken - params.delay_cycles, 0) % DEPTH
-    readings.taken += 1
+    slot = memory.taken % DEPTH
+    old = max(memory.taken - params.delay_cycles, 0) % DEPTH
+    memory.taken += 1
     for i in range(3):
-        readings.rate[slot, i] = plant.y[RATE + i]
-        readings.gain[slot, i] = plant.velocity_gain[i]
-        sensed.imu_rate_B[i] = readings.rate[old, i]
-        sensed.imu_gain_B[i] = readings.gain[old, i]
+        memory.rate[slot, i] = plant.y[RATE + i]
+        memory.gain[slot, i] = plant.velocity_gain[i]
+        sensed.imu_rate_B[i] = memory.rate[old, i]
+        sensed.imu_gain_B[i] = memory.gain[old, i]
 
 
 MEMBER = Member(

@@ -21,7 +21,7 @@ class PerfectParams(Params):
 
 
 @kernel
-def measure(params, memory, plant, outputs, sensed):
+def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Say what is."""
     y = plant.y
     for i in range(3):

@@ -1,5 +1,9 @@
 """The sensors that a scenario may name in ``sensors.carried``; each writes its own part of the sensed record.
 
+A member's kernel ``measure(params, unit, case, tables, plant, outputs, memory, sensed)`` runs in every base
+cycle.  ``params``, ``unit`` and ``memory`` are its own: ``unit`` holds the errors of the copy that flies in
+this case, drawn by the member's ``plan(params, rng, unit)`` from the generator that belongs to sensor and
+case.  Noise in flight comes from :mod:`edl6dof.spatial.noise`, with a key that ``plan`` draws.
 A sensor that is named after another one may write over what that one measured: a list ``[perfect, imu,
 star_tracker]`` takes the attitude from the star tracker and the rest from the others.
 """
@@ -11,6 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from edl6dof.config.base import Capacity, param
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
@@ -20,6 +26,8 @@ SENSOR_FAMILY = Family("sensor", (perfect.MEMBER, imu.MEMBER))
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 8
+#: Those that stand for whatever is carried in the set ``perfect``.
+PERFECT_SET = ("perfect", "imu")
 
 if TYPE_CHECKING:
     SensorName = str
@@ -32,38 +40,75 @@ _Sections: Any = SENSOR_FAMILY.params_model("SensorSections", None, "", "Paramet
 class SensorParams(_Sections):
     """What the flight computer measures with."""
 
+    set: Literal["carried", "perfect"] = param(
+        "carried",
+        "carried: the sensors named below; perfect: ideal ones instead, whose word navigation takes",
+        record=False,
+    )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
         None,
         "sensors that fly; a later one writes over what an earlier one measured",
-        factory=lambda: ["perfect", "imu"],
+        factory=lambda: list(PERFECT_SET),
         min_length=1,
         max_length=MAX_SENSORS,
     )
 
+    @property
+    def flown(self) -> list[str]:
+        """Names of the sensors that fly."""
+        return list(PERFECT_SET) if self.set == "perfect" else self.carried
+
+
+#: The sensors of a case: their parameters, and the errors of the copies that fly in it.
+SENSOR_UNITS = np.dtype([("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables)], align=True)
 
 #: What the sensors remember, and what crosses to the flight software.
 SENSORS = np.dtype(
     [*((member.name, member.memory) for member in SENSOR_FAMILY.members), ("sensed", SENSED)], align=True
 )
 
-_measure = SENSOR_FAMILY.switch("measure", "params", "memory", "plant", "outputs", "sensed")
+_measure = SENSOR_FAMILY.switch(
+    "measure", "params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"
+)
+
+
+def fill_sensors(record: np.void, params: SensorParams, seed: int = 0, case: int = 0) -> None:
+    """Write checked parameters into a ``SENSOR_UNITS`` record of zeros, and draw the errors of the sensors
+    that fly, which belong to (seed, case).
+    """
+    fill(record["params"], params)
+    flown = [SENSOR_FAMILY.names.index(name) for name in params.flown]
+    record["params"]["n_carried"] = len(flown)
+    record["params"]["carried"] = 0
+    record["params"]["carried"][: len(flown)] = flown
+    for index in flown:
+        member = SENSOR_FAMILY.members[index]
+        if member.plan is not None:
+            rng = stream(seed, case, SENSOR_STREAM + index)
+            member.plan(getattr(params, member.name), rng, record["unit"][member.name])
 
 
 @kernel
-def sense(params, plant, outputs, sensors):
+def sense(case, tables, plant, outputs, sensors):
     """Let the sensors that are carried write into ``sensors.sensed`` what they measure in the state ``plant``
     with its ``outputs``.
     """
+    params, unit = case.sensors.params, case.sensors.unit
     sensors.sensed.t = plant.t
     for k in range(params.n_carried):
-        _measure(params.carried[k], params, sensors, plant, outputs, sensors.sensed)
+        _measure(params.carried[k], params, unit, case, tables, plant, outputs, sensors, sensors.sensed)
 
 
-def sensor_problems(params: SensorParams) -> dict[str, str]:
-    """Dotted path to message of what is wrong with the choice of sensors."""
+def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, str]:
+    """Dotted path to message of what is wrong with the choice of sensors.
+
+    Args:
+        params: the choice.
+        needed: fields of the sensed record that the flight software cannot do without.
+    """
     twice = sorted({name for name in params.carried if params.carried.count(name) > 1})
-    written = {field for name in params.carried for field in SENSOR_FAMILY.member(name).writes}
-    missing = [field for field in SENSED.names or () if field not in written and field != "t"]
+    written = {field for name in params.flown for field in SENSOR_FAMILY.member(name).writes}
+    missing = [field for field in needed if field not in written]
     if twice:
         return {"sensors.carried": f"names {', '.join(twice)} twice"}
     if missing:

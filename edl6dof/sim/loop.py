@@ -66,7 +66,7 @@ def fly(
     for k in range(first, last):
         t = k * cycle
         survey(case, tables, plant, outputs)
-        sense(case.sensors, plant, outputs, sensors)
+        sense(case, tables, plant, outputs, sensors)
         run(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):

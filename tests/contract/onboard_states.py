@@ -7,7 +7,7 @@ import numpy as np
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.navigation import NAV, navigate
+from edl6dof.fsw.navigation.derived import NAV, derive
 from edl6dof.interface.sensed import SENSED
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
@@ -43,7 +43,7 @@ def nav_state(
     sensed["q_I2B"] = (spin * Quaternion(matrix=ned) * attitude).elements
     sensed["w_B"], sensed["specific_force_B"] = rate, force
     sensed["height_above_ground"] = altitude - onboard[0]["site"]["altitude"] if height is None else height
-    navigate(planet, onboard[0]["atmosphere"], onboard[0]["site"]["frame"], sensed, nav)
+    derive(planet, onboard[0]["atmosphere"], onboard[0]["site"]["frame"], sensed, nav)
     return nav
 
 

@@ -9,7 +9,7 @@ import pytest
 import edl6dof
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import air
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.scenario import records
 from edl6dof.sim.flight import fly
 

@@ -135,7 +135,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
 from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
 from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
 from edl6dof.fsw.guidance.entry.prediction.reference import node_of
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.scenario import records
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.scenario import records
 
 G0 = 9.80665

@@ -222,7 +222,7 @@ from edl6dof import plugins
 plugins.activate([{scenario!r}])
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.jit import kernel
 from edl6dof.fsw.guidance.entry import steering

@@ -10,7 +10,7 @@ import pytest
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 FAST = 1000.0  # bank rate, rad/s, that hides the rate limit
 

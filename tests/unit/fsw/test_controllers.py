@@ -10,7 +10,7 @@ from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
 from edl6dof.fsw.control.thrust_vector import DECOUPLED, SHORTEST_PATH
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 ENTRY, LANDER = 0, 0b111

@@ -14,7 +14,7 @@ from edl6dof.fsw.guidance.entry.laws.dob_sliding import DobSlidingParams, observ
 from edl6dof.fsw.guidance.entry.laws.ftc_dob import power
 from edl6dof.fsw.guidance.entry.observers.path_observer import PATH_OBSERVER, PathObserverParams, observe_path
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 
 def params(model, **changes):

@@ -13,7 +13,7 @@ from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, STEPS, fly, reference_bank, solve_shift
 from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 RADIUS, MU = 3.3962e6, 4.2828e13
 SCALE_HEIGHT, DENSITY = 9354.0, 0.0158

@@ -21,7 +21,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
     mach_nodes,
 )
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 
 def out_record(drag_ratio=1.0, lift_ratio=1.0):

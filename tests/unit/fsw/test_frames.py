@@ -17,7 +17,7 @@ from edl6dof.fsw.control.frames import (
     wind_attitude_error,
 )
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 
 X, Y, Z = np.eye(3)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
-from edl6dof.fsw.navigation import NAV, model_atmosphere, navigate
+from edl6dof.fsw.navigation.derived import NAV, derive, model_atmosphere
 from edl6dof.interface.sensed import SENSED
 
 X, Y, Z = np.eye(3)
@@ -57,9 +57,7 @@ def fly_state(
 
 def nav_of(onboard, sensed):
     nav = np.zeros(1, NAV)[0]
-    navigate(
-        *(onboard[0][name] for name in ("planet", "atmosphere")), onboard[0]["site"]["frame"], sensed, nav
-    )
+    derive(*(onboard[0][name] for name in ("planet", "atmosphere")), onboard[0]["site"]["frame"], sensed, nav)
     return nav
 
 

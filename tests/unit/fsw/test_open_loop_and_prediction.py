@@ -11,7 +11,7 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.scenario.records import build_onboard
 
 ENTRY = "flight_software.guidance.entry"

@@ -16,7 +16,7 @@ from edl6dof.fsw.guidance.powered.terminal import (
     start_or_throttle,
     throttle,
 )
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 G = 3.72

@@ -15,7 +15,7 @@ from edl6dof.fsw.mission.phases import (
     WayOut,
 )
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
-from edl6dof.fsw.navigation import NAV
+from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.events import ACTIONS

@@ -32,7 +32,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
     profile_range,
 )
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member

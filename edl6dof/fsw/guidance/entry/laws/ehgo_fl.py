@@ -27,7 +27,7 @@ from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_d
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp

@@ -22,7 +22,7 @@ from math import cos, sin
 import numpy as np
 
 from edl6dof.fsw.guidance.entry.prediction.reference import point_mass, reference_bank
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 
 NODES = 64

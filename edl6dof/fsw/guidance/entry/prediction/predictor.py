@@ -14,7 +14,7 @@ from math import asin, atan2, cos, sin, sqrt
 
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
-from edl6dof.fsw.navigation import model_atmosphere
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit

@@ -1,8 +1,8 @@
-"""Navigation: the quantities that mission logic, guidance and control use, from sensor data and onboard
-models alone.
+"""The quantities that mission logic, guidance and control use: what follows from the estimated state and
+onboard models alone.
 
-With perfect sensors this is only geometry.  Velocity is relative to the planet: the wind is not known on
-board, so angle of attack, sideslip, bank and Mach number here differ from the truth by the wind.
+Velocity is relative to the planet: the wind is not known on board, so angle of attack, sideslip, bank and
+Mach number here differ from the truth by the wind.
 """
 
 from __future__ import annotations
@@ -80,24 +80,24 @@ def model_atmosphere(table, altitude):
 
 
 @kernel
-def navigate(planet, atmosphere, site_frame, sensed, nav):
-    """Fill ``nav`` (``NAV``) from ``sensed`` (``SENSED``), with the believed planet and atmosphere and the
-    local frame of the landing site.
+def derive(planet, atmosphere, site_frame, estimate, nav):
+    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``), with the believed planet and atmosphere and
+    the local frame of the landing site.
     """
-    t = sensed.t
+    t = estimate.t
     nav.t = t
-    q = (sensed.q_I2B[0], sensed.q_I2B[1], sensed.q_I2B[2], sensed.q_I2B[3])
+    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
     for i in range(4):
         nav.q_I2B[i] = q[i]
     for i in range(3):
-        nav.w_B[i] = sensed.w_B[i]
-        nav.specific_force_B[i] = sensed.specific_force_B[i]
-        nav.imu_rate_B[i] = sensed.imu_rate_B[i]
-        nav.imu_gain_B[i] = sensed.imu_gain_B[i]
+        nav.w_B[i] = estimate.w_B[i]
+        nav.specific_force_B[i] = estimate.specific_force_B[i]
+        nav.imu_rate_B[i] = estimate.imu_rate_B[i]
+        nav.imu_gain_B[i] = estimate.imu_gain_B[i]
     spin = planet.rotation_rate
     c, s = cos(spin * t), sin(spin * t)
-    r_I = take3(sensed.r_I, 0)
-    v_rel_I = (sensed.v_I[0] + spin * r_I[1], sensed.v_I[1] - spin * r_I[0], sensed.v_I[2])
+    r_I = take3(estimate.r_I, 0)
+    v_rel_I = (estimate.v_I[0] + spin * r_I[1], estimate.v_I[1] - spin * r_I[0], estimate.v_I[2])
     r_F, v_F = rotate_z(c, s, r_I), rotate_z(c, s, v_rel_I)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     up = rotate_z(c, -s, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (0.0, 0.0, -1.0)))
@@ -109,7 +109,7 @@ def navigate(planet, atmosphere, site_frame, sensed, nav):
     put3(nav.east_I, 0, east)
     nav.radius = norm(r_I)
     nav.latitude, nav.longitude, nav.altitude = atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon), altitude
-    nav.height = sensed.height_above_ground
+    nav.height = estimate.height_above_ground
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F)
     put3(nav.v_N, 0, v_N)
     speed = norm(v_rel_I)
@@ -127,7 +127,7 @@ def navigate(planet, atmosphere, site_frame, sensed, nav):
     density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed
-    force_I = from_frame(q, take3(sensed.specific_force_B, 0))
+    force_I = from_frame(q, take3(estimate.specific_force_B, 0))
     nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_rel_I))
     radius = planet.equatorial_radius
     nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
@@ -135,4 +135,4 @@ def navigate(planet, atmosphere, site_frame, sensed, nav):
     nav.tilt = acos(clamp(-dot(x, up), -1.0, 1.0))
     # roll of y_B about the upward x_C away from south, seen with the thrust axis brought to the vertical
     nav.roll_to_south = atan2(dot(y, east), -dot(y, north))
-    nav.footpad_contact, nav.wing_open = sensed.footpad_contact, sensed.wing_open
+    nav.footpad_contact, nav.wing_open = estimate.footpad_contact, estimate.wing_open

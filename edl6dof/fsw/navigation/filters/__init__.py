@@ -1,0 +1,1 @@
+"""The navigation filters, one in each file."""

@@ -1,0 +1,36 @@
+"""No filter: navigation takes the word of ideal instruments.
+
+Source: none, this is the null member of the family.
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class GivenParams(Params):
+    """The state that ideal instruments tell."""
+
+
+@kernel
+def start(params, onboard, sensed, solution, memory):
+    """Nothing to start."""
+
+
+@kernel
+def correct(params, onboard, health, sensed, motion, solution, memory):
+    """Nothing to correct."""
+
+
+MEMBER = Member(
+    "given",
+    GivenParams,
+    {"start": start, "correct": correct},
+    "null member",
+    reads=(
+        *("r_I", "v_I", "w_B", "specific_force_B", "q_I2B", "height_above_ground"),
+        *("imu_rate_B", "imu_gain_B"),
+    ),
+)

@@ -1,0 +1,33 @@
+"""The navigation filters that ``flight_software.navigation.filter`` may name.
+
+A member has two kernels.  ``start(params, onboard, sensed, solution, memory)`` runs once, when ground
+tracking and star tracker have started the ``solution`` (``SOLUTION``).  ``correct(params, onboard, health,
+sensed, motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
+(``MOTION``), and corrects it by what ``sensed`` (``SENSED``) says of stars and radar, as far as ``health``
+(``INSTRUMENT_HEALTH``) trusts them; it also says how sure it is.  ``params`` and ``memory`` are its own.
+``reads`` names the fields of the sensed record that a member cannot do without.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from edl6dof.fsw.navigation.filters import given
+from edl6dof.registry import Family
+
+NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER,))
+
+#: Index of the member that takes the word of ideal instruments.
+GIVEN = NAVIGATION_FILTERS.names.index("given")
+
+_Filters: Any = NAVIGATION_FILTERS.params_model("Filters", "filter", "given", "Navigation.")
+
+
+class NavigationParams(_Filters):
+    """Navigation: the filter, and what all share."""
+
+
+start_filter = NAVIGATION_FILTERS.switch("start", "params", "onboard", "sensed", "solution", "memory")
+correct_solution = NAVIGATION_FILTERS.switch(
+    "correct", "params", "onboard", "health", "sensed", "motion", "solution", "memory"
+)

@@ -1,0 +1,50 @@
+"""What the flight computer believes of its instruments: where they sit, where they look, how far to trust
+them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+
+#: Standard deviations are those of one instrument.
+INSTRUMENTS = np.dtype(
+    [
+        # inertial unit
+        ("unit_position", "f8", (3,)),  # m, B: where it sits
+        ("unit_delay", "f8"),  # s: age of a reading when it arrives
+        ("gyro_axis", "f8", (MAX_GYROS, 3)),  # B: unit vectors
+        ("n_gyros", "i8"),
+        ("gyro_range", "f8"),  # rad/s
+        ("gyro_noise", "f8"),  # rad/sqrt(s): angle random walk
+        ("gyro_bias", "f8"),  # rad/s: standard deviation at the start
+        ("gyro_bias_walk", "f8"),  # rad/s/sqrt(s)
+        ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, of the rate
+        ("accelerometer_axis", "f8", (MAX_ACCELEROMETERS, 3)),  # B: unit vectors
+        ("n_accelerometers", "i8"),
+        ("accelerometer_range", "f8"),  # m/s2
+        ("accelerometer_noise", "f8"),  # m/s/sqrt(s): velocity random walk
+        ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
+        ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
+        ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force
+        # star tracker
+        ("star_sigma", "f8"),  # rad, about each axis
+        # ground tracking
+        (
+            "tracking_position_sigma",
+            "f8",
+            (3,),
+        ),  # m, I: of the state sent up, about each axis
+        ("tracking_velocity_sigma", "f8", (3,)),  # m/s, I: likewise
+        # radar
+        ("antenna_position", "f8", (3,)),  # m, B
+        ("beam_axis", "f8", (MAX_BEAMS, 3)),  # B: unit vectors towards the ground
+        ("n_beams", "i8"),
+        ("range_sigma", "f8"),  # m
+        ("range_sigma_relative", "f8"),  # of the range, added to it
+        ("speed_sigma", "f8"),  # m/s
+        ("speed_sigma_relative", "f8"),  # of the speed along the beam, added to it
+    ],
+    align=True,
+)
