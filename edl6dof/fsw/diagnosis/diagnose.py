@@ -174,18 +174,16 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
         healthy: written, 0 for a thruster that is not to be used.
         shut: written, 1 for a thruster whose isolation valve is to be shut.
     """
-    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
-    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED:
-        return
     if memory.probe.suspect != NONE:
-        if known == 0:
+        if memory.residual.taken == 0:
             close_probe(memory.probe, healthy, shut)
         else:
             follow_suspect(
                 params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
             )
         return
-    if known == 0:
+    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
+    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED or known == 0:
         return
     best = memory.hypotheses
     before = (best.thruster, best.kind)

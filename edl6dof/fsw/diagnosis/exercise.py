@@ -3,8 +3,8 @@ unless one of them fails.
 
 In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses
 only some of them at a time. Each horizontal pair on one line of action that has rested for a while is tested
-in turn; a thruster that one test makes suspect is tested again at once, but for one suspected to be stuck on:
-its own pulse would hide that, and its opposite's look like a dead thruster's.  A test costs 8 g of propellant.
+in turn; a thruster that one test makes suspect is tested again at once.  One suspected to be stuck on is not:
+its own pulse would hide that, and its opposite's would look dead.  A test costs 8 g of propellant.
 Beyond Hu et al. 2022, who wait for the thruster to be used.
 """
 

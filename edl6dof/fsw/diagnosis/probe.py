@@ -9,13 +9,13 @@ weighed against the suspect.  A probe that decides nothing in its time gives the
 nothing; only one that was found sound is trusted.
 
 Suspected is a thruster for which "stuck on" has evidence, or whose thrust accounts for most of a slow
-disturbance that is larger than the misalignments of engine, drag and riser explain, and for most of what each
-of the last cycles left unexplained: the mean of a swing is no standing thrust.
+disturbance that is larger than the misalignments of engine, drag and riser explain, and for half of what the
+single cycles before left unexplained: the mean of a swing is no standing thrust.
 """
 
 from __future__ import annotations
 
-from math import exp, log
+from math import exp
 
 import numpy as np
 
@@ -35,6 +35,7 @@ BEFORE = 3  # cycles before a probe that what follows is compared with
 # lateral force over axial load, and torque over axial load in m, that no thruster is suspected of
 MISALIGNMENT = 0.01
 LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
+SUSPICIOUS = 2.5  # square of a slow disturbance in these units from which a thruster is suspected of it
 
 PROBE = np.dtype(
     [
@@ -62,7 +63,7 @@ def explains_slow_part(count, effectiveness, residual, healthy, t, memory):
     weight = (1.0 / (force * force), 1.0 / (torque * torque), 1.0 / (torque * torque))
     size = product(slow, slow, weight)
     found, least = NONE, 0.2 * size
-    if size < 4.0:
+    if size < SUSPICIOUS:
         return found
     for i in range(count):
         if healthy[i] == 0 or t < memory.trusted_until[i]:
@@ -77,8 +78,8 @@ def explains_slow_part(count, effectiveness, residual, healthy, t, memory):
 
 @kernel
 def stands(i, effectiveness, residual, weight):
-    """Whether the thrust of ``i``, where it was not asked for, accounts for four fifths of what the last
-    cycles left unexplained.
+    """Whether the thrust of ``i``, where it was not asked for, accounts for half of what the last cycles left
+    unexplained.
     """
     size, left = 0.0, 0.0
     for k in range(WINDOW):
@@ -87,7 +88,7 @@ def stands(i, effectiveness, residual, weight):
         size += square
         left += square - 2.0 * idle * product(seen, effectiveness[i], weight)
         left += idle * idle * product(effectiveness[i], effectiveness[i], weight)
-    return left < 0.2 * size
+    return left < 0.5 * size
 
 
 @kernel
@@ -148,19 +149,20 @@ def follow_probe(params, count, effectiveness, activity, load, unexplained, t, d
     unasked = 1.0 - memory.share_before[memory.suspect]
     collect(memory.sums, 1.0, -unasked, product(change, b, weight), product(b, b, weight), every)
     found = evidence(memory.sums, 1.0)
-    failed = exp(found)
-    total = failed + exp(params.prior)
+    failed, rivals = exp(found), 0.0
     for j in range(count):
         if j != memory.suspect:
             b = effectiveness[j]
             less = memory.share_before[j] - activity.share[j]
             collect(memory.rivals[j], 1.0, less, product(change, b, weight), product(b, b, weight), every)
-            total += exp(for_loss(params, memory.rivals[j], 0.0, False)[1] + memory.head_start[j])
-    confidence = failed / total
-    if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
-        return FAILED, confidence
-    if memory.sums.cycles >= LEAST_CYCLES and found <= -params.prior:
-        return SOUND, confidence
+            rivals += exp(for_loss(params, memory.rivals[j], 0.0, False)[1] + memory.head_start[j])
+    confidence = failed / (failed + exp(params.prior) + rivals)
+    if memory.sums.cycles >= LEAST_CYCLES:
+        if confidence >= params.confidence:
+            return FAILED, confidence
+        if found <= -params.prior:
+            return SOUND, confidence
     if t >= memory.since + WINDOW * dt:
-        return SOUND if found <= log(1.0 - params.confidence) else UNDECIDED, confidence
+        refuted = failed <= (1.0 - params.confidence) * (1.0 + rivals)
+        return SOUND if refuted else UNDECIDED, confidence
     return UNDER_WAY, confidence
