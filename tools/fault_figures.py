@@ -73,10 +73,7 @@ def single_faults(title: str, rows: list[Row]) -> str:
     right = [row for row in begun if row["named"] == row["thruster"]]
     times = np.array([row["time_to_detect_s"] for row in right])
     lines = [
-        (
-            f"{title}: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the "
-            "fault began"
-        ),
+        (f"{title}: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the fault began"),
         f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, healthy thrusters "
         f"isolated {sum(int(row['false_alarms']) for row in begun)}",
         (
