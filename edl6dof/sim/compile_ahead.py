@@ -1,4 +1,5 @@
-"""The first flight ever: a second process compiles the flight software while this one compiles the plant.
+"""The first flight ever: a second process compiles the flight software, and what the loop does once a cycle,
+while this one compiles the plant's steps.
 
 numba compiles on one core.  Both halves are independent until the loop joins them, and it finds both in the
 cache of machine code.
@@ -18,12 +19,18 @@ import numpy as np
 from edl6dof import jit
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
-from edl6dof.sim.loop import fly
+from edl6dof.scenario.case import CASE
+from edl6dof.sim.loop import fly, write_row
+from edl6dof.sim.outcome import outcome_of
+from edl6dof.telemetry.channels import BRIEF, TICK
+from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import retrace
+from edl6dof.vehicle.plant import OUTPUTS, STATE
 
-_COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software as work; work()"
+_COMMAND = "from edl6dof.sim.compile_ahead import compile_cycle as work; work()"
 
 
 @contextmanager
@@ -56,10 +63,20 @@ def compile_plant(*records: np.ndarray) -> None:
     advance.compile((*layouts, numba.float64))
 
 
-def compile_flight_software() -> None:
-    """Compile the flight software's cycle into the cache."""
+def compile_cycle() -> None:
+    """Compile into the cache what the loop does once a cycle: the flight software, then what takes and logs
+    its commands.
+    """
     onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
     run.compile((onboard, sensed, numba.int64, memory))
+    case, plant, outputs, command = (numba.from_dtype(layout) for layout in (CASE, STATE, OUTPUTS, COMMAND))
+    write_row.compile((case, plant, outputs, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
+    actuate.compile((case, command, plant))
+    outcome_of.compile((case, plant, outputs))
+
+
+def _log_of(row: np.dtype) -> numba.types.Array:
+    return numba.typeof(np.zeros(0, row))
 
 
 def _cores() -> int:
