@@ -53,9 +53,9 @@ def inlined_kernel(function: Callable[..., Any]) -> Any:
 
 
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
-    compiled = numba.njit(
-        error_model="numpy", nogil=True, forceinline=forceinline, no_cfunc_wrapper=True
-    )(function)
+    compiled = numba.njit(error_model="numpy", nogil=True, forceinline=forceinline, no_cfunc_wrapper=True)(
+        function
+    )
     # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
     if isinstance(compiled, Dispatcher):
         _keep_code(compiled)
