@@ -208,16 +208,16 @@ def retrace(case, tables, plant, outputs, work):
     The state of that stage is left in ``work.stage``, the quantities met there in ``outputs``, its derivative
     in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.stage``.
     """
-    dy, y = work.k[0], work.k[1]
+    dy, y, result = work.k[0], work.stage, work.k[1]
     h = work.t_failed - plant.t
     for i in range(STATES):
-        dy[i] = 0.0
+        dy[i], result[i] = 0.0, y[i]
     for share in (0.0, 0.5, 0.5, 1.0):
         for i in range(STATES):
             y[i] = plant.y[i] + share * h * dy[i]
         t = plant.t + share * h
         derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, dy)
         if not (finite(y) and finite(dy)):
-            for i in range(STATES):
-                work.stage[i] = y[i]
             return
+    for i in range(STATES):
+        y[i] = result[i]
