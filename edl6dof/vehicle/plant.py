@@ -138,8 +138,11 @@ PEAKS = np.dtype(
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
     [
+        ("middle", "f8"),  # s: time of the middle of the step
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
         ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: likewise
+        ("rcs_force_slope", "f8", (3,)),  # N/s: what each gains in time, about the middle of the step
+        ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
         ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant
         ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation

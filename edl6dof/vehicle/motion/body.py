@@ -256,8 +256,8 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces are their mean over the current step, less what the flow takes
-    (:mod:`edl6dof.vehicle.propulsion.rcs`).
+    Thruster forces are linear in time over the current step, less what the flow takes
+    (:mod:`edl6dof.vehicle.propulsion.rcs`); the specific force in ``outputs`` has their mean.
     """
     out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
@@ -266,15 +266,18 @@ def motion(case, plant, t, y, outputs, dy):
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
     engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
     share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
-    rcs_force, rcs_moment = (
-        scale(share, take3(inputs.rcs_force, 0)),
-        scale(share, take3(inputs.rcs_moment, 0)),
+    mean = scale(share, take3(inputs.rcs_force, 0))
+    change = share * (t - inputs.middle)
+    change_force = scale(change, take3(inputs.rcs_force_slope, 0))
+    rcs_moment = add(
+        scale(share, take3(inputs.rcs_moment, 0)), scale(change, take3(inputs.rcs_moment_slope, 0))
     )
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
-    moment = add(disturbance, sub(rcs_moment, cross(centre, rcs_force)))
-    specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
+    moment = add(disturbance, sub(rcs_moment, cross(centre, add(mean, change_force))))
+    specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, mean)))
     put3(out.specific_force_B, 0, specific)
+    specific = add(specific, scale(1.0 / out.mass, change_force))
     put3(out.disturbance_moment_B, 0, disturbance)
     out.engine_thrust = delivered
 
