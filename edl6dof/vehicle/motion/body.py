@@ -232,14 +232,11 @@ def propulsion(case, plant, t, y, centre, dy):
     for i in range(MAX_ENGINES):
         dy[THRUST + i] = 0.0
     for i in range(case.vehicle.n_engines):
-        level, running = y[THRUST + i], plant.running[i] != 0
-        command = plant.thrust_command[i] if running else 0.0
-        if command == 0.0 and level == 0.0:
+        inputs, level = plant.inputs, y[THRUST + i]
+        if inputs.thrust_goal[i] == 0.0 and level == 0.0:
             continue
-        loads, filled = case.feeds.engines, plant.inputs.filled
+        loads, filled = case.feeds.engines, inputs.filled
         within = load_within_reach(loads, i, filled)
-        if within <= 0.0:
-            command = 0.0
         engine, thrust = case.vehicle.engines[i], level * (1.0 - plant.thrust_lost[i])
         own_force, own_moment = thrust_wrench(engine, thrust)
         force = add(force, own_force)
@@ -247,7 +244,8 @@ def propulsion(case, plant, t, y, centre, dy):
         delivered += thrust * engine.thrust_factor
         if within > 0.0:
             draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
-        dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
+        goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
+        dy[THRUST + i] = thrust_rate(engine, goal, level, plant.starting != 0 or plant.running[i] == 0)
     return force, moment, delivered
 
 

@@ -2,9 +2,9 @@
 
 A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in
 ``rise_s`` while the valve is open and falls to zero in ``decay_s`` when it is shut.  Over one integration
-step the level is integrated twice in closed form and applied as the force linear in time that has the same
-two integrals: neither the impulse of a pulse nor how far it moves and turns the vehicle by the end of the
-step depends on the step, to its third order.
+step the level is integrated twice in closed form and applied as a line
+(:mod:`edl6dof.vehicle.propulsion.line_in_step`), so the impulse of a pulse does not depend on the step, nor
+does the displacement that it leaves.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from edl6dof.interface.capacities import MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
+from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
 
 G0 = 9.80665
@@ -91,8 +92,8 @@ def climb(level, duration, slope):
 
 @kernel
 def linear_level(level, rise, decay, start, step, opens, closes):
-    """Straight line in time with the first and second integral over [start, start + step] of the thrust level
-    of a valve open during [opens, closes]; returns (mean, slope in 1/s, level at the end).
+    """Thrust level over [start, start + step] of a valve open during [opens, closes], as a line; returns
+    (mean, slope in 1/s, level at the end).
     """
     end = start + step
     a = clamp(opens, start, end)
@@ -100,9 +101,9 @@ def linear_level(level, rise, decay, start, step, opens, closes):
     before, before2, level = climb(level, a - start, -1.0 / decay)
     during, during2, level = climb(level, b - a, 1.0 / rise)
     after, after2, level = climb(level, end - b, -1.0 / decay)
-    mean = (before + during + after) / step
     second = before2 + before * (end - a) + during2 + during * (end - b) + after2
-    return mean, (6.0 * mean - 12.0 * second / (step * step)) / step, level
+    mean, slope = line_in_step(before + during + after, second, step)
+    return mean, slope, level
 
 
 @kernel
