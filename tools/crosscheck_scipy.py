@@ -52,7 +52,7 @@ def quiet(state: State) -> State:
     plant = state.plant.copy()
     for name in ("opens", "closes", "level"):
         plant["valves"][name] = 0.0
-    for name in ("rcs_force", "rcs_moment", "rcs_force_slope", "rcs_moment_slope", "rcs_flow"):
+    for name in ("rcs_force", "rcs_moment", "rcs_flow"):
         plant["inputs"][name] = 0.0
     plant["due"] = 1e99
     return State(state.cycle, plant, state.peaks, state.sensors, state.fsw, "")

@@ -141,7 +141,7 @@ INPUTS = np.dtype(
         ("middle", "f8"),  # s: time of the middle of the step
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
         ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: likewise
-        ("rcs_force_slope", "f8", (3,)),  # N/s: what each gains in time, about the middle of the step
+        ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
         ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
         ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step

@@ -255,7 +255,7 @@ def motion(case, plant, t, y, outputs, dy):
     the thrusters.
 
     Thruster forces are linear in time over the current step, less what the flow takes
-    (:mod:`edl6dof.vehicle.propulsion.rcs`); the specific force in ``outputs`` has their mean.
+    (:mod:`edl6dof.vehicle.propulsion.rcs`), and after it their mean.
     """
     out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
@@ -264,18 +264,15 @@ def motion(case, plant, t, y, outputs, dy):
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
     engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
     share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
-    mean = scale(share, take3(inputs.rcs_force, 0))
-    change = share * (t - inputs.middle)
-    change_force = scale(change, take3(inputs.rcs_force_slope, 0))
-    rcs_moment = add(
-        scale(share, take3(inputs.rcs_moment, 0)), scale(change, take3(inputs.rcs_moment_slope, 0))
-    )
+    since = t - inputs.middle
+    rcs_force = add(take3(inputs.rcs_force, 0), scale(since, take3(inputs.rcs_force_slope, 0)))
+    rcs_moment = add(take3(inputs.rcs_moment, 0), scale(since, take3(inputs.rcs_moment_slope, 0)))
+    rcs_force, rcs_moment = scale(share, rcs_force), scale(share, rcs_moment)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
-    moment = add(disturbance, sub(rcs_moment, cross(centre, add(mean, change_force))))
-    specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, mean)))
+    moment = add(disturbance, sub(rcs_moment, cross(centre, rcs_force)))
+    specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
-    specific = add(specific, scale(1.0 / out.mass, change_force))
     put3(out.disturbance_moment_B, 0, disturbance)
     out.engine_thrust = delivered
 

@@ -189,6 +189,8 @@ def step(case, tables, plant, outputs, work, t_end):
     plant.t = t_end
     if not finite(plant.y):
         return False
+    put3(plant.inputs.rcs_force_slope, 0, (0.0, 0.0, 0.0))
+    put3(plant.inputs.rcs_moment_slope, 0, (0.0, 0.0, 0.0))
     evaluate_at(case, tables, plant, end, outputs, work)
     # half in the axes at the start, half in those at the end: second order in the turn during the step
     fell = scale(0.5 * h, add(g, take3(outputs.gravity_I, 0)))
