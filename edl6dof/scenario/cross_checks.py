@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.fsw.check_out import check_out_problems
+from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, way_problems
 from edl6dof.sensors.registry import sensor_problems
@@ -62,6 +63,20 @@ def _lag_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _heed_problems(scenario: Scenario) -> dict[str, str]:
+    """What a phase asks of a controller that takes no notice of it."""
+    found = {}
+    for k, phase in enumerate(scenario.mission.phases):
+        asked = {"hold_alpha": phase.hold_alpha, "bandwidth": phase.bandwidth != 1.0}
+        for key in (key for key, is_asked in asked.items() if is_asked):
+            if key not in HEEDS.get(phase.control, (key,)):
+                those = ", ".join(name for name, heeded in HEEDS.items() if key in heeded)
+                found[f"mission.phases.{k}.{key}"] = (
+                    f"has no effect with control {phase.control}; it has with: {those}"
+                )
+    return found
+
+
 def _delay_problems(scenario: Scenario) -> dict[str, str]:
     """The flight computer keeps its valve commands for the age of a reading."""
     delay, oldest = scenario.sensors.imu.delay_cycles, scenario.flight_software.rates.control_every
@@ -102,6 +117,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
+    CrossCheck(frozenset({"mission"}), _heed_problems),
     CrossCheck(frozenset({"mission", "vehicle"}), lambda s: event_problems(s.mission, s.vehicle)),
     CrossCheck(frozenset({"initial", "flight_software", "mission"}), _entry_problems),
     CrossCheck(frozenset({"published"}), lambda s: published_problems(s.published)),
