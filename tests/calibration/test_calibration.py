@@ -171,6 +171,20 @@ def test_command_finds_the_same_with_another_design_and_writes_a_scenario_that_f
     assert loaded.document.status["vehicle.mass.entry_kg"] == "calibrated"
 
 
+def test_a_figure_that_is_not_reached_and_too_few_flights_are_refused(twin, tmp_path, monkeypatch, capsys):
+    path, _ = twin
+    out = tmp_path / "found"
+    ended = "simulation.time_limit_s=100"
+    for options, message in (
+        (["-n", "11"], "calibration.flights: must be >= 12 with 2 parameters (got 11)"),
+        (["--set", ended], "0 of 32 flights reached every figure to explain, and 12 are needed"),
+    ):
+        monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", str(path), *options, "--out", str(out)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert end.value.code == 2 and message in capsys.readouterr().err and not out.exists()
+
+
 @pytest.mark.parametrize(
     "section, messages",
     [
