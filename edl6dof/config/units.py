@@ -51,6 +51,7 @@ UNITS: dict[str, Unit] = {
     "deg": Unit("deg", DEG, 1e4),
     "deg_s": Unit("deg/s", DEG, 1e7),
     "deg_day": Unit("deg/day", DEG / 86400.0, 1e6),
+    "deg_century": Unit("deg/century", DEG / (36525.0 * 86400.0), 1e6),
     "deg_s2": Unit("deg/s2", DEG, 1e6),
     "rad_s": Unit("rad/s", 1.0, 1e4),
     "n": Unit("N", 1.0, 1e9),
