@@ -48,6 +48,8 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["planet"]["equatorial_radius"] = planet.equatorial_radius_m
     record["planet"]["flattening"] = planet.flattening
     record["planet"]["rotation_rate"] = planet.rotation_rate_rad_s
+    record["planet"]["j2"] = 0.0 if planet.gravity.model in ("central", "none") else planet.gravity.j2
+    record["planet"]["gravity_radius"] = planet.gravity.reference_radius_m
     record["planet"]["sutton_graves_constant"] = planet.gas.sutton_graves_constant
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
