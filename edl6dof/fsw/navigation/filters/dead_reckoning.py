@@ -21,7 +21,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.alignment import adopt_attitude
-from edl6dof.fsw.navigation.strapdown import gravity_I
+from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
@@ -130,10 +130,12 @@ def _step(onboard, motion, solution, memory):
     """Carry the covariance over the time since its last step."""
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
-    v = take3(solution.v_I, 0)
+    r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
     gained = sub(sub(v, take3(memory.v_I, 0)), scale(time, gravity_I(onboard.planet, take3(solution.r_I, 0))))
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    middle = turn_by(q, (-0.5 * memory.roll, 0.0, 0.0))
     for _ in range(2):
-        _carry(onboard.planet.mu, gained, memory.roll, time, solution, P)
+        _carry(onboard.planet.mu, r, middle, gained, memory.roll, time, P)
         for i in range(ERRORS):
             for j in range(i):
                 P[i, j], P[j, i] = P[j, i], P[i, j]
@@ -147,12 +149,10 @@ def _step(onboard, motion, solution, memory):
 
 
 @kernel
-def _carry(mu, gained, roll, time, solution, P):
-    """Multiply ``P`` by the transition matrix from the left, for the velocity ``gained`` by specific force
-    (m/s, I) and the angle ``roll``.
+def _carry(mu, r, q, gained, roll, time, P):
+    """Multiply ``P`` by the transition matrix from the left, at ``r`` (m, I) with the attitude ``q`` in the
+    middle of the step, for the velocity ``gained`` by specific force (m/s, I) and the angle ``roll``.
     """
-    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    r = take3(solution.r_I, 0)
     r2, size = dot(r, r), norm(gained)
     tide = mu / (r2 * sqrt(r2)) * time
     for j in range(ERRORS):
