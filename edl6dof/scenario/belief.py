@@ -12,7 +12,7 @@ from edl6dof.environment.atmosphere import ATMOSPHERE, air, fill_atmosphere
 from edl6dof.environment.gas import GAS, fill_gas
 from edl6dof.fsw.check_out import fill_check_out
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.navigation.filters.registry import GIVEN
+from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
@@ -56,8 +56,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     software = scenario.flight_software
     for name in FILLED:
         fill(record[name], getattr(software, name))
-    if scenario.sensors.set == "perfect":
-        record["navigation"]["filter"] = GIVEN
+    record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)

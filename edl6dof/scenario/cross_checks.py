@@ -75,8 +75,7 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
 
 def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
-    name = "given" if scenario.sensors.set == "perfect" else scenario.flight_software.navigation.filter
-    read = NAVIGATION_FILTERS.member(name).reads
+    read = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
     return sensor_problems(scenario.sensors, (*read, "footpad_contact", "wing_open"))
 
 

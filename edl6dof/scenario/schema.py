@@ -214,6 +214,11 @@ class Scenario(Params):
         return [jet.name for jet in self.vehicle.rcs.thrusters]
 
     @property
+    def navigation_filter(self) -> str:
+        """Name of the navigation filter that flies: with perfect sensors none, their word is taken."""
+        return "given" if self.sensors.set == "perfect" else self.flight_software.navigation.filter
+
+    @property
     def phase_names(self) -> list[str]:
         """Names of the mission phases in order."""
         return [phase.name for phase in self.mission.phases]

@@ -16,6 +16,7 @@ from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
+from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
@@ -166,6 +167,8 @@ class Flight:
             )
             truth = self.loaded.truth
             figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.vehicle, self.plant[0])
+            if self.scenario.navigation_filter != "given":
+                figures |= navigation_figures(self.telemetry, when)
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
