@@ -51,14 +51,13 @@ def take_reading(instruments, t, inertial, memory):
 
 
 @kernel
-def read_motion(params, instruments, centre, burning, dt, inertial, solution, health, memory, motion):
+def read_motion(params, instruments, centre, dt, inertial, solution, health, memory, motion):
     """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds.
 
     Args:
         params: ``NavigationParams`` record.
         instruments: ``INSTRUMENTS`` record.
         centre: believed centre of mass, m, B.
-        burning: whether an engine burns.
         dt: since the last reading, s, positive.
         inertial: ``INERTIAL`` record.
         solution: ``SOLUTION`` record, of which the biases are used.
@@ -69,9 +68,9 @@ def read_motion(params, instruments, centre, burning, dt, inertial, solution, he
     put3(motion.last_gain, 0, scale(dt / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0)))
     motion.dt = dt
     rate_before = take3(motion.rate, 0)
-    gain = _force(params, instruments, burning, dt, inertial, solution, health, memory, motion)
+    gain = _force(params, instruments, dt, inertial, solution, health, memory, motion)
     known_before = motion.rate_known
-    _rotation(params, instruments, burning, dt, inertial, solution, health, memory, motion)
+    _rotation(params, instruments, dt, inertial, solution, health, memory, motion)
     if motion.rate_known == 0:
         bridge(gain, take3(motion.last_gain, 0), dt, memory.bridge, motion)
     elif known_before == 0:
@@ -85,7 +84,7 @@ def read_motion(params, instruments, centre, burning, dt, inertial, solution, he
 
 
 @kernel
-def _force(params, instruments, burning, dt, inertial, solution, health, memory, motion):
+def _force(params, instruments, dt, inertial, solution, health, memory, motion):
     """Velocity gained at the unit (m/s, B); the one of the cycle before while too few accelerometers read."""
     axis, number, redundant = (
         instruments.accelerometer_axis,
@@ -98,8 +97,6 @@ def _force(params, instruments, burning, dt, inertial, solution, health, memory,
     if redundant.solvable == 0:
         return take3(motion.last_gain, 0)
     new = instruments.accelerometer_noise**2 * dt + instruments.accelerometer_step**2 / 6.0
-    if burning != 0:
-        new += (instruments.accelerometer_vibration * dt) ** 2
     age = memory.t - memory.first
     lasting = (instruments.accelerometer_bias**2 + instruments.accelerometer_bias_walk**2 * age) * dt * dt
     gain, _, failed = _combine(
@@ -112,7 +109,7 @@ def _force(params, instruments, burning, dt, inertial, solution, health, memory,
 
 
 @kernel
-def _rotation(params, instruments, burning, dt, inertial, solution, health, memory, motion):
+def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
     """Angle turned through and rate at the end into ``motion``; both stay while too few gyros read."""
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable(number, health.gyro, inertial.gyro_saturated)
@@ -121,8 +118,6 @@ def _rotation(params, instruments, burning, dt, inertial, solution, health, memo
     if redundant.solvable == 0:
         return
     new = instruments.gyro_noise**2 * dt + instruments.gyro_step**2 / 6.0
-    if burning != 0:
-        new += (instruments.gyro_vibration * dt) ** 2
     age = memory.t - memory.first
     lasting = (instruments.gyro_bias**2 + instruments.gyro_bias_walk**2 * age) * dt * dt
     angle, left_out, failed = _combine(

@@ -19,7 +19,6 @@ INSTRUMENTS = np.dtype(
         ("gyro_range", "f8"),  # rad/s
         ("gyro_noise", "f8"),  # rad/sqrt(s): angle random walk
         ("gyro_step", "f8"),  # rad: what one count stands for
-        ("gyro_vibration", "f8"),  # rad/s: of the mean of a cycle while an engine burns
         ("gyro_bias", "f8"),  # rad/s: standard deviation at the start
         ("gyro_bias_walk", "f8"),  # rad/s/sqrt(s)
         ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, of the rate
@@ -28,7 +27,6 @@ INSTRUMENTS = np.dtype(
         ("accelerometer_range", "f8"),  # m/s2
         ("accelerometer_noise", "f8"),  # m/s/sqrt(s): velocity random walk
         ("accelerometer_step", "f8"),  # m/s: what one count stands for
-        ("accelerometer_vibration", "f8"),  # m/s2: of the mean of a cycle while an engine burns
         ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
         ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
         ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force

@@ -3,7 +3,8 @@
 Two looks in every cycle.  The fast one is at the parity vector p of the cycle: p'p / sigma^2 against
 chi-square.  The slow one is at its low-passed rate, in which noise is small and a small bias or drift is
 not.  Sigma is what is believed of one instrument: noise, and what stays from cycle to cycle (bias, and scale
-factor and misalignment in proportion to the motion, so that a fast turn raises no alarm).
+factor and misalignment in proportion to the motion, so that a fast turn raises no alarm; the vibration of
+the whole unit is motion that all axes read, and does not show in p).
 The suspect is the one with the largest (p.v)^2 / |v|^2, v its column of V.  It is left out of the cycle at
 once, and excluded for good when the look has accused it for several cycles on end.  With one instrument
 beyond three a fault is seen but is nobody's: it takes two to tell which.

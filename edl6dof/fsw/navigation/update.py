@@ -57,7 +57,7 @@ def estimate_state(onboard, state, sensed, memory):
 
     Args:
         onboard: ``ONBOARD`` record.
-        state: ``VEHICLE_STATE`` record: which parts are gone, and whether an engine burns.
+        state: ``VEHICLE_STATE`` record: which parts are gone.
         sensed: ``SENSED`` record.
         memory: ``NAVIGATION`` record, updated.
     """
@@ -81,7 +81,7 @@ def navigate(onboard, state, sensed, memory):
     if dt > LEAST_TIME:
         follow_centre(centre, motion, solution, memory.centre)
         read_motion(
-            params, onboard.instruments, centre, state.ignited, dt, sensed.inertial, solution,
+            params, onboard.instruments, centre, dt, sensed.inertial, solution,
             memory.health, memory.inertial, motion,
         )  # fmt: skip
         put3(memory.estimate.imu_gain_B, 0, add(take3(memory.estimate.imu_gain_B, 0), take3(motion.gain, 0)))
