@@ -6,14 +6,15 @@ from __future__ import annotations
 
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
 from edl6dof.jit import kernel
-from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, put3, scale, take3
 
 
 @kernel
-def tell(planet, site, motion, solution, estimate):
-    """Fill ``estimate`` (``ESTIMATE``), of which the time is set, from ``motion`` and ``solution``."""
+def tell(planet, motion, solution, estimate):
+    """Fill ``estimate`` (``ESTIMATE``), of which the time is set, from ``motion`` and ``solution``, but for
+    the height.
+    """
     age = estimate.t - solution.t
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
@@ -29,5 +30,3 @@ def tell(planet, site, motion, solution, estimate):
     put3(estimate.w_B, 0, rate)
     put3(estimate.specific_force_B, 0, force)
     put3(estimate.imu_rate_B, 0, rate)
-    _, _, _, _, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
-    estimate.height_above_ground = altitude - site.altitude - solution.terrain

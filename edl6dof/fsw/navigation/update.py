@@ -11,7 +11,9 @@ from edl6dof.fsw.navigation.filters.registry import (
     correct_solution,
     start_filter,
 )
+from edl6dof.fsw.navigation.guard import GUARD, guard_vertical, guarded_height, height_and_climb
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
+from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.navigation.strapdown import integrate
 from edl6dof.fsw.navigation.tell import tell
@@ -29,6 +31,8 @@ NAVIGATION = np.dtype(
         ("inertial", INERTIAL_MEMORY),
         ("motion", MOTION),
         ("solution", SOLUTION),
+        ("recovery", RECOVERY),
+        ("guard", GUARD),
         ("centre", "f8", (3,)),  # m, B: centre of mass that the solution is of
         ("health", INSTRUMENT_HEALTH),
         ("filter", NAVIGATION_FILTERS.memory),
@@ -69,7 +73,8 @@ def estimate_state(onboard, state, sensed, memory):
         return
     navigate(onboard, state, sensed, memory)
     if memory.solution.started != 0:
-        tell(onboard.planet, onboard.site, memory.motion, memory.solution, estimate)
+        tell(onboard.planet, memory.motion, memory.solution, estimate)
+        guard(onboard, sensed, memory, estimate)
 
 
 @kernel
@@ -92,6 +97,14 @@ def navigate(onboard, state, sensed, memory):
             start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
+        recover(
+            params.recovery,
+            onboard.planet.rotation_rate,
+            state.ignited,
+            motion,
+            memory.recovery,
+            solution,
+        )
         correct_solution(
             params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
         )
@@ -109,3 +122,16 @@ def follow_centre(centre, motion, solution, before):
     put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
     put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
     put3(before, 0, centre)
+
+
+@kernel
+def guard(onboard, sensed, memory, estimate):
+    """Tell the height that the guards let pass, and have the vertical looked for where they find it wrong."""
+    params, solution = onboard.navigation.guards, memory.solution
+    r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
+    height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
+    estimate.height_above_ground = guarded_height(
+        params, height, climb, solution.sigma_height, sensed.footpad_contact, memory.motion.dt, memory.guard
+    )
+    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
+    guard_vertical(params, onboard.instruments, sensed.radar, q, up, memory.guard, memory.recovery)
