@@ -20,13 +20,22 @@ from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
-from edl6dof.sensors import ground_tracking, imu, inertial_unit, perfect, star_tracker, switches
+from edl6dof.sensors import (
+    ground_tracking,
+    imu,
+    inertial_unit,
+    perfect,
+    pressure_ports,
+    radar,
+    star_tracker,
+    switches,
+)
 
 SENSOR_FAMILY = Family(
     "sensor",
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
-        switches.MEMBER,
+        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER),
     ),
 )
 

@@ -132,10 +132,11 @@ def measured(loaded, index, seed, cycles=12):
         plant["y"][:6] += rng.normal(size=6) * 10.0
         attitude = rng.normal(size=4)
         plant["y"][6:10] = attitude / np.linalg.norm(attitude)
-        plant["y"][10:13] = rng.normal(size=3)
+        plant["y"][10:13] = rng.normal(size=3) * 0.02
         plant["velocity_gain"] += rng.normal(size=3)
         outputs["specific_force_B"], outputs["height"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
         outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
+        outputs["altitude"], outputs["pressure"], plant["shape"] = 120e3, rng.uniform(), rng.integers(0, 3)
         for name in SENSED.names:
             sensors["sensed"][name] = -77
         sense(case[0], tables[0], plant, outputs, sensors)
