@@ -27,6 +27,7 @@ from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import Axis, cone, copy_layout, count, counter_layout, draw_copies, rates
+from edl6dof.sensors.thrust_share import thrust_share
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
@@ -203,11 +204,9 @@ def shake(vibration, unit, case, plant, outputs, memory):
     all in B.
     """
     turn = swing = rate = (0.0, 0.0, 0.0)
-    full = 0.0
-    for i in range(case.vehicle.n_engines):
-        full += case.vehicle.engines[i].full_thrust
-    if outputs.engine_thrust > 0.0 and full > 0.0:
-        share, pulsation = outputs.engine_thrust / full, 2.0 * pi * vibration.frequency
+    share = thrust_share(case, outputs)
+    if share > 0.0:
+        pulsation = 2.0 * pi * vibration.frequency
         angle = pulsation * plant.t
         a, b, c = angle + unit.phase[0], angle + unit.phase[1], angle + unit.phase[2]
         wave = (-cos(a), -cos(b), -cos(c))
