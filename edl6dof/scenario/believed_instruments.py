@@ -30,6 +30,19 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)
         record["tracking_velocity_sigma"] = np.sqrt(ground["velocity"] ** 2 @ axes**2)
+    if "radar" in sensors.flown:
+        _believe_radar(record, in_si(sensors.radar))
+
+
+def _believe_radar(record: np.void, radar: np.void) -> None:
+    """Antenna, beams, and the errors of one beam: noise and what the copy that flies has for good."""
+    beams = radar["n_beams"]
+    record["antenna_position"], record["n_beams"] = radar["position"], beams
+    record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
+    record["range_sigma"] = np.hypot(radar["range_noise"], radar["reflectivity"])
+    record["range_sigma_relative"] = np.hypot(radar["range_noise_relative"], radar["range_scale"])
+    record["speed_sigma"] = radar["speed_noise"]
+    record["speed_sigma_relative"] = np.hypot(radar["speed_noise_relative"], radar["speed_scale"])
 
 
 def _believe_axes(record: np.void, kind: str, given: np.void) -> None:

@@ -5,8 +5,8 @@ direction of the specific force shows of the velocity across it (the wind, and t
 a gap the attitude is turned until force and velocity, less what is remembered, point the same way again.
 How far it is turned in a cycle follows from the variance of the attitude across the force against that of the
 swinging of the force (a scalar Kalman filter).  A parachute pulls some degrees beside the velocity relative
-to the air: an attitude that is off by less is left as it was bridged.  The rotation about the force cannot be seen so: it is held
-over the gap (:mod:`.bridge`), and turns into azimuth as the path becomes steep.
+to the air: an attitude that is off by less is left as it was bridged.  The rotation about the force cannot be
+seen so: it is held over the gap (:mod:`.bridge`), and turns into azimuth as the path becomes steep.
 
 Source: this project; gravity direction and velocity as references after a loss of attitude: Li et al., J.
 Astronautics 43(1), 2022.
