@@ -40,7 +40,7 @@ class RecoveryParams(Params):
     )
     swing_time_s: float = param(0.5, "correlation time of it", status="estimate", gt=0.0, le=100.0)
     found_deg: float = param(
-        0.5, "standard deviation of the attitude at which it is found again", gt=0.0, le=90.0
+        1.5, "standard deviation of the attitude at which it is found again", gt=0.0, le=90.0
     )
     window_s: float = param(3.0, "time constant of what is remembered of the velocity", gt=0.0, le=1000.0)
     force_m_s2: float = param(2.0, "least specific force whose direction is used", gt=0.0, le=1000.0)

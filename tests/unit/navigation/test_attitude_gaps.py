@@ -134,7 +134,7 @@ def test_attitude_is_turned_back_after_a_gap_in_spite_of_the_wind(degrees):
     descent.gap(1.0)
     descent.off(Quaternion(axis=axis, degrees=degrees))
     descent.cycles(20.0)
-    assert descent.error() < radians(min(degrees, 6.0) + degrees / 50.0 + 0.01)
+    assert descent.error() < radians(min(degrees, 6.0) + degrees / 10.0)
 
 
 def test_sound_attitude_is_left_alone():

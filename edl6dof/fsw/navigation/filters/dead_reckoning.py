@@ -29,7 +29,7 @@ from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
 
 #: Where each error begins in the covariance, and how many there are.
-R, V, ATTITUDE, GYRO_BIAS, FORCE_BIAS, GYRO_RELATIVE, FORCE_RELATIVE, ERRORS = range(0, 24, 3)
+R, V, TURN, GYRO_BIAS, FORCE_BIAS, GYRO_RELATIVE, FORCE_RELATIVE, ERRORS = range(0, 24, 3)
 
 
 class DeadReckoningParams(Params):
@@ -76,7 +76,7 @@ def start(params, onboard, sensed, solution, memory):
     for i in range(3):
         P[R + i, R + i] = known.tracking_position_sigma[i] ** 2
         P[V + i, V + i] = known.tracking_velocity_sigma[i] ** 2
-        P[ATTITUDE + i, ATTITUDE + i] = known.star_sigma**2
+        P[TURN + i, TURN + i] = known.star_sigma**2
         P[GYRO_BIAS + i, GYRO_BIAS + i] = gyros * known.gyro_bias**2
         P[FORCE_BIAS + i, FORCE_BIAS + i] = forces * known.accelerometer_bias**2
         P[GYRO_RELATIVE + i, GYRO_RELATIVE + i] = gyros * known.gyro_scale**2
@@ -92,7 +92,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     P = memory.covariance
     memory.time += motion.dt
     memory.roll += motion.angle[0]
-    memory.rate_gap = _widen(P, ATTITUDE, params.unknown_rate, motion.rate_known, motion.dt, memory.rate_gap)
+    memory.rate_gap = _widen(P, TURN, params.unknown_rate, motion.rate_known, motion.dt, memory.rate_gap)
     memory.force_gap = _widen(P, V, params.unknown_force, motion.force_known, motion.dt, memory.force_gap)
     adopted = sensed.stars.valid != 0 and health.star_tracker != 0
     if adopted:
@@ -100,7 +100,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     if memory.time >= params.every - 0.5 * motion.dt or adopted:
         _step(onboard, motion, solution, memory)
         if adopted:
-            _forget(P, ATTITUDE, onboard.instruments.star_sigma**2)
+            _forget(P, TURN, onboard.instruments.star_sigma**2)
         tell_sigmas(onboard.planet, P, solution)
 
 
@@ -141,7 +141,7 @@ def _step(onboard, motion, solution, memory):
                 P[i, j], P[j, i] = P[j, i], P[i, j]
     for i in range(3):
         P[V + i, V + i] += forces * known.accelerometer_noise**2 * time
-        P[ATTITUDE + i, ATTITUDE + i] += gyros * known.gyro_noise**2 * time
+        P[TURN + i, TURN + i] += gyros * known.gyro_noise**2 * time
         P[GYRO_BIAS + i, GYRO_BIAS + i] += gyros * known.gyro_bias_walk**2 * time
         P[FORCE_BIAS + i, FORCE_BIAS + i] += forces * known.accelerometer_bias_walk**2 * time
     memory.time = memory.roll = 0.0
@@ -158,7 +158,7 @@ def _carry(mu, r, q, gained, roll, time, P):
     for j in range(ERRORS):
         e_r = (P[R, j], P[R + 1, j], P[R + 2, j])
         e_v = (P[V, j], P[V + 1, j], P[V + 2, j])
-        e_q = (P[ATTITUDE, j], P[ATTITUDE + 1, j], P[ATTITUDE + 2, j])
+        e_q = (P[TURN, j], P[TURN + 1, j], P[TURN + 2, j])
         lasting = (P[FORCE_BIAS, j], P[FORCE_BIAS + 1, j], P[FORCE_BIAS + 2, j])
         relative = (P[FORCE_RELATIVE, j], P[FORCE_RELATIVE + 1, j], P[FORCE_RELATIVE + 2, j])
         e_v = add(e_v, sub(scale(3.0 * tide * dot(r, e_r) / r2, r), scale(tide, e_r)))
@@ -169,7 +169,7 @@ def _carry(mu, r, q, gained, roll, time, P):
         e_q = add(e_q, from_frame(q, add(scale(time, lasting), scale(roll, relative))))
         e_r = add(e_r, scale(time, e_v))
         for i in range(3):
-            P[R + i, j], P[V + i, j], P[ATTITUDE + i, j] = e_r[i], e_v[i], e_q[i]
+            P[R + i, j], P[V + i, j], P[TURN + i, j] = e_r[i], e_v[i], e_q[i]
 
 
 @kernel
@@ -188,7 +188,7 @@ def tell_sigmas(planet, P, solution):
         )
         solution.sigma_r[i] = _sigma_along(P, R, direction)
         solution.sigma_v[i] = _sigma_along(P, V, direction)
-        solution.sigma_attitude[i] = _sigma_along(P, ATTITUDE, direction)
+        solution.sigma_attitude[i] = _sigma_along(P, TURN, direction)
     solution.sigma_height = solution.sigma_r[2]
 
 
