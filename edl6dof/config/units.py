@@ -45,6 +45,9 @@ UNITS: dict[str, Unit] = {
     "m_s4": Unit("m/s4", 1.0, 1e4),
     "m3_s2": Unit("m3/s2", 1.0, 1e21),
     "g0": Unit("g", 9.80665, 1e4),
+    "ug": Unit("ug", 9.80665e-6, 1e9),
+    "ug_sqrt_hz": Unit("ug/sqrt(Hz)", 9.80665e-6, 1e9),
+    "ug_sqrt_h": Unit("ug/sqrt(h)", 9.80665e-6 / 60.0, 1e9),
     "s": Unit("s", 1.0, 1e9),
     "s2_m": Unit("s2/m", 1.0, 1e9),
     "hz": Unit("Hz", 1.0, 1e6),
@@ -53,6 +56,10 @@ UNITS: dict[str, Unit] = {
     "deg_day": Unit("deg/day", DEG / 86400.0, 1e6),
     "deg_century": Unit("deg/century", DEG / (36525.0 * 86400.0), 1e6),
     "deg_s2": Unit("deg/s2", DEG, 1e6),
+    "deg_h": Unit("deg/h", DEG / 3600.0, 1e9),
+    "deg_sqrt_h": Unit("deg/sqrt(h)", DEG / 60.0, 1e6),
+    "deg_h_sqrt_h": Unit("deg/h/sqrt(h)", DEG / 3600.0 / 60.0, 1e9),
+    "arcsec": Unit("arcsec", DEG / 3600.0, 1e7),
     "rad_s": Unit("rad/s", 1.0, 1e4),
     "n": Unit("N", 1.0, 1e9),
     "n_s": Unit("N/s", 1.0, 1e10),
@@ -69,6 +76,7 @@ UNITS: dict[str, Unit] = {
     "j_cm2": Unit("J/cm2", 1e4, 1e10),
     "j_m2": Unit("J/m2", 1.0, 1e14),
     "pct": Unit("%", 0.01, 1e6),
+    "ppm": Unit("ppm", 1e-6, 1e9),
 }
 
 DIMENSIONLESS = Unit("", 1.0, inf)

@@ -133,7 +133,7 @@ CROSS_CHECKS = (
         lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names),
     ),
     CrossCheck(
-        frozenset({"faults", "vehicle", "mission"}),
-        lambda s: fault_problems(s.faults, s.vehicle, s.phase_names),
+        frozenset({"faults", "vehicle", "sensors", "mission"}),
+        lambda s: fault_problems(s.faults, s.components, s.phase_names),
     ),
 )

@@ -14,7 +14,7 @@ from edl6dof.jit import kernel
 
 _GOLDEN = np.uint64(0x9E37_79B9_7F4A_7C15)
 _FIRST, _SECOND = np.uint64(0xBF58_476D_1CE4_E5B9), np.uint64(0x94D0_49BB_1331_11EB)
-_30, _27, _31, _32 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(32)
+_30, _27, _31, _32, _11 = (np.uint64(bits) for bits in (30, 27, 31, 32, 11))
 _LOW = np.uint64(0xFFFF_FFFF)
 
 
@@ -36,3 +36,9 @@ def normal_pair(key, counter):
     radius = sqrt(-2.0 * log((float(bits >> _32) + 0.5) * 2.0**-32))
     angle = 2.0 * pi * float(bits & _LOW) * 2.0**-32
     return radius * cos(angle), radius * sin(angle)
+
+
+@kernel
+def uniform(key, counter):
+    """A number of (``key``, ``counter``) spread evenly over 0 .. 1, without 1."""
+    return float(random_bits(key, counter) >> _11) * 2.0**-53

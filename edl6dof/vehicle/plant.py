@@ -21,6 +21,7 @@ from edl6dof.interface.capacities import (
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
+from edl6dof.vehicle.instruments import INSTRUMENT_FAULTS
 from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
@@ -194,8 +195,10 @@ STATE = np.dtype(
         ("valves", VALVES),
         ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
+        ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
+        ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
     ],
     align=True,
 )

@@ -26,6 +26,7 @@ from edl6dof.sensors.registry import (
     sense,
     sensor_problems,
 )
+from edl6dof.spatial.quaternion import from_axes
 from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS, efficiency_of_model
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 from edl6dof.vehicle.plant import OUTPUTS
@@ -121,22 +122,31 @@ def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatab
     assert np.array_equal(levels, burn())
 
 
+def looking_down(r, rng):
+    """An attitude in which x of B points about to the centre of the planet."""
+    x = -r / np.linalg.norm(r)
+    y = np.cross(x, (0.0, 0.0, 1.0)) / np.hypot(x[0], x[1])
+    attitude = np.array(from_axes(tuple(x), tuple(y), tuple(np.cross(x, y)))) + 0.05 * rng.normal(size=4)
+    return attitude / np.linalg.norm(attitude)
+
+
 def measured(loaded, index, seed, cycles=12):
     """What one sensor writes into a record full of a mark, over some cycles of a plant that moves."""
     case, tables, _ = build_records(loaded)
     case["sensors"] = np.zeros(1, SENSOR_UNITS)
     fill_sensors(case[0]["sensors"], SensorParams(carried=[SENSOR_FAMILY.names[index]]))
     plant, outputs = initial_plant(loaded.truth, case)[0], np.zeros(1, OUTPUTS)[0]
+    plant["y"][:3] *= 1.0 - 123e3 / np.linalg.norm(plant["y"][:3])  # near the ground
     rng, sensors, rows = np.random.default_rng(seed), initial_sensors()[0], []
     for _ in range(cycles):
         plant["t"] += 0.04
         plant["y"][:6] += rng.normal(size=6) * 10.0
-        attitude = rng.normal(size=4)
-        plant["y"][6:10] = attitude / np.linalg.norm(attitude)
-        plant["y"][10:13] = rng.normal(size=3)
+        plant["y"][6:10] = looking_down(plant["y"][:3], rng)
+        plant["y"][10:13] = rng.normal(size=3) * 0.02
         plant["velocity_gain"] += rng.normal(size=3)
         outputs["specific_force_B"], outputs["height"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
         outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
+        outputs["altitude"], outputs["pressure"], plant["shape"] = 120e3, rng.uniform(), rng.integers(0, 3)
         for name in SENSED.names:
             sensors["sensed"][name] = -77
         sense(case[0], tables[0], plant, outputs, sensors)
