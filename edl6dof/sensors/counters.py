@@ -27,6 +27,8 @@ _NORMALS = 32
 #: Of them, the first is for the white noise of each; these are for the noise of faults and for the walk of
 #: the biases.
 _FAULTY, _WALK = 8, 24
+#: Cycles from the walk of one bias to that of the next.
+_PAUSE = 8
 
 
 class Axis(Params):
@@ -153,11 +155,11 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
 
 @kernel
 def walk(params, copy, dt, cycle, memory):
-    """Let one bias, each in its turn, walk as far as it would have since its last turn."""
-    if params.bias_walk > 0.0:
-        i, n = cycle % params.n_axes, params.n_axes
+    """Let one bias, each in its turn, walk as far as it would have since its last turn, a second ago."""
+    if cycle % _PAUSE == 0 and params.bias_walk > 0.0:
+        i, n = (cycle // _PAUSE) % params.n_axes, params.n_axes
         far, _ = normal_pair(copy.key, _NORMALS * cycle + _WALK)
-        memory.walk[i] += params.bias_walk * sqrt(n * dt) * far
+        memory.walk[i] += params.bias_walk * sqrt(_PAUSE * n * dt) * far
 
 
 @kernel
