@@ -31,7 +31,8 @@ INSTRUMENTS = np.dtype(
         ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
         ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force
         # star tracker
-        ("star_sigma", "f8"),  # rad, about each axis
+        ("star_sigma", "f8"),  # rad, about each axis: noise of a fix
+        ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
         # ground tracking
         (
             "tracking_position_sigma",
@@ -47,6 +48,10 @@ INSTRUMENTS = np.dtype(
         ("range_sigma_relative", "f8"),  # of the range, added to it
         ("speed_sigma", "f8"),  # m/s
         ("speed_sigma_relative", "f8"),  # of the speed along the beam, added to it
+        # what does not change from one reading of the radar to the next
+        ("range_bias", "f8"),  # m, of each beam by itself
+        ("range_scale", "f8"),  # of the range, of all beams together
+        ("speed_scale", "f8"),  # of the speed, of all beams together
     ],
     align=True,
 )
