@@ -37,31 +37,17 @@ def whole(memory):
 
 def followed(onboard, params, flown, first, cycles):
     """Let filter and textbook follow a piece of a flight; yields both after each cycle that had readings."""
-    rng = np.random.default_rng(3)
-    rs, vs, qs, angles, gains, _ = flown
     records = landing.records()
     sensed, motion, solution, health, memory = (record[0] for record in records)
-    solution["t"] = first * landing.DT
-    solution["r_I"] = rs[first] + rng.normal(0.0, 300.0, 3)
-    solution["v_I"] = vs[first] + rng.normal(0.0, 0.5, 3)
-    solution["q_I2B"], solution["terrain"] = qs[first], 20.0
-    motion["centre"], motion["rate_known"], motion["force_known"] = CENTRE, 1, 1
-    start(params[0], onboard[0], sensed, solution, memory)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        *(params[0]["terrain_sigma"], params[0]["terrain_change"], qs[first]),
+        *(params[0]["terrain_sigma"], params[0]["terrain_change"], flown[2][first]),
     )
-    drawn = landing.draw_unit(onboard[0]["instruments"], 1.0, rng)
-    for k in range(first + 1, first + cycles):
-        motion["dt"] = landing.DT
-        motion["angle"], motion["gain"] = angles[k] + 1e-5, gains[k] + 1e-4
-        motion["rate"] = motion["angle"] / landing.DT
-        landing.strapdown(onboard[0], motion, solution)
-        sensed["t"] = k * landing.DT
-        landing.read_radar(
-            *(onboard[0], 5.0, sensed["t"], rs[k], vs[k], tuple(qs[k]), angles[k] / landing.DT, 0.0),
-            *(drawn, np.zeros(8, np.int64), 1.0, sensed["radar"], rng),
-        )
+
+    def begin(sensed, solution):
+        start(params[0], onboard[0], sensed, solution, memory)
+
+    for _ in landing.stepped(onboard, flown, first, cycles, begin, records):
         before = solution.copy()
         correct(params[0], onboard[0], health, sensed, motion, solution, memory)
         book.move(landing.DT, motion["angle"], motion["gain"], before["q_I2B"])

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from edl6dof.fsw.navigation.filters import error_state, given
+from edl6dof.fsw.navigation.filters import error_state, given, two_filter
 from edl6dof.registry import Family
 
-NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER, error_state.MEMBER))
+NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER, error_state.MEMBER, two_filter.MEMBER))
 
 #: Index of the member that takes the word of ideal instruments.
 GIVEN = NAVIGATION_FILTERS.names.index("given")
