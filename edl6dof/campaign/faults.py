@@ -13,12 +13,12 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, LIFT, PARACHUTE, POWERED_DECELERATION, TRIM
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.faults.fault import component_names
-from edl6dof.vehicle.faults.registry import FAULT_KINDS, component_of
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
 from edl6dof.vehicle.plant import THRUSTER_KINDS
 
-#: Kinds of fault, and those of them that are of a thruster.
-KINDS, OF_THRUSTERS = FAULT_KINDS.names, THRUSTER_KINDS
+#: Kinds of fault that are about one kind of component, and those of them that are of a thruster.
+KINDS = tuple(kind for kind in FAULT_KINDS.names if len(components_of(kind)) == 1)
+OF_THRUSTERS = THRUSTER_KINDS
 
 #: Roles of the phases, the first of each, a fault begins in unless others are asked for: one of each kind of
 #: attitude control.
@@ -34,8 +34,8 @@ def phases_of(scenario: Scenario) -> list[str]:
 
 def may_fail(scenario: Scenario, kind: str) -> tuple[str, list[str]]:
     """What a kind of fault is about, such as an engine, and the names of those that the vehicle has."""
-    component = component_of(kind)
-    return component, component_names(scenario.vehicle, component)
+    (component,) = components_of(kind)
+    return component, list(scenario.components.get(component, ()))
 
 
 def fault_cases(components: Mapping[str, Sequence[str]], phases: Sequence[str], after_s: float) -> list[Case]:
@@ -43,11 +43,12 @@ def fault_cases(components: Mapping[str, Sequence[str]], phases: Sequence[str], 
 
     ``components``: names of what is to fail, by kind of fault.
     """
+    at = {"plus_s": after_s}
     grid = [(kind, phase, name) for kind, names in components.items() for phase in phases for name in names]
     return [
         Case(index, truth={"faults": [fault]}, label={"component": name, "kind": kind, "phase": phase})
         for index, (kind, phase, name) in enumerate(grid)
-        for fault in ({component_of(kind): name, "kind": kind, "at": {"phase": phase, "plus_s": after_s}},)
+        for fault in ({components_of(kind)[0]: name, "kind": kind, "at": at | {"phase": phase}},)
     ]
 
 

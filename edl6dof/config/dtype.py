@@ -62,6 +62,13 @@ def fill(record: np.ndarray | np.void, model: BaseModel) -> None:
             _put(record, place, value)
 
 
+def in_si(model: BaseModel) -> np.void:
+    """A validated model as a record of its dtype, in SI units."""
+    record: np.void = np.zeros(1, dtype_of(type(model)))[0]
+    fill(record, model)
+    return record
+
+
 def duplicate(records: np.ndarray) -> np.ndarray:
     """A copy of a record array.  Bytes are copied at once; ``copy`` would go through the fields one by one,
     in fifty times the time.

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
+from edl6dof.vehicle.faults.component import Components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
-from edl6dof.vehicle.vehicle import VehicleParams
 
 
 @dataclass(frozen=True)
@@ -54,14 +54,14 @@ def isolated_faults(fsw: np.void, thrusters: Sequence[str]) -> list[IsolatedFaul
 def diagnosis_figures(
     isolated: Sequence[IsolatedFault],
     faults: Sequence[FaultParams],
-    vehicle: VehicleParams,
+    components: Components,
     plant: np.void,
 ) -> dict[str, float]:
     """Number of healthy thrusters isolated, and time from the first thruster fault to its isolation if there
     was one.
     """
     since = {
-        fault.acts_on(vehicle): float(begun)
+        fault.acts_on(components): float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)
         if fault.component == "thruster" and begun != NOT_BEGUN
     }

@@ -124,6 +124,12 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit(
         "landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"
     ),
+    FigureOfMerit("parachute_nav_position_m", "error of the estimated position at mortar fire", "events"),
+    FigureOfMerit("ignition_nav_height_m", "error of the estimated height at ignition", "events"),
+    FigureOfMerit("ignition_nav_velocity_m_s", "error of the estimated velocity at ignition", "events"),
+    FigureOfMerit("touchdown_nav_height_m", "error of the estimated height at touchdown", "events"),
+    FigureOfMerit("touchdown_nav_velocity_m_s", "error of the estimated velocity at touchdown", "events"),
+    FigureOfMerit("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "events"),
     FigureOfMerit("false_alarms", "healthy thrusters isolated", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
 )

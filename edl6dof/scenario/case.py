@@ -147,7 +147,7 @@ def _fill_events(case: np.void, s: Scenario, tables: np.void) -> None:
 
 
 def _fill_faults(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_faults(case["faults"], s.faults, s.vehicle, s.phase_names)
+    fill_faults(case["faults"], s.faults, s.components, s.phase_names)
 
 
 CASE_PARTS = (
@@ -163,7 +163,7 @@ CASE_PARTS = (
     CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),
     CasePart(("vehicle", "lander", "feeds", "suspension", "carrier"), frozenset({"vehicle"}), _fill_vehicle),
     CasePart(("events",), frozenset({"mission", "vehicle"}), _fill_events),
-    CasePart(("faults",), frozenset({"faults", "vehicle", "mission"}), _fill_faults),
+    CasePart(("faults",), frozenset({"faults", "vehicle", "sensors", "mission"}), _fill_faults),
     CasePart(
         ("limits", "dynamics", "ends_at_deployment"), frozenset({"limits", "dynamics", "mission"}), _fill_goal
     ),

@@ -33,7 +33,8 @@ from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.plugin_trial import try_out
-from edl6dof.sensors.registry import SensorParams
+from edl6dof.sensors.registry import SensorParams, instrument_names
+from edl6dof.vehicle.faults.component import Component, vehicle_components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.motion.point_mass import PointMassParams
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -212,6 +213,16 @@ class Scenario(Params):
     def thruster_names(self) -> list[str]:
         """Names of the thrusters in the order of the vehicle file."""
         return [jet.name for jet in self.vehicle.rcs.thrusters]
+
+    @property
+    def navigation_filter(self) -> str:
+        """Name of the navigation filter that flies: with perfect sensors none, their word is taken."""
+        return "given" if self.sensors.set == "perfect" else self.flight_software.navigation.filter
+
+    @property
+    def components(self) -> dict[Component, list[str]]:
+        """Names of all that may fail, by kind of component."""
+        return {**vehicle_components(self.vehicle), **instrument_names(self.sensors)}
 
     @property
     def phase_names(self) -> list[str]:

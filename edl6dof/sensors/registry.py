@@ -20,9 +20,25 @@ from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
-from edl6dof.sensors import imu, perfect
+from edl6dof.sensors import (
+    ground_tracking,
+    imu,
+    inertial_unit,
+    perfect,
+    pressure_ports,
+    radar,
+    star_tracker,
+    switches,
+)
+from edl6dof.vehicle.faults.component import Component
 
-SENSOR_FAMILY = Family("sensor", (perfect.MEMBER, imu.MEMBER))
+SENSOR_FAMILY = Family(
+    "sensor",
+    (
+        *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
+        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER),
+    ),
+)
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 8
@@ -115,3 +131,18 @@ def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, 
         able = [member.name for member in SENSOR_FAMILY.members if set(missing) & set(member.writes)]
         return {"sensors.carried": f"measures no {', '.join(missing)}: carry {' or '.join(able)} too"}
     return {}
+
+
+def instrument_names(params: SensorParams) -> dict[Component, list[str]]:
+    """Names of the instruments that fly and may fail, by kind of component."""
+    names: dict[Component, list[str]] = {}
+    if "inertial_unit" in params.flown:
+        unit = params.inertial_unit
+        names["gyro"] = [one.name for one in unit.gyros.axes]
+        names["accelerometer"] = [one.name for one in unit.accelerometers.axes]
+        names["inertial_unit"] = ["inertial_unit"]
+    if "radar" in params.flown:
+        names["beam"] = [one.name for one in params.radar.beams]
+    if "star_tracker" in params.flown:
+        names["star_tracker"] = ["star_tracker"]
+    return names

@@ -16,6 +16,7 @@ from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
+from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
@@ -132,7 +133,7 @@ class Flight:
         ends = {one.name: float(t) + one.deploy_time_s for one, t in starts if t < NOT_BEGUN}
         opened = max(ends.values(), default=np.inf)
         stopped = any(
-            fault.component == "surface" and since < ends.get(fault.acts_on(truth.vehicle), -np.inf)
+            fault.component == "surface" and since < ends.get(fault.acts_on(truth.components), -np.inf)
             for fault, since in zip(truth.faults, plant["fault_since"], strict=False)
         )
         return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
@@ -141,7 +142,7 @@ class Flight:
     def _faults(self) -> list[Moment]:
         truth = self.loaded.truth
         rows = [
-            moment(since, "fault", f"fault: {fault.label(truth.vehicle)}")
+            moment(since, "fault", f"fault: {fault.label(truth.components)}")
             for fault, since in zip(truth.faults, self.plant["fault_since"][0], strict=False)
             if since != NOT_BEGUN
         ]
@@ -165,7 +166,9 @@ class Flight:
                 self.case, self.plant
             )
             truth = self.loaded.truth
-            figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.vehicle, self.plant[0])
+            figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.components, self.plant[0])
+            if self.scenario.navigation_filter != "given":
+                figures |= navigation_figures(self.telemetry, when)
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:

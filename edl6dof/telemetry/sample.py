@@ -16,6 +16,7 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, scale, take3
+from edl6dof.telemetry.navigation import record_claims, record_errors
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
@@ -70,6 +71,7 @@ def record_brief(case, plant, outputs, fsw, tick):
     tick.control.error_roll, tick.control.error_pitch, tick.control.error_yaw = take3(
         fsw.demand.attitude_error, 0
     )
+    record_errors(plant, outputs, fsw.navigation.estimate, c, s, tick.nav)
     torque = take3(fsw.disturbance.torque, 0)
     tick.estimate.torque_x, tick.estimate.torque_y, tick.estimate.torque_z = torque
     return c, s, v_rel_I, v_N, airspeed
@@ -121,6 +123,7 @@ def record(case, plant, outputs, fsw, tick):
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
+    record_claims(fsw.navigation, tick.nav)
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go
     tick.guide.crossrange, tick.guide.time_to_go, tick.guide.thrust = (
         guide.crossrange,

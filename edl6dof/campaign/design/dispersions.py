@@ -209,5 +209,5 @@ def check_faults(params: CampaignParams, locator: Locator) -> None:
                 for item in error.errors(include_url=False):
                     locator.refuse((*place, *item["loc"]), item["msg"])
                 continue
-            for key, message in fault_problems([fault], scenario.vehicle, scenario.phase_names).items():
+            for key, message in fault_problems([fault], scenario.components, scenario.phase_names).items():
                 locator.refuse((*place, *key.split(".")[2:]), message)

@@ -18,6 +18,7 @@ INSTRUMENTS = np.dtype(
         ("n_gyros", "i8"),
         ("gyro_range", "f8"),  # rad/s
         ("gyro_noise", "f8"),  # rad/sqrt(s): angle random walk
+        ("gyro_step", "f8"),  # rad: what one count stands for
         ("gyro_bias", "f8"),  # rad/s: standard deviation at the start
         ("gyro_bias_walk", "f8"),  # rad/s/sqrt(s)
         ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, of the rate
@@ -25,6 +26,7 @@ INSTRUMENTS = np.dtype(
         ("n_accelerometers", "i8"),
         ("accelerometer_range", "f8"),  # m/s2
         ("accelerometer_noise", "f8"),  # m/s/sqrt(s): velocity random walk
+        ("accelerometer_step", "f8"),  # m/s: what one count stands for
         ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
         ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
         ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force

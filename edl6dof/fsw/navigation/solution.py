@@ -57,6 +57,8 @@ INSTRUMENT_HEALTH = np.dtype(
         ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),
         ("beam", FLAG, (MAX_BEAMS,)),
         ("star_tracker", FLAG),
+        ("gyro_excluded", "f8", (MAX_GYROS,)),  # s, flight time: since when; 0 while it is in use
+        ("accelerometer_excluded", "f8", (MAX_ACCELEROMETERS,)),  # likewise
     ],
     align=True,
 )

@@ -1,41 +1,65 @@
-"""What a fault is about: one component of the vehicle, a thruster, a surface, an engine or a parachute."""
+"""What a fault is about: one component of the vehicle, such as a thruster or a gyro."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
+from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
-Component = Literal["thruster", "surface", "engine", "parachute"]
+Component = Literal[
+    "thruster",
+    "surface",
+    "engine",
+    "parachute",
+    "gyro",
+    "accelerometer",
+    "inertial_unit",
+    "beam",
+    "star_tracker",
+]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
+#: Names of the components of each kind, in the order of their indices; kinds left out have none.
+Components = Mapping[Component, Sequence[str]]
+
+
+def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
+    """Names of the components of a vehicle that may fail, instruments left out."""
+    return {
+        "thruster": [jet.name for jet in vehicle.rcs.thrusters],
+        "surface": [surface.name for surface in vehicle.surfaces],
+        "engine": [engine.name for engine in vehicle.engines],
+        "parachute": [chute.name for chute in vehicle.parachutes],
+    }
 
 
 class ComponentFault(Params):
-    """Parameters of a fault of one component."""
+    """Parameters of a fault of one component, of one of several kinds."""
 
-    component: ClassVar[Component]
+    components: ClassVar[tuple[Component, ...]]
 
 
 class ThrusterFault(ComponentFault):
     """Parameters of a fault of one thruster."""
 
-    component: ClassVar[Component] = "thruster"
+    components: ClassVar[tuple[Component, ...]] = ("thruster",)
 
 
 class SurfaceFault(ComponentFault):
     """Parameters of a fault of one surface."""
 
-    component: ClassVar[Component] = "surface"
+    components: ClassVar[tuple[Component, ...]] = ("surface",)
 
 
 class EngineFault(ComponentFault):
     """Parameters of a fault of one engine."""
 
-    component: ClassVar[Component] = "engine"
+    components: ClassVar[tuple[Component, ...]] = ("engine",)
 
 
 class ParachuteFault(ComponentFault):
     """Parameters of a fault of one parachute."""
 
-    component: ClassVar[Component] = "parachute"
+    components: ClassVar[tuple[Component, ...]] = ("parachute",)

@@ -1,7 +1,8 @@
 """Faults: what breaks, and when.  They change the true vehicle only; the flight computer has to find out.
 
 A fault acts on one component of the vehicle, given by its name; the only one of its kind need not be named.
-It begins at a flight time, or a while after a mission phase was entered, and lasts.  It acts between the
+It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind knows a
+duration.  It acts between the
 actuators and the plant: :func:`inflict` runs after the commands of a base cycle have reached the valves and
 before the plant moves.
 
@@ -19,10 +20,9 @@ from edl6dof.config.base import Params, param, section
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.jit import kernel
-from edl6dof.vehicle.faults.component import COMPONENTS, Component
-from edl6dof.vehicle.faults.registry import FaultChoice, component_of, inflict_kind
+from edl6dof.vehicle.faults.component import COMPONENTS, Component, Components
+from edl6dof.vehicle.faults.registry import FaultChoice, components_of, inflict_kind
 from edl6dof.vehicle.plant import NOT_BEGUN
-from edl6dof.vehicle.vehicle import VehicleParams
 
 
 class FaultStart(Params):
@@ -46,39 +46,46 @@ class FaultParams(FaultChoice):
     surface: str | None = param(None, "name of the surface that fails, where one does", record=False)
     engine: str | None = param(None, "name of the engine that fails, where one does", record=False)
     parachute: str | None = param(None, "name of the parachute that fails, where one does", record=False)
+    gyro: str | None = param(None, "name of the gyro that fails, where one does", record=False)
+    accelerometer: str | None = param(
+        None, "name of the accelerometer that fails, where one does", record=False
+    )
+    inertial_unit: str | None = param(None, "name of the inertial unit, where it fails", record=False)
+    beam: str | None = param(None, "name of the radar beam that fails, where one does", record=False)
+    star_tracker: str | None = param(None, "name of the star tracker, where it fails", record=False)
     at: FaultStart = section("when it begins", record=False)
 
     @model_validator(mode="after")
     def _names_its_component(self) -> FaultParams:
-        others = [name for name in COMPONENTS if name != self.component and getattr(self, name) is not None]
-        if others:
-            given = ", ".join(f"{name} {getattr(self, name)!r}" for name in others)
-            raise ValueError(f"{self.kind} is about one {self.component} and nothing else (got {given})")
+        about = components_of(self.kind)
+        named = [name for name in COMPONENTS if getattr(self, name) is not None]
+        if not set(named) <= set(about) or len(named) > 1:
+            given = ", ".join(f"{name} {getattr(self, name)!r}" for name in named)
+            raise ValueError(f"{self.kind} is about one {' or '.join(about)} and nothing else (got {given})")
+        if not named and len(about) > 1:
+            raise ValueError(f"{self.kind} must name one {' or '.join(about)}")
         return self
 
     @property
     def component(self) -> Component:
         """Kind of component that the fault is about."""
-        return component_of(self.kind)
+        about = components_of(self.kind)
+        return next((name for name in about if getattr(self, name) is not None), about[0])
 
-    def acts_on(self, vehicle: VehicleParams) -> str:
-        """Name of the component that a checked fault acts on."""
-        return getattr(self, self.component) or component_names(vehicle, self.component)[0]
+    def acts_on(self, components: Components) -> str:
+        """Name of the component that a checked fault acts on, of those there are."""
+        name: str | None = getattr(self, self.component)
+        return name or components[self.component][0]
 
-    def label(self, vehicle: VehicleParams) -> str:
+    def label(self, components: Components) -> str:
         """Short name: ``D7 stuck off``, ``main engine shortfall``."""
-        return f"{self.acts_on(vehicle)} {self.kind.replace('_', ' ')}"
-
-
-def component_names(vehicle: VehicleParams, component: Component) -> list[str]:
-    """Names of the components of a kind, in the order of their indices."""
-    items = vehicle.rcs.thrusters if component == "thruster" else getattr(vehicle, f"{component}s")
-    return [item.name for item in items]
+        return f"{self.acts_on(components)} {self.kind.replace('_', ' ')}"
 
 
 FAULT = np.dtype(
     [
-        ("component", "i8"),  # index of the thruster, surface, engine or parachute in its list
+        ("of", "i8"),  # kind of component, index in COMPONENTS
+        ("component", "i8"),  # index of the one that fails among those of its kind
         ("phase", "i8"),  # index of the mission phase, -1 for a flight time
         ("after", "f8"),  # s after the start of the phase, or flight time
         ("params", dtype_of(FaultParams)),
@@ -89,12 +96,12 @@ FAULTS = np.dtype([("count", "i8"), ("slots", FAULT, (MAX_FAULTS,))], align=True
 
 
 def fault_problems(
-    faults: Sequence[FaultParams], vehicle: VehicleParams, phases: Sequence[str]
+    faults: Sequence[FaultParams], components: Components, phases: Sequence[str]
 ) -> dict[str, str]:
     """Components and phases that do not exist or are not named, by dotted key."""
     problems: dict[str, str] = {}
     for index, fault in enumerate(faults):
-        kind, names = fault.component, component_names(vehicle, fault.component)
+        kind, names = fault.component, components.get(fault.component, ())
         given, allowed = getattr(fault, kind), ", ".join(names) or "none"
         if given is None and len(names) != 1:
             problems[f"faults.{index}"] = f"{fault.kind} must name its {kind}; names: {allowed}"
@@ -108,12 +115,13 @@ def fault_problems(
 
 
 def fill_faults(
-    record: np.void, faults: Sequence[FaultParams], vehicle: VehicleParams, phases: Sequence[str]
+    record: np.void, faults: Sequence[FaultParams], components: Components, phases: Sequence[str]
 ) -> None:
     """Write checked faults into a ``FAULTS`` record, names turned into indices."""
     record["count"] = len(faults)
     for slot, fault in zip(record["slots"], faults, strict=False):
-        slot["component"] = component_names(vehicle, fault.component).index(fault.acts_on(vehicle))
+        slot["of"] = COMPONENTS.index(fault.component)
+        slot["component"] = components[fault.component].index(fault.acts_on(components))
         slot["phase"] = phases.index(fault.at.phase) if fault.at.phase is not None else -1
         slot["after"] = fault.at.plus_s if fault.at.phase is not None else fault.at.time_s
         fill(slot["params"], fault)

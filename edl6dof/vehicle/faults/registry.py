@@ -1,26 +1,32 @@
 """The kinds of fault that each of ``faults`` may name as its ``kind``.
 
 A member's parameters derive from the fault of a component (:mod:`edl6dof.vehicle.faults.component`),
-and say so what breaks.  Its kernel ``inflict(fault, case, since, command, plant)`` runs in every base cycle
-from the time ``since`` (s) at which the fault began, after the commands have reached valves and engines and
-before the plant moves; ``fault.component`` is the index of the component in its list of the vehicle.
+and say so what may break.  Its kernel ``inflict(fault, case, since, command, plant)`` runs in every base
+cycle from the time ``since`` (s) at which the fault began, after the commands have reached valves and engines
+and before the plant moves; ``fault.component`` is the index of the component among those of its kind.
 """
 
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
 from edl6dof.registry import Family
-from edl6dof.vehicle.faults import engine, parachute, surface, thruster
+from edl6dof.vehicle.faults import engine, instrument, parachute, surface, thruster
 from edl6dof.vehicle.faults.component import Component, ComponentFault
 
-FAULT_KINDS = Family("fault kind", (*thruster.MEMBERS, *surface.MEMBERS, *parachute.MEMBERS, *engine.MEMBERS))
+FAULT_KINDS = Family(
+    "fault kind",
+    (
+        *(*thruster.MEMBERS, *surface.MEMBERS, *parachute.MEMBERS, *engine.MEMBERS),
+        *instrument.MEMBERS,
+    ),
+)
 
 
-def component_of(kind: str) -> Component:
-    """The kind of component that a kind of fault is about."""
+def components_of(kind: str) -> tuple[Component, ...]:
+    """The kinds of component of which a kind of fault is about one."""
     params = FAULT_KINDS.member(kind).params
     assert issubclass(params, ComponentFault), f"the parameters of {kind} must derive from ComponentFault"
-    return params.component
+    return params.components
 
 
 FaultChoice = FAULT_KINDS.params_model("FaultChoice", "kind", REQUIRED, "What breaks.")

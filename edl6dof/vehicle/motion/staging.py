@@ -65,6 +65,8 @@ def separate(case, plant, index, velocity):
     put3(debris.v_I, 0, v_part)
     put3(y, POSITION, add(r, from_frame(q, remaining_arm)))
     put3(y, VELOCITY, v_remaining)
+    recoil = scale(-part.mass / total, velocity)
+    put3(plant.separation_gain, 0, add(take3(plant.separation_gain, 0), recoil))
 
 
 @kernel

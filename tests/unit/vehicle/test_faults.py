@@ -15,8 +15,8 @@ from edl6dof.interface.command import COMMAND
 from edl6dof.interface.events import DEPLOY
 from edl6dof.scenario.records import build_case, build_tables, initial_plant
 from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.faults.registry import FAULT_KINDS
-from edl6dof.vehicle.plant import THRUST, THRUSTER_KINDS
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
+from edl6dof.vehicle.plant import THRUST
 from edl6dof.vehicle.propulsion.rcs import fire
 
 CYCLE = 0.02
@@ -219,11 +219,20 @@ def without_wing(event):
 # ---- all kinds ---------------------------------------------------------------------------------
 
 
+INSTRUMENTS = "sensors.carried=[perfect, imu, inertial_unit, star_tracker, radar]"
+NAMED = {"thruster": "thruster: D7, ", "gyro": "gyro: g2, ", "beam": "beam: b3, "}
+
+
+def of_kind(tables, kind, time_s):
+    """A vehicle with a fault of this kind, and a sound one."""
+    name = NAMED.get(components_of(kind)[0], "")
+    fault = f"{{{name}kind: {kind}, at: {{time_s: {time_s}}}}}"
+    return broken(tables, fault, others=[INSTRUMENTS]), broken(tables)
+
+
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)
 def test_no_kind_does_anything_before_its_time(tables, kind):
-    thruster = "thruster: D7, " if kind in THRUSTER_KINDS else ""
-    case, plant, command = broken(tables, f"{{{thruster}kind: {kind}, at: {{time_s: 1}}}}")
-    sound_case, sound, _ = broken(tables)
+    (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 1.0)
     command["closes"][:22], command["thrust"], command["request"][MORTAR] = 0.7, 3000.0, 1
     for k in range(40):
         plant["t"] = sound["t"] = k * CYCLE
@@ -236,9 +245,7 @@ def test_no_kind_does_anything_before_its_time(tables, kind):
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)
 def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
     """Mortar, engine, wing and thrusters are in use, so that each kind finds something to break."""
-    thruster = "thruster: D7, " if kind in THRUSTER_KINDS else ""
-    case, plant, command = broken(tables, f"{{{thruster}kind: {kind}, at: {{time_s: 0.1}}}}")
-    sound_case, sound, _ = broken(tables)
+    (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 0.1)
     command["closes"][:22], command["thrust"], command["request"][MORTAR] = 0.7, 3000.0, 1
     before = command.tobytes()
     for k in range(40):
@@ -264,6 +271,16 @@ def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
         ),
         ("{thruster: D7, kind: stuck, at: {time_s: 1}}", "faults.0.kind: unknown name"),
         ("{kind: stuck_off, at: {time_s: 1}}", "faults.0: stuck_off must name its thruster"),
+        ("{kind: hardover, at: {time_s: 1}}", "faults.0: hardover must name one gyro or accelerometer"),
+        (
+            "{beam: b1, kind: hardover, at: {time_s: 1}}",
+            "faults.0: hardover is about one gyro or accelerometer and nothing else (got beam 'b1')",
+        ),
+        (
+            "{gyro: g1, accelerometer: a1, kind: hardover, at: {time_s: 1}}",
+            "and nothing else (got gyro 'g1', accelerometer 'a1')",
+        ),
+        ("{kind: false_lock, at: {time_s: 1}}", "faults.0: false_lock must name its beam; names: none"),
         (
             "{thruster: D7, kind: wing_lost, at: {time_s: 1}}",
             "faults.0: wing_lost is about one surface and nothing else (got thruster 'D7')",

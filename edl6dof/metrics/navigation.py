@@ -1,0 +1,31 @@
+"""How far the estimated state was from the truth at the moments that count."""
+
+from __future__ import annotations
+
+from math import hypot
+
+from edl6dof.telemetry.columns import Telemetry
+
+_POSITION = ("nav.error_north_m", "nav.error_east_m", "nav.error_down_m")
+_VELOCITY = ("nav.error_v_north_m_s", "nav.error_v_east_m_s", "nav.error_v_down_m_s")
+#: A rotation about the vertical leaves the vertical where it is.
+_VERTICAL = ("nav.error_attitude_north_deg", "nav.error_attitude_east_deg")
+
+
+def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
+    """Errors of the estimate at mortar fire, ignition and touchdown, as far as the flight came.
+
+    Args:
+        telemetry: its rows.
+        when: time (s) of its events by key, see :func:`edl6dof.telemetry.timeline.first_times`.
+    """
+    figures: dict[str, float] = {}
+    if (t := when.get("mortar")) is not None:
+        figures["parachute_nav_position_m"] = hypot(*telemetry.at(t, *_POSITION))
+    for key in ("ignition", "touchdown"):
+        if (t := when.get(key)) is not None:
+            (figures[f"{key}_nav_height_m"],) = telemetry.at(t, "nav.error_height_m")
+            figures[f"{key}_nav_velocity_m_s"] = hypot(*telemetry.at(t, *_VELOCITY))
+    if (t := when.get("touchdown")) is not None:
+        figures["touchdown_nav_vertical_deg"] = hypot(*telemetry.at(t, *_VERTICAL))
+    return figures

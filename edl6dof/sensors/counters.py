@@ -1,0 +1,173 @@
+"""Instruments that count the integral of a motion along their own axes: what gyros and accelerometers have in
+common.
+
+A reading counts (1 + scale factor) times the motion along the true axis, plus bias, its random walk, and
+white noise whose integral is a random walk; in a cycle it counts no more than its range allows.
+
+Source: IEEE Std 952 (1997), annex C: N (random walk of the count) and K (random walk of the rate) of the
+Allan variance N^2 / tau + K^2 tau / 3.
+"""
+
+from __future__ import annotations
+
+from math import acos, copysign, cos, pi, sin, sqrt
+
+import numpy as np
+from pydantic import field_validator
+
+from edl6dof.config.base import REQUIRED, Key, Params, Vec3, param, unit_vector
+from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import wrapped
+from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.vector import clamp, dot
+from edl6dof.vehicle.instruments import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+
+#: Normals that the instruments of one kind may use in a cycle.
+_NORMALS = 32
+#: Of them, the first is for the white noise of each; these are for the noise of faults and for the walk of
+#: the biases.
+_FAULTY, _WALK = 8, 24
+#: Cycles from the walk of one bias to that of the next.
+_PAUSE = 8
+
+
+class Axis(Params):
+    """One gyro or accelerometer."""
+
+    name: Key = param(REQUIRED, "name, unique in the unit", record=False, min_length=1)
+    axis: Vec3 = param(REQUIRED, "unit vector of its sensitive axis in B", min_length=3)
+
+    @field_validator("axis")
+    @classmethod
+    def _unit_length(cls, value: Vec3) -> Vec3:
+        return unit_vector(value)
+
+
+def cone(letter: str) -> list[Axis]:
+    """Six axes evenly on a cone of half angle acos(1/sqrt(3)) = 54.74 deg about x of B, named ``letter``1..6:
+    they measure every direction equally well (H'H = 2 I).
+    """
+    half = acos(1.0 / sqrt(3.0))
+    turns = [k * pi / 3.0 for k in range(6)]
+    return [
+        Axis(name=f"{letter}{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
+        for k, turn in enumerate(turns)
+    ]
+
+
+def copy_layout(slots: int) -> np.dtype:
+    """Errors of the copies of one kind that fly: the true axes, relative errors of scale, biases (rad/s or
+    m/s2) at the start, and the key of their noise.
+    """
+    fields = [("axis", "f8", (slots, 3)), ("scale", "f8", (slots,)), ("bias", "f8", (slots,)), ("key", "i8")]
+    return np.dtype(fields, align=True)
+
+
+def counter_layout(slots: int) -> np.dtype:
+    """What the instruments of one kind remember."""
+    return np.dtype(
+        [
+            ("count", "f8", (slots,)),  # rad or m/s, since the start
+            ("walk", "f8", (slots,)),  # rad/s or m/s2: how far each bias has walked
+            ("error", "f8", (slots,)),  # rad/s or m/s2: of the rate over the last cycle, scale left out
+            ("last", "f8", (slots,)),  # rad or m/s, counted in the last cycle
+            ("flagged_until", "f8", (slots,)),  # s: how long the flag of saturation stays
+        ],
+        align=True,
+    )
+
+
+def draw_copies(given: np.void, rng: np.random.Generator, copy: np.void) -> None:
+    """Fill a record of :func:`copy_layout`; ``given`` holds the ``axes`` and, as standard deviations, the
+    ``scale``, ``misalignment`` and ``bias`` of one kind in SI units.
+    """
+    n = given["n_axes"]
+    nominal = given["axes"]["axis"][:n]
+    copy["axis"][:n] = turned(nominal, given["misalignment"], rng)
+    copy["scale"][:n] = given["scale"] * rng.standard_normal(n)
+    copy["bias"][:n] = given["bias"] * rng.standard_normal(n)
+    copy["key"] = rng.integers(2**62)
+
+
+def turned(axes: np.ndarray, sigma: float, rng: np.random.Generator) -> np.ndarray:
+    """Unit vectors, shape (n, 3), each turned by a small angle with standard deviation ``sigma`` (rad) about
+    any axis across it.
+    """
+    off = sigma * rng.standard_normal(axes.shape)
+    off -= np.sum(off * axes, axis=1, keepdims=True) * axes
+    true = axes + off
+    return np.asarray(true / np.linalg.norm(true, axis=1, keepdims=True))
+
+
+@kernel
+def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
+    """Count on over the last cycle.
+
+    Args:
+        params: parameters of the kind: ``n_axes``, ``range``, ``noise``, ``bias_walk``, ``quantum``,
+            ``persistence``.
+        copy: record of :func:`copy_layout`.
+        faults: ``READING_FAULT`` records.
+        moved: integral of the motion over the cycle (B), rad or m/s.
+        t, dt: end and length of the cycle, s.
+        cycle: its number.
+        memory: record of :func:`counter_layout`.
+        readings: written: the count of each instrument.
+        flags: written: whether each met the end of its range, or did so not long ago.
+    """
+    most, step, first = params.range * dt, sqrt(dt), _NORMALS * cycle
+    second = 0.0
+    walk(params, copy, dt, cycle, memory)
+    for i in range(params.n_axes):
+        if i % 2 == 0:
+            white, second = normal_pair(copy.key, first + i)
+        else:
+            white = second
+        fault = faults[i]
+        error = copy.bias[i] + memory.walk[i] + fault.offset
+        if dt > 0.0:
+            error += params.noise * white / step
+        if fault.noise > 0.0:
+            error += fault.noise * normal_pair(copy.key, first + _FAULTY + i)[0]
+        memory.error[i] = error
+        axis = (copy.axis[i, 0], copy.axis[i, 1], copy.axis[i, 2])
+        wanted = (1.0 + copy.scale[i]) * dot(axis, moved) + error * dt
+        counted = clamp(wanted, -most, most)
+        met = counted != wanted and dt > 0.0
+        if fault.mode == STUCK:
+            counted = memory.last[i]
+        elif fault.mode == HARDOVER:
+            counted = most
+        elif fault.mode == OUTAGE:
+            counted = 0.0
+        elif fault.mode == SATURATED:
+            counted = copysign(most, wanted)
+        if fault.mode != WORKING:
+            met = fault.mode == SATURATED
+        if met:
+            memory.flagged_until[i] = t + params.persistence
+        memory.last[i] = counted
+        memory.count[i] += counted
+        total = memory.count[i]
+        readings[i] = total - wrapped(total, params.quantum) if params.quantum > 0.0 else total
+        flags[i] = 1 if met or t < memory.flagged_until[i] else 0
+
+
+@kernel
+def walk(params, copy, dt, cycle, memory):
+    """Let one bias, each in its turn, walk as far as it would have since its last turn, a second ago."""
+    if cycle % _PAUSE == 0 and params.bias_walk > 0.0:
+        i, n = (cycle // _PAUSE) % params.n_axes, params.n_axes
+        far, _ = normal_pair(copy.key, _NORMALS * cycle + _WALK)
+        memory.walk[i] += params.bias_walk * sqrt(_PAUSE * n * dt) * far
+
+
+@kernel
+def rates(params, copy, faults, rate, dt, memory, readings):
+    """The rate (B) that the instruments read at the end of the cycle that :func:`count` has just counted."""
+    for i in range(params.n_axes):
+        axis = (copy.axis[i, 0], copy.axis[i, 1], copy.axis[i, 2])
+        read = (1.0 + copy.scale[i]) * dot(axis, rate) + memory.error[i]
+        if faults[i].mode != WORKING:
+            read = memory.last[i] / dt if dt > 0.0 else 0.0
+        readings[i] = clamp(read, -params.range, params.range)

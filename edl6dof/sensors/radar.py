@@ -1,0 +1,233 @@
+"""Landing radar: range, and speed by the Doppler effect, of any number of beams.
+
+A beam measures to the real ground, or to a part that has left the vehicle and lies in the beam; the speed is
+that of the antenna, v + w x l relative to the turning planet, along the beam.  It sees nothing through the
+heat shield, from too high or too low, when the vehicle tilts too far, or where the ground is met too flat;
+now and then an echo is lost, more often in the dust that the engines raise.  What reflects unevenly shifts
+the range of each beam.
+
+Source: Chen and Pollard, Radar terminal descent sensor performance during Mars Science Laboratory landing,
+Journal of Spacecraft and Rockets 51(4), 2014.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import Annotated
+
+import numpy as np
+from pydantic import field_validator
+
+from edl6dof.config.base import Capacity, Hardware, Params, Vec3, group, param, unique_names
+from edl6dof.config.dtype import in_si
+from edl6dof.interface.capacities import MAX_BEAMS
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT
+from edl6dof.registry import Member
+from edl6dof.sensors.counters import Axis, turned
+from edl6dof.sensors.echo import antenna, ground_echo, over_ground, part_echo
+from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.spatial.frames import rotate_z
+from edl6dof.spatial.noise import normal_pair, uniform
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import dot, take3
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
+from edl6dof.vehicle.instruments import FALSE_LOCK, OUTAGE, STUCK
+from edl6dof.vehicle.plant import ATTITUDE
+from edl6dof.vehicle.surroundings import planet_rotation
+
+#: Random numbers that a beam may use in a reading.
+_DRAWS = 4
+
+
+def four_beams() -> list[Axis]:
+    """Four beams evenly on a cone of half angle 25 deg about x of B, named b1..b4."""
+    half, turns = 25.0 * pi / 180.0, [pi / 4.0 + k * pi / 2.0 for k in range(4)]
+    return [
+        Axis(name=f"b{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
+        for k, turn in enumerate(turns)
+    ]
+
+
+class LobeParams(Params):
+    """What of a beam meets parts of the vehicle that fly ahead of it."""
+
+    main_lobe_deg: float = param(
+        2.5, "half width of the beam, in which a part hides the ground", status="estimate", ge=0.0, le=45.0
+    )
+    side_lobe_deg: float = param(
+        15.0,
+        "angle off the beam in which a near part outshines the ground",
+        status="estimate",
+        ge=0.0,
+        le=90.0,
+    )
+    side_lobe_range_m: float = param(50.0, "distance up to which it does", status="estimate", ge=0.0, le=1e4)
+
+
+class DustParams(Params):
+    """Dust that the engines raise, at full thrust just above the ground; it thins upwards, and with the
+    thrust.
+    """
+
+    height_m: float = param(10.0, "height at which there is none", status="estimate", ge=0.0, le=1000.0)
+    speed_noise_m_s: float = param(0.3, "noise added to the speed", status="estimate", ge=0.0, le=100.0)
+    dropout: float = param(0.2, "probability that a beam loses its echo", status="estimate", ge=0.0, le=1.0)
+
+
+class RadarParams(Hardware):
+    """Landing radar; errors as standard deviations."""
+
+    largest = {"m": 1e6}
+
+    beams: Annotated[list[Axis], Capacity(MAX_BEAMS)] = param(
+        None, "the beams and their directions", factory=four_beams, min_length=1, max_length=MAX_BEAMS
+    )
+    position_m: Vec3 = param((-0.5, 0.0, 0.6), "where the antenna sits, B", status="estimate", min_length=3)
+    every_cycles: int = param(5, "base cycles from one reading to the next", status="estimate", ge=1, le=1000)
+    highest_m: float = param(
+        7000.0, "height of the antenna above the ground above which it sees nothing", status="published",
+        source="SPCT 2021, Hu et al. 2022", gt=0.0,
+    )  # fmt: skip
+    lowest_m: float = param(
+        5.0, "height below which it sees nothing", status="published", source="SPCT 2021, Hu et al. 2022",
+        ge=0.0,
+    )  # fmt: skip
+    incidence_deg: float = param(
+        65.0, "largest angle between a beam and the normal of the ground", status="estimate", gt=0.0, le=85.0
+    )
+    tilt_deg: float = param(
+        45.0, "largest angle between x of B and straight down", status="estimate", gt=0.0, le=90.0
+    )
+    dropout: float = param(0.005, "probability that a beam has no echo", status="estimate", ge=0.0, le=1.0)
+    misalignment_deg: float = param(
+        0.03, "error of the direction of a beam, drawn for each case", status="estimate", ge=0.0, le=10.0
+    )
+    range_noise_m: float = param(0.1, "noise of the range", status="estimate", ge=0.0)
+    range_noise_relative_pct: float = param(
+        0.25, "more of it, of the range", status="estimate", ge=0.0, le=100.0
+    )
+    range_scale_pct: float = param(
+        0.2, "error of the scale of the range, drawn for each case", status="estimate", ge=0.0, le=100.0
+    )
+    reflectivity_m: float = param(
+        0.1, "shift of the range of each beam, drawn for each case", status="estimate", ge=0.0
+    )
+    speed_noise_m_s: float = param(0.033, "noise of the speed", status="estimate", ge=0.0)
+    speed_noise_relative_pct: float = param(
+        0.25, "more of it, of the speed", status="estimate", ge=0.0, le=100.0
+    )
+    speed_scale_pct: float = param(
+        0.2, "error of the scale of the speed, drawn for each case", status="estimate", ge=0.0, le=100.0
+    )
+    lobes: LobeParams = group(LobeParams, "parts of the vehicle in the beams")
+    dust: DustParams = group(DustParams, "dust that the engines raise")
+
+    @field_validator("beams")
+    @classmethod
+    def _names_differ(cls, value: list[Axis]) -> list[Axis]:
+        return unique_names(value)
+
+
+#: The copy that flies: true directions (B), errors of scale, shifts of the range (m), key of the noise.
+UNIT = np.dtype(
+    [
+        ("axis", "f8", (MAX_BEAMS, 3)),
+        ("range_scale", "f8", (MAX_BEAMS,)),
+        ("speed_scale", "f8", (MAX_BEAMS,)),
+        ("reflectivity", "f8", (MAX_BEAMS,)),
+        ("key", "i8"),
+    ],
+    align=True,
+)
+MEMORY = np.dtype([("cycle", COUNT)], align=True)
+
+
+@kernel
+def measure(params, unit, case, tables, plant, outputs, memory, sensed):
+    """Let every beam measure, in cycles in which the radar does."""
+    radar, cycle = sensed.radar, memory.cycle
+    memory.cycle += 1
+    radar.fresh = 1 if cycle % params.every_cycles == 0 else 0
+    if radar.fresh == 0:
+        return
+    rotation = planet_rotation(case.planet, plant.t)
+    c, s = rotation
+    y, areoid = plant.y, plant.inputs.areoid
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    r, v = antenna(case, plant, outputs, take3(params.position, 0), rotation)
+    height, up, _ = over_ground(case, tables, areoid, r)
+    tilt = -dot(rotate_z(c, s, from_frame(q, (1.0, 0.0, 0.0))), up)
+    sees = (
+        plant.shape != CONFIG_CAPSULE
+        and params.lowest <= height <= params.highest
+        and tilt >= cos(params.tilt)
+    )
+    dust = 0.0
+    if height < params.dust.height:
+        dust = thrust_share(case, outputs) * (1.0 - max(height, 0.0) / params.dust.height)
+    for i in range(params.n_beams):
+        distance = speed = 0.0
+        if sees:
+            beam = rotate_z(c, s, from_frame(q, (unit.axis[i, 0], unit.axis[i, 1], unit.axis[i, 2])))
+            distance, incidence = ground_echo(case, tables, areoid, r, beam, height, up)
+            speed = dot(v, beam)
+            spin = case.planet.rotation_rate
+            near, closing = part_echo(params.lobes, plant, rotation, r, v, beam, distance, spin)
+            if near > 0.0:
+                distance, speed = near, closing
+            elif incidence < cos(params.incidence):
+                distance = 0.0
+        first = _DRAWS * (MAX_BEAMS * cycle + i)
+        if uniform(unit.key, first) < params.dropout + dust * params.dust.dropout:
+            distance = 0.0
+        read(params, unit, plant.instruments, i, distance, speed, dust, first, radar)
+
+
+@kernel
+def read(params, unit, faults, i, distance, speed, dust, first, radar):
+    """Write the reading of beam ``i`` with its errors; ``distance`` (m) is 0 where it has no echo."""
+    range_fault, speed_fault = faults.range[i], faults.speed[i]
+    if range_fault.mode == STUCK:
+        return
+    if range_fault.mode == FALSE_LOCK:
+        radar.range[i], radar.speed[i], radar.locked[i] = range_fault.offset, speed_fault.offset, 1
+        return
+    radar.locked[i] = 1 if distance > 0.0 and range_fault.mode != OUTAGE else 0
+    if radar.locked[i] == 0:
+        radar.range[i] = radar.speed[i] = 0.0
+        return
+    a, b = normal_pair(unit.key, first + 1)
+    range_noise = params.range_noise + params.range_noise_relative * distance
+    speed_noise = params.speed_noise + params.speed_noise_relative * abs(speed)
+    reach = (1.0 + unit.range_scale[i]) * distance + unit.reflectivity[i] + range_noise * a
+    closing = (1.0 + unit.speed_scale[i]) * speed + speed_noise * b
+    if dust > 0.0 or range_fault.noise > 0.0 or speed_fault.noise > 0.0:
+        a, b = normal_pair(unit.key, first + 2)
+        c, _ = normal_pair(unit.key, first + 3)
+        reach += range_fault.noise * a
+        closing += speed_fault.noise * b + dust * params.dust.speed_noise * c
+    radar.range[i] = max(reach + range_fault.offset, 0.0)
+    radar.speed[i] = closing + speed_fault.offset
+
+
+def plan(params: RadarParams, rng: np.random.Generator, unit: np.void) -> None:
+    """Draw the errors of the copy that flies."""
+    given, n = in_si(params), len(params.beams)
+    unit["axis"][:n] = turned(given["beams"]["axis"][:n], given["misalignment"], rng)
+    unit["range_scale"][:n] = given["range_scale"] * rng.standard_normal(n)
+    unit["speed_scale"][:n] = given["speed_scale"] * rng.standard_normal(n)
+    unit["reflectivity"][:n] = given["reflectivity"] * rng.standard_normal(n)
+    unit["key"] = rng.integers(2**62)
+
+
+MEMBER = Member(
+    "radar",
+    RadarParams,
+    {"measure": measure},
+    "Chen and Pollard, Journal of Spacecraft and Rockets 51(4), 2014",
+    memory=MEMORY,
+    tables=UNIT,
+    plan=plan,
+    writes=("radar",),
+)

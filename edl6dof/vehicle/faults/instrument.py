@@ -1,0 +1,235 @@
+"""Faults of one reading, of a gyro, an accelerometer or a beam, and of whole instruments.
+
+They are written where the sensors read them (:mod:`edl6dof.vehicle.instruments`), and show in the reading of
+the next cycle.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from edl6dof.config.base import param
+from edl6dof.interface.capacities import MAX_GYROS
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
+from edl6dof.vehicle.instruments import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+
+GYRO, ACCELEROMETER = COMPONENTS.index("gyro"), COMPONENTS.index("accelerometer")
+
+
+class InstrumentFault(ComponentFault):
+    """Parameters of a fault that may pass."""
+
+    duration_s: float = param(0.0, "how long it lasts; 0: to the end", ge=0.0)
+
+
+class ReadingFault(InstrumentFault):
+    """Parameters of a fault of one reading."""
+
+    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam")
+
+
+class CounterFault(InstrumentFault):
+    """Parameters of a fault of an instrument with a range."""
+
+    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer")
+
+
+class ReadingBiasParams(ReadingFault):
+    """The reading is too large by a constant."""
+
+    rate_deg_s: float = param(0.05, "of a gyro", ge=-1e3, le=1e3)
+    acceleration_m_s2: float = param(0.05, "of an accelerometer", ge=-1e3, le=1e3)
+    range_m: float = param(20.0, "of the range of a beam", ge=-1e4, le=1e4)
+    speed_m_s: float = param(2.0, "of the speed of a beam", ge=-1e3, le=1e3)
+
+
+class ReadingDriftParams(ReadingFault):
+    """The reading is too large by what grows with time."""
+
+    rate_deg_s2: float = param(0.01, "of a gyro", ge=-1e3, le=1e3)
+    acceleration_m_s3: float = param(0.01, "of an accelerometer", ge=-1e3, le=1e3)
+    range_m_s: float = param(2.0, "of the range of a beam", ge=-1e4, le=1e4)
+    speed_m_s2: float = param(0.2, "of the speed of a beam", ge=-1e3, le=1e3)
+
+
+class ReadingNoiseParams(ReadingFault):
+    """The reading scatters; standard deviations from one cycle to the next."""
+
+    rate_deg_s: float = param(0.5, "of a gyro", ge=0.0, le=1e3)
+    acceleration_m_s2: float = param(0.5, "of an accelerometer", ge=0.0, le=1e3)
+    range_m: float = param(20.0, "of the range of a beam", ge=0.0, le=1e4)
+    speed_m_s: float = param(2.0, "of the speed of a beam", ge=0.0, le=1e3)
+
+
+class ReadingStuckParams(ReadingFault):
+    """The reading stays what it was."""
+
+
+class ReadingOutageParams(ReadingFault):
+    """Nothing is read: an instrument counts no further, a beam has no echo."""
+
+
+class HardoverParams(CounterFault):
+    """The reading goes to the end of its range, and no flag says so."""
+
+
+class SaturationParams(CounterFault):
+    """The reading is at the end of its range, on the side of the true motion, and its flag is on."""
+
+
+class GyrosSaturatedParams(InstrumentFault):
+    """All gyros at the end of their range at once, as when a parachute opens."""
+
+    components: ClassVar[tuple[Component, ...]] = ("inertial_unit",)
+
+    duration_s: float = param(1.0, "how long it lasts; 0: to the end", ge=0.0)
+
+
+class FalseLockParams(InstrumentFault):
+    """The beam has an echo that is not of the ground."""
+
+    components: ClassVar[tuple[Component, ...]] = ("beam",)
+
+    range_m: float = param(100.0, "range that it reads", ge=0.0, le=1e5)
+    speed_m_s: float = param(0.0, "speed that it reads", ge=-1e3, le=1e3)
+
+
+class StarsLostParams(InstrumentFault):
+    """The star tracker sees no stars any more."""
+
+    components: ClassVar[tuple[Component, ...]] = ("star_tracker",)
+
+
+@kernel
+def lasts(duration, since, t):
+    """Whether a fault that began at ``since`` (s) is there at ``t``."""
+    return duration == 0.0 or t < since + duration
+
+
+@kernel
+def set_mode(fault, plant, mode):
+    """How the reading comes about."""
+    i, instruments = fault.component, plant.instruments
+    if fault.of == GYRO:
+        instruments.gyro[i].mode = mode
+    elif fault.of == ACCELEROMETER:
+        instruments.accelerometer[i].mode = mode
+    else:
+        instruments.range[i].mode = mode
+        instruments.speed[i].mode = mode
+
+
+@kernel
+def set_offset(fault, plant, rate, acceleration, reach, speed):
+    """What is added to the reading: of a gyro, an accelerometer, range and speed of a beam."""
+    i, instruments = fault.component, plant.instruments
+    if fault.of == GYRO:
+        instruments.gyro[i].offset = rate
+    elif fault.of == ACCELEROMETER:
+        instruments.accelerometer[i].offset = acceleration
+    else:
+        instruments.range[i].offset = reach
+        instruments.speed[i].offset = speed
+
+
+@kernel
+def reading_bias(fault, case, since, command, plant):
+    """Add a constant."""
+    p = fault.params.reading_bias
+    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
+    set_offset(fault, plant, on * p.rate, on * p.acceleration, on * p.range, on * p.speed)
+
+
+@kernel
+def reading_drift(fault, case, since, command, plant):
+    """Add what has grown since."""
+    p = fault.params.reading_drift
+    age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
+    set_offset(fault, plant, age * p.rate, age * p.acceleration, age * p.range, age * p.speed)
+
+
+@kernel
+def reading_noise(fault, case, since, command, plant):
+    """Add noise."""
+    p, i, instruments = fault.params.reading_noise, fault.component, plant.instruments
+    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
+    if fault.of == GYRO:
+        instruments.gyro[i].noise = on * p.rate
+    elif fault.of == ACCELEROMETER:
+        instruments.accelerometer[i].noise = on * p.acceleration
+    else:
+        instruments.range[i].noise = on * p.range
+        instruments.speed[i].noise = on * p.speed
+
+
+@kernel
+def reading_stuck(fault, case, since, command, plant):
+    """Hold the reading."""
+    on = lasts(fault.params.reading_stuck.duration, since, plant.t)
+    set_mode(fault, plant, STUCK if on else WORKING)
+
+
+@kernel
+def reading_outage(fault, case, since, command, plant):
+    """Read nothing."""
+    on = lasts(fault.params.reading_outage.duration, since, plant.t)
+    set_mode(fault, plant, OUTAGE if on else WORKING)
+
+
+@kernel
+def hardover(fault, case, since, command, plant):
+    """Go to the end of the range."""
+    on = lasts(fault.params.hardover.duration, since, plant.t)
+    set_mode(fault, plant, HARDOVER if on else WORKING)
+
+
+@kernel
+def saturation(fault, case, since, command, plant):
+    """Go to the end of the range and say so."""
+    on = lasts(fault.params.saturation.duration, since, plant.t)
+    set_mode(fault, plant, SATURATED if on else WORKING)
+
+
+@kernel
+def gyros_saturated(fault, case, since, command, plant):
+    """Saturate every gyro."""
+    on = lasts(fault.params.gyros_saturated.duration, since, plant.t)
+    for i in range(MAX_GYROS):
+        plant.instruments.gyro[i].mode = SATURATED if on else WORKING
+
+
+@kernel
+def false_lock(fault, case, since, command, plant):
+    """Read something else than the ground."""
+    p = fault.params.false_lock
+    on = lasts(p.duration, since, plant.t)
+    set_mode(fault, plant, FALSE_LOCK if on else WORKING)
+    set_offset(fault, plant, 0.0, 0.0, p.range if on else 0.0, p.speed if on else 0.0)
+
+
+@kernel
+def stars_lost(fault, case, since, command, plant):
+    """Lose the stars."""
+    on = lasts(fault.params.stars_lost.duration, since, plant.t)
+    plant.instruments.star_tracker_lost = 1 if on else 0
+
+
+MEMBERS = (
+    Member("reading_bias", ReadingBiasParams, {"inflict": reading_bias}, "drift of electronics"),
+    Member("reading_drift", ReadingDriftParams, {"inflict": reading_drift}, "drift of electronics"),
+    Member("reading_noise", ReadingNoiseParams, {"inflict": reading_noise}, "bad contact"),
+    Member("reading_stuck", ReadingStuckParams, {"inflict": reading_stuck}, "latched electronics"),
+    Member("reading_outage", ReadingOutageParams, {"inflict": reading_outage}, "lost supply or link"),
+    Member("hardover", HardoverParams, {"inflict": hardover}, "short circuit"),
+    Member("saturation", SaturationParams, {"inflict": saturation}, "motion beyond the range"),
+    Member(
+        "gyros_saturated",
+        GyrosSaturatedParams,
+        {"inflict": gyros_saturated},
+        "Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017)",
+    ),
+    Member("false_lock", FalseLockParams, {"inflict": false_lock}, "echo of a jettisoned part"),
+    Member("stars_lost", StarsLostParams, {"inflict": stars_lost}, "blinded or dead tracker"),
+)

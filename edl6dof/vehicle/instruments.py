@@ -1,0 +1,33 @@
+"""What faults do to the readings of instruments: faults write it, sensors read it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.records import FLAG, whole
+
+#: How a reading comes about: as it should; always the last one before the fault; at the end of the range
+#: without a flag; none; at the end of the range with its flag; of something else than the ground.
+WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
+
+#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam.
+READING_FAULT = np.dtype(
+    [
+        ("mode", whole(0, FALSE_LOCK)),
+        ("offset", "f8"),  # added to it; the reading itself at a false lock
+        ("noise", "f8"),  # standard deviation of the noise added to it
+    ],
+    align=True,
+)
+
+INSTRUMENT_FAULTS = np.dtype(
+    [
+        ("gyro", READING_FAULT, (MAX_GYROS,)),
+        ("accelerometer", READING_FAULT, (MAX_ACCELEROMETERS,)),
+        ("range", READING_FAULT, (MAX_BEAMS,)),
+        ("speed", READING_FAULT, (MAX_BEAMS,)),
+        ("star_tracker_lost", FLAG),
+    ],
+    align=True,
+)

@@ -1,0 +1,51 @@
+"""A bench for one sensor: the records that it reads, at rest in vacuum at the start, and a step of it."""
+
+import numpy as np
+
+import edl6dof
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.profiles import stream
+from edl6dof.interface.sensed import SENSED
+from edl6dof.scenario.records import build_records, initial_plant
+from edl6dof.sensors.registry import SENSOR_FAMILY
+from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS, POSITION, RATE, VELOCITY
+
+LOADED = edl6dof.load("tianwen1")
+
+
+class Bench:
+    """One sensor with its parameters, the errors of its copy in ``case``, and a plant to move by hand."""
+
+    def __init__(self, name, params=None, seed=1, case=0, loaded=LOADED):
+        member = SENSOR_FAMILY.member(name)
+        given = member.params(**(params or {}))
+        self.params = np.zeros(1, dtype_of(member.params))[0]
+        fill(self.params, given)
+        self.unit = np.zeros(1, member.tables)[0]
+        if member.plan is not None:
+            member.plan(given, stream(seed, case, 100), self.unit)
+        records = build_records(loaded)
+        self.case, self.tables = records.case[0], records.tables[0]
+        self.plant = initial_plant(loaded.truth, records.case)[0]
+        self.put(w=(0.0, 0.0, 0.0))
+        self.outputs = np.zeros(1, OUTPUTS)[0]
+        self.memory = np.zeros(1, member.memory)[0]
+        self.sensed = np.zeros(1, SENSED)[0]
+        self.kernel = member.kernels["measure"]
+
+    def put(self, t=None, r=None, v=None, q=None, w=None):
+        """Move the plant."""
+        y = self.plant["y"]
+        for place, value in ((POSITION, r), (VELOCITY, v), (ATTITUDE, q), (RATE, w)):
+            if value is not None:
+                y[place : place + len(value)] = value
+        if t is not None:
+            self.plant["t"] = t
+
+    def measure(self, **state):
+        """Move the plant and let the sensor measure."""
+        self.put(**state)
+        self.kernel(
+            self.params, self.unit, self.case, self.tables, self.plant, self.outputs, self.memory, self.sensed
+        )
+        return self.sensed
