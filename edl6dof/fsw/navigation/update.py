@@ -83,6 +83,7 @@ def navigate(onboard, state, sensed, memory):
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     centre = take3(onboard.vehicle.configuration[state.configuration].centre, 0)
     dt = take_reading(onboard.instruments, sensed.t, sensed.inertial, memory.inertial)
+    put3(motion.centre, 0, centre)
     if dt > LEAST_TIME:
         follow_centre(centre, motion, solution, memory.centre)
         read_motion(

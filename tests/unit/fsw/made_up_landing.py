@@ -259,8 +259,8 @@ def lay_ground(params, rs, vs, size, rng):
 
 @kernel
 def apart(planet, r, believed, t):
-    """Error of a position, upwards the difference of altitude: over some hundred metres to the side the planet
-    falls away by as much as the height is known.
+    """Error of a position, upwards the difference of altitude: some hundred metres to the side the planet has
+    fallen away by as much as the height is known.
     """
     _, _, up, altitude = level_axes(planet, (believed[0], believed[1], believed[2]), t)
     true_altitude = level_axes(planet, (r[0], r[1], r[2]), t)[3]
@@ -370,3 +370,31 @@ def fly(onboard, params, flown, reports, seed=1, size=1.0, stars_until=-1.0, loo
         *(onboard[0], params[0], records(), flown, np.random.default_rng(seed), size, stars_until, looks),
         np.array(reports, np.int64),
     )
+
+
+def stepped(onboard, flown, first, cycles, begin, records, looks=None):
+    """Let a solution follow a piece of a flight without its filter, which the caller runs: ``begin(sensed,
+    solution)`` at the start, and what it likes with the records after each cycle; yields the cycle.
+    """
+    rng = np.random.default_rng(3)
+    rs, vs, qs, angles, gains, _ = flown
+    sensed, motion, solution, _ = (record[0] for record in records[:4])
+    solution["t"] = first * DT
+    solution["r_I"] = rs[first] + rng.normal(0.0, 300.0, 3)
+    solution["v_I"] = vs[first] + rng.normal(0.0, 0.5, 3)
+    solution["q_I2B"], solution["terrain"] = qs[first], 20.0
+    motion["centre"], motion["rate_known"], motion["force_known"] = CENTRE, 1, 1
+    begin(sensed, solution)
+    drawn = draw_unit(onboard[0]["instruments"], 1.0, rng)
+    every = np.zeros((len(rs), 8), np.int64) if looks is None else looks
+    for k in range(first + 1, first + cycles):
+        motion["dt"] = DT
+        motion["angle"], motion["gain"] = angles[k] + 1e-7, gains[k] + 1e-4
+        motion["rate"] = motion["angle"] / DT
+        strapdown(onboard[0], motion, solution)
+        sensed["t"] = k * DT
+        read_radar(
+            *(onboard[0], 0.0, sensed["t"], rs[k], vs[k], tuple(qs[k]), angles[k] / DT, 0.0),
+            *(drawn, every[k], 1.0, sensed["radar"], rng),
+        )
+        yield k

@@ -37,31 +37,17 @@ def whole(memory):
 
 def followed(onboard, params, flown, first, cycles):
     """Let filter and textbook follow a piece of a flight; yields both after each cycle that had readings."""
-    rng = np.random.default_rng(3)
-    rs, vs, qs, angles, gains, _ = flown
     records = landing.records()
     sensed, motion, solution, health, memory = (record[0] for record in records)
-    solution["t"] = first * landing.DT
-    solution["r_I"] = rs[first] + rng.normal(0.0, 300.0, 3)
-    solution["v_I"] = vs[first] + rng.normal(0.0, 0.5, 3)
-    solution["q_I2B"], solution["terrain"] = qs[first], 20.0
-    motion["centre"], motion["rate_known"], motion["force_known"] = CENTRE, 1, 1
-    start(params[0], onboard[0], sensed, solution, memory)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        *(params[0]["terrain_sigma"], params[0]["terrain_change"], qs[first]),
+        *(params[0]["terrain_sigma"], params[0]["terrain_change"], flown[2][first]),
     )
-    drawn = landing.draw_unit(onboard[0]["instruments"], 1.0, rng)
-    for k in range(first + 1, first + cycles):
-        motion["dt"] = landing.DT
-        motion["angle"], motion["gain"] = angles[k] + 1e-5, gains[k] + 1e-4
-        motion["rate"] = motion["angle"] / landing.DT
-        landing.strapdown(onboard[0], motion, solution)
-        sensed["t"] = k * landing.DT
-        landing.read_radar(
-            *(onboard[0], 5.0, sensed["t"], rs[k], vs[k], tuple(qs[k]), angles[k] / landing.DT, 0.0),
-            *(drawn, np.zeros(8, np.int64), 1.0, sensed["radar"], rng),
-        )
+
+    def begin(sensed, solution):
+        start(params[0], onboard[0], sensed, solution, memory)
+
+    for _ in landing.stepped(onboard, flown, first, cycles, begin, records):
         before = solution.copy()
         correct(params[0], onboard[0], health, sensed, motion, solution, memory)
         book.move(landing.DT, motion["angle"], motion["gain"], before["q_I2B"])
@@ -250,12 +236,48 @@ def test_gate_opens_when_the_solution_is_wrong(descent):
     assert used.index(15, 52) < 50 + 25, "the gate opens after some ten looks"
 
 
-def test_unknown_motion_and_excluded_gyros_make_the_filter_unsure(descent):
+def standing(descent):
+    """A filter that has just started, at rest in its own frame."""
     records = landing.records()
     sensed, motion, solution, health, memory = (record[0] for record in records)
     solution["r_I"], solution["q_I2B"] = descent[0][0], descent[2][0]
     start(PARAMS[0], ONBOARD[0], sensed, solution, memory)
     motion["dt"], motion["rate_known"], motion["force_known"] = 0.05, 1, 1
+    return sensed, motion, solution, health, memory
+
+
+def test_star_fixes_that_stay_away_are_believed_in_the_end(descent):
+    sensed, motion, solution, health, memory = standing(descent)
+    fix = landing.multiply(landing.about_axis((0.0, 0.6, 0.8), 0.02), tuple(descent[2][0]))
+    sensed["stars"]["valid"], sensed["stars"]["q_I2B"] = 1, fix
+    apart = []
+    for k in range(1, 400):
+        solution["t"] = sensed["t"] = 0.05 * k
+        correct(PARAMS[0], ONBOARD[0], health, sensed, motion, solution, memory)
+        apart.append(landing.rotation_vector(landing.multiply(fix, (1, -1, -1, -1) * solution["q_I2B"])))
+    size = np.linalg.norm(apart, axis=1)
+    assert size[150] == pytest.approx(0.02, rel=0.01) and size[-1] < 1e-3
+
+
+def test_antenna_is_placed_where_it_will_be(descent):
+    """The readings of the radar are a cycle younger than those of the inertial unit."""
+    solution, motion = np.zeros(1, landing.SOLUTION)[0], np.zeros(1, landing.MOTION)[0]
+    k, dt = 900, landing.DT
+    for ahead in range(2):
+        at = k + ahead
+        solution["t"], solution["r_I"], solution["v_I"] = at * dt, descent[0][at], descent[1][at]
+        solution["q_I2B"], motion["dt"], motion["centre"] = descent[2][at], dt, CENTRE
+        motion["gain"], motion["rate"] = descent[4][at], descent[3][at] / dt
+        placed = place_antenna(ONBOARD[0], motion, solution, (k + 1) * dt)
+        if ahead == 0:
+            before = placed
+    assert before[5] == pytest.approx(placed[5], abs=0.02), "height; it falls 5 m in a cycle"
+    assert before[2] == pytest.approx(placed[2], abs=0.05), "velocity"
+    assert np.array(before[0]) == pytest.approx(np.array(placed[0]), abs=1e-3), "attitude"
+
+
+def test_unknown_motion_and_excluded_gyros_make_the_filter_unsure(descent):
+    sensed, motion, solution, health, memory = standing(descent)
     sure = []
     for k in range(80):
         if k == 20:

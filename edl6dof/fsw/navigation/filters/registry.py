@@ -13,13 +13,15 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
-from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given
+from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, two_filter
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.registry import Family
 
-NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER))
+NAVIGATION_FILTERS = Family(
+    "navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER)
+)
 
 #: Index of the member that takes the word of ideal instruments.
 GIVEN = NAVIGATION_FILTERS.names.index("given")

@@ -6,10 +6,12 @@ Source: Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination
 from __future__ import annotations
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at
+from edl6dof.fsw.navigation.filters.kalman.gate import refused_again
 from edl6dof.fsw.navigation.filters.kalman.radar import clear, take_in
 from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, STAR_BIAS
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import axes, conjugate, multiply, rotation_vector
+from edl6dof.spatial.vector import dot
 
 
 @kernel
@@ -19,10 +21,16 @@ def look_at_stars(params, onboard, sensed, motion, solution, memory):
     fix = (measured[0], measured[1], measured[2], measured[3])
     turn = rotation_vector(multiply(fix, conjugate(q)))
     x, y, z = axes(q)
-    row = memory.row
+    row, refused = memory.row, 0
     for i in range(3):
         clear(row)
         row[ATTITUDE_ERROR + i] = 1.0
         row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
-        take_in(params, onboard.instruments.star_sigma**2, turn[i], memory)
+        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], memory)
+        refused += not taken
+    memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
+    if memory.fixes_refused >= params.patience:
+        for i in range(3):
+            memory.covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] += dot(turn, turn)
+        memory.fixes_refused = 0
     memory.stars_t = sensed.t

@@ -59,8 +59,10 @@ ERROR_STATE = np.dtype(
         ("unknown_force_time", "f8"),  # s
         ("stars_t", "f8"),  # s: flight time of the last star fix used
         ("radar_t", "f8"),  # s: and of the last look at the radar
-        ("ranges_refused", COUNT),  # looks in a row in which most beams were refused
+        # looks in a row in which most ranges, most speeds, or the star fix were refused
+        ("ranges_refused", COUNT),
         ("speeds_refused", COUNT),
+        ("fixes_refused", COUNT),
         # workspace
         ("transition", "f8", (MOVING, ACTING)),
         ("moved", "f8", (MOVING, WIDTH)),

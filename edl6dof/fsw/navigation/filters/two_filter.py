@@ -1,0 +1,238 @@
+"""Two filters side by side, as on the Mars Science Laboratory: velocity by least squares over the beams, with
+data editing, and height as the mean of buffered beam heights; each corrects the solution once it converged.
+
+The velocity filter fits errors of velocity and acceleration (6 states) to the speeds along the beams, older
+ones counting less.  Position and attitude stay those of the inertial unit.
+
+Source: C. W. Chen and B. D. Pollard, "Radar terminal descent sensor performance during Mars Science
+Laboratory landing", Journal of Spacecraft and Rockets 51 (2014); the fit: Bierman, Factorization Methods for
+Discrete Sequential Estimation (1977), chapter II.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.filters.kalman.antenna import (
+    STEEPEST,
+    expected_range,
+    level_axes,
+    place_antenna,
+)
+from edl6dof.fsw.navigation.filters.kalman.claim import deviation
+from edl6dof.fsw.navigation.filters.kalman.gate import median
+from edl6dof.fsw.navigation.filters.kalman.radar import count_usable, usable
+from edl6dof.fsw.navigation.filters.kalman.scalar_update import expected_by, fold_in, predicted_variance
+from edl6dof.interface.capacities import MAX_BEAMS
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
+from edl6dof.registry import Member
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import add, dot, put3, take3
+
+#: Beam heights that the buffer can hold.
+HEIGHTS = 128
+
+TWO_FILTER = np.dtype(
+    [
+        # errors of velocity (m/s, I) and acceleration (m/s2, I)
+        ("covariance", "f8", (6, 6)),
+        ("correction", "f8", (6,)),
+        ("converged", FLAG),  # whether velocity is corrected
+        ("age", "f8"),  # s: since the last look at the radar
+        ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
+        ("heights", COUNT),  # how many have come yet
+        ("started_t", "f8"),  # s, flight time
+        # workspace
+        ("considered", "f8", (6,)),
+        ("row", "f8", (6,)),
+        ("product", "f8", (6,)),
+        ("gain", "f8", (6,)),
+        ("look", "f8", (MAX_BEAMS,)),
+        ("ordered", "f8", (MAX_BEAMS,)),
+    ],
+    align=True,
+)
+
+
+class TwoFilterParams(Params):
+    """Velocity and height filters."""
+
+    radar_interval_s: float = param(0.1, "time between two looks at the radar that are used", ge=0.0, le=10.0)
+    window_s: float = param(3.0, "time over which the speeds are fitted", gt=0.0, le=100.0)
+    edit: float = param(
+        3.0, "standard deviations of a residual beyond which a reading is left out", ge=1.0, le=20.0
+    )
+    velocity_sigma_m_s: float = param(
+        5.0, "standard deviation of the velocity when the radar first locks", status="estimate", gt=0.0
+    )
+    acceleration_sigma_m_s2: float = param(
+        0.05, "standard deviation of the acceleration then", status="estimate", gt=0.0
+    )
+    converged_m_s: float = param(
+        0.15, "standard deviation of the velocity fitted, below which it corrects", gt=0.0
+    )
+    heights: int = param(40, "beam heights that are averaged", ge=1, le=HEIGHTS)
+
+
+@kernel
+def start(params, onboard, sensed, solution, memory):
+    """Nothing fitted yet."""
+    for i in range(6):
+        memory.correction[i] = 0.0
+        for j in range(6):
+            memory.covariance[i, j] = 0.0
+    for i in range(3):
+        memory.covariance[i, i] = params.velocity_sigma**2
+        memory.covariance[3 + i, 3 + i] = params.acceleration_sigma**2
+    memory.converged, memory.heights, memory.age = 0, 0, 0.0
+    memory.started_t = solution.t
+    _claim(params, onboard, solution, memory)
+
+
+@kernel
+def correct(params, onboard, health, sensed, motion, solution, memory):
+    """Take a look at the radar where it is time to, and correct what has converged."""
+    memory.age += motion.dt
+    due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
+    if due and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0:
+        _carry_forward(params, memory)
+        q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
+        speeds = _fit_speeds(params, onboard, health, sensed.radar, q, add(velocity, swing), solution, memory)
+        ranges = _buffer_heights(params, onboard, health, sensed.radar, q, up, height, solution, memory)
+        solution.beams_used = speeds | ranges
+        _correct_velocity(params, solution, memory)
+        _correct_height(params, solution, memory)
+        _claim(params, onboard, solution, memory)
+
+
+@kernel
+def _carry_forward(params, memory):
+    """Bring the fit up to the time of a look: the velocity error grows by that of the acceleration, and what
+    was known fades.
+    """
+    P, T = memory.covariance, memory.age
+    fade = exp(min(T / params.window, 2.0))
+    for i in range(3):
+        memory.correction[i] += T * memory.correction[3 + i]
+        for j in range(3):
+            P[i, j] += T * (P[3 + i, j] + P[i, 3 + j]) + T * T * P[3 + i, 3 + j]
+    for i in range(3):
+        for j in range(3):
+            P[i, 3 + j] += T * P[3 + i, 3 + j]
+            P[3 + j, i] = P[i, 3 + j]
+    for i in range(6):
+        for j in range(6):
+            P[i, j] *= fade
+    memory.age = 0.0
+
+
+@kernel
+def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
+    """Take in the speeds whose residuals are not too large; a bit for each."""
+    instruments, used, row = onboard.instruments, 0, memory.row
+    put3(row, 3, (0.0, 0.0, 0.0))
+    for beam in range(instruments.n_beams):
+        solution.speed_innovation[beam] = 0.0
+        if usable(health, radar, beam):
+            u = from_frame(q, take3(instruments.beam_axis[beam], 0))
+            speed = dot(u, velocity)
+            put3(row, 0, u)
+            own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
+            variance = own**2
+            variance += predicted_variance(memory.covariance, memory.considered, row, memory.product)
+            residual = radar.speed[beam] - speed - expected_by(row, memory.correction)
+            solution.speed_innovation[beam] = residual / sqrt(variance)
+            if residual**2 <= params.edit**2 * variance:
+                fold_in(
+                    *(memory.covariance, memory.product, memory.gain, memory.correction),
+                    *(variance, residual),
+                )
+                used |= 1 << beam
+    return used
+
+
+@kernel
+def _buffer_heights(params, onboard, health, radar, q, up, height, solution, memory):
+    """Put the heights of the beams that agree with their median into the buffer; a bit for each."""
+    instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
+    used, count = 0, 0
+    for step in range(2):  # the median first
+        common = median(memory.look, count, memory.ordered) if count > 0 else 0.0
+        for beam in range(instruments.n_beams):
+            u = from_frame(q, take3(instruments.beam_axis[beam], 0))
+            if usable(health, radar, beam) and -dot(u, up) > STEEPEST:
+                reach, slope, _ = expected_range(u, up, height, radius)
+                error = (reach - radar.range[beam]) * slope
+                sigma = slope * (instruments.range_sigma + instruments.range_sigma_relative * abs(reach))
+                if step == 0:
+                    memory.look[count] = error
+                    count += 1
+                elif abs(error - common) <= params.edit * 1.5 * sigma:
+                    memory.height_error[memory.heights % params.heights] = error
+                    memory.heights += 1
+                    solution.range_innovation[beam] = -error / sigma
+                    used |= 1 << beam
+    return used
+
+
+@kernel
+def _correct_velocity(params, solution, memory):
+    """Take the velocity error out of the solution once it is known well enough; that of the acceleration goes
+    on to be expected.
+    """
+    worst = max(memory.covariance[0, 0], memory.covariance[1, 1], memory.covariance[2, 2])
+    if worst < params.converged**2:
+        memory.converged = 1
+    if memory.converged != 0:
+        for i in range(3):
+            solution.v_I[i] += memory.correction[i]
+            memory.correction[i] = 0.0
+
+
+@kernel
+def _correct_height(params, solution, memory):
+    """Take the mean of the buffer out of the believed height, once it is full."""
+    if memory.heights >= params.heights:
+        mean = 0.0
+        for k in range(params.heights):
+            mean += memory.height_error[k] / params.heights
+        solution.terrain += mean
+        for k in range(params.heights):
+            memory.height_error[k] -= mean
+
+
+@kernel
+def _claim(params, onboard, solution, memory):
+    """Fill the standard deviations of the solution: of the fit and the mean, and what dead reckoning leaves
+    of the start.
+    """
+    instruments, t = onboard.instruments, solution.t - memory.started_t
+    r_I = take3(solution.r_I, 0)
+    north, east, up, altitude = level_axes(onboard.planet, r_I, solution.t)
+    attitude = instruments.star_sigma**2 + instruments.star_bias**2
+    attitude += instruments.gyro_noise**2 * t + (instruments.gyro_bias * t) ** 2
+    for i, axis in enumerate((north, east, up)):
+        tracked, grown = instruments.tracking_position_sigma[i], instruments.tracking_velocity_sigma[i] * t
+        solution.sigma_r[i] = sqrt(tracked**2 + grown**2)
+        fitted = deviation(memory.covariance, 0, axis)
+        solution.sigma_v[i] = fitted if memory.converged != 0 else instruments.tracking_velocity_sigma[i]
+        solution.sigma_attitude[i] = sqrt(attitude)
+    height = abs(altitude - onboard.site.altitude - solution.terrain)
+    own = instruments.range_sigma + instruments.range_sigma_relative * height
+    shared = (instruments.range_scale * height) ** 2 + instruments.range_bias**2
+    full = memory.heights >= params.heights
+    solution.sigma_height = sqrt(own**2 / params.heights + shared) if full else solution.sigma_r[2]
+
+
+MEMBER = Member(
+    "two_filter",
+    TwoFilterParams,
+    {"start": start, "correct": correct},
+    "Chen and Pollard, Journal of Spacecraft and Rockets 51 (2014)",
+    memory=TWO_FILTER,
+    reads=("inertial", "stars", "radar", "tracking"),
+)
