@@ -129,7 +129,8 @@ class RadarParams(Hardware):
         return unique_names(value)
 
 
-#: The copy that flies: true directions (B), errors of scale (of the clock that all beams share), shifts of the range (m), key of the noise.
+#: The copy that flies: true directions (B), errors of scale, of the clock that all beams share, shifts of the
+#: range (m), key of the noise.
 UNIT = np.dtype(
     [
         ("axis", "f8", (MAX_BEAMS, 3)),

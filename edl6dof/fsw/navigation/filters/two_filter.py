@@ -25,7 +25,12 @@ from edl6dof.fsw.navigation.filters.kalman.antenna import (
 from edl6dof.fsw.navigation.filters.kalman.claim import deviation
 from edl6dof.fsw.navigation.filters.kalman.gate import median
 from edl6dof.fsw.navigation.filters.kalman.radar import count_usable, usable
-from edl6dof.fsw.navigation.filters.kalman.scalar_update import expected_by, fold_in, predicted_variance
+from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
+    expected_by,
+    fold_in,
+    predicted_variance,
+    weigh,
+)
 from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
@@ -147,6 +152,7 @@ def _fit_speeds(params, onboard, health, radar, q, velocity, solution, memory):
             residual = radar.speed[beam] - speed - expected_by(row, memory.correction)
             solution.speed_innovation[beam] = residual / sqrt(variance)
             if residual**2 <= params.edit**2 * variance:
+                weigh(memory.product, variance, memory.gain)
                 fold_in(
                     *(memory.covariance, memory.product, memory.gain, memory.correction),
                     *(variance, residual),

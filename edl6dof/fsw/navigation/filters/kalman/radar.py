@@ -13,7 +13,12 @@ from math import sqrt
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import STEEPEST, expected_range, place_antenna
 from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again, weighted_noise
-from edl6dof.fsw.navigation.filters.kalman.scalar_update import expected_by, fold_in, predicted_variance
+from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
+    expected_by,
+    fold_in,
+    predicted_variance,
+    weigh,
+)
 from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     POSITION,
@@ -88,7 +93,19 @@ def range_noise(params, instruments, reach, slope, off):
 
 
 @kernel
-def take_in(params, noise, innovation, memory):
+def keep_place(up, gain):
+    """Let a reading move the position along ``up`` alone.
+
+    Radar and stars see where over the planet the vehicle is through the direction of the vertical, a few
+    micrometres per second squared for a hundred metres: less than beams out of place, slopes and the gravity
+    of mountains feign.  So the place is considered, with what it means for the other states, and not
+    estimated.
+    """
+    put3(gain, POSITION, scale(dot(up, take3(gain, POSITION)), up))
+
+
+@kernel
+def take_in(params, noise, innovation, up, memory):
     """Take a reading that sees ``memory.row`` into the covariance and the correction, if the gate lets it.
 
     Returns its innovation over its standard deviation, and whether it was taken.
@@ -98,6 +115,8 @@ def take_in(params, noise, innovation, memory):
     variance = own + noise
     weighted = weighted_noise(rest, variance, noise, params.gate, params.huber)
     if weighted >= 0.0:
+        weigh(memory.product, own + weighted, memory.gain)
+        keep_place(up, memory.gain)
         fold_in(
             *(memory.covariance, memory.product, memory.gain, memory.correction),
             *(own + weighted, rest),
@@ -156,7 +175,7 @@ def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solutio
             ):
                 continue
             range_row(u, up, lever, slope, reach, radius, beam, memory.row)
-            deviation, taken = take_in(params, noise, innovation, memory)
+            deviation, taken = take_in(params, noise, innovation, up, memory)
             solution.range_innovation[beam] = deviation
             tried += 1
             if taken:
@@ -173,7 +192,7 @@ def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solutio
 
 
 @kernel
-def look_at_speeds(params, onboard, health, radar, q, velocity, swing, solution, memory):
+def look_at_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory):
     """Take in the speeds along the beams; a bit for each beam that was used."""
     instruments, spin = onboard.instruments, onboard.planet.rotation_rate
     used, tried, refused, least = 0, 0, 0, 0.0
@@ -185,7 +204,7 @@ def look_at_speeds(params, onboard, health, radar, q, velocity, swing, solution,
             own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
             speed_row(u, spin, velocity, speed, memory.row)
             innovation = radar.speed[beam] - speed
-            deviation, taken = take_in(params, own**2, innovation, memory)
+            deviation, taken = take_in(params, own**2, innovation, up, memory)
             solution.speed_innovation[beam] = deviation
             tried += 1
             if taken:
@@ -208,6 +227,6 @@ def look_at_radar(params, onboard, health, sensed, motion, solution, memory):
     q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
     radar = sensed.radar
     ranges = look_at_ranges(params, onboard, health, radar, q, lever, up, height, solution, memory)
-    speeds = look_at_speeds(params, onboard, health, radar, q, velocity, swing, solution, memory)
+    speeds = look_at_speeds(params, onboard, health, radar, q, up, velocity, swing, solution, memory)
     solution.beams_used = ranges | speeds
     memory.radar_t = sensed.t

@@ -43,14 +43,20 @@ def expected_by(row, correction):
 
 
 @kernel
+def weigh(product, variance, gain):
+    """Write the ``gain`` that leaves the least variance, for a reading of ``variance``, noise included."""
+    for i in range(gain.shape[0]):
+        gain[i] = product[i] / variance
+
+
+@kernel
 def fold_in(covariance, product, gain, correction, variance, innovation):
-    """Take in a reading of the ``innovation`` with its ``variance``, noise included; writes ``gain``.
+    """Take in a reading of the ``innovation`` with its ``variance``, noise included, by any ``gain``.
 
     The covariance stays symmetric to the last bit.
     """
     n, m = covariance.shape
     for i in range(n):
-        gain[i] = product[i] / variance
         correction[i] += gain[i] * innovation
     for i in range(n):
         for j in range(n):

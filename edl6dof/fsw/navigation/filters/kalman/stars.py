@@ -11,7 +11,7 @@ from edl6dof.fsw.navigation.filters.kalman.radar import clear, take_in
 from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, STAR_BIAS
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import axes, conjugate, multiply, rotation_vector
-from edl6dof.spatial.vector import dot
+from edl6dof.spatial.vector import dot, take3, unit
 
 
 @kernel
@@ -22,11 +22,12 @@ def look_at_stars(params, onboard, sensed, motion, solution, memory):
     turn = rotation_vector(multiply(fix, conjugate(q)))
     x, y, z = axes(q)
     row, refused = memory.row, 0
+    up = unit(take3(solution.r_I, 0))
     for i in range(3):
         clear(row)
         row[ATTITUDE_ERROR + i] = 1.0
         row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
-        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], memory)
+        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], up, memory)
         refused += not taken
     memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
     if memory.fixes_refused >= params.patience:
