@@ -53,7 +53,8 @@ def inlined_kernel(function: Callable[..., Any]) -> Any:
 
 
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
-    compiled = numba.njit(error_model="numpy", nogil=True, forceinline=forceinline)(function)
+    options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+    compiled = numba.njit(**options, forceinline=forceinline)(function)
     # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
     if isinstance(compiled, Dispatcher):
         _keep_code(compiled)

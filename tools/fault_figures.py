@@ -4,8 +4,9 @@
 1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a
 random time in the first
    seconds of hazard avoidance: how often the right one is named, how fast, and how many land.
-2. n dispersed flights without a fault: how many thrusters are wrongly isolated.
-3. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does
+2. The same with one of the sixteen 250 N thrusters whose valve stays open.
+3. n dispersed flights without a fault: how many thrusters are wrongly isolated.
+4. With ``--matrix``: every thruster, kind and usual phase of the nominal flight, and every flight that does
 not land within limits.
 
 Each flight also gets its own direction to the safe spot.
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -31,19 +32,22 @@ from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.sim.flight import Flight
 
 HORIZONTAL = [f"D{i}" for i in range(1, 9)]
+STRONG = HORIZONTAL + [f"{group}{i}" for group in "AP" for i in range(1, 5)]
 LATEST_S = 8.0
 SPOT_M = 18.0
 TERMINAL = "flight_software.guidance.powered.terminal"
 
 
-def dispersed(plan: Plan, seed: int, kind: str | None) -> Iterator[Case]:
-    """Cases of the plan, each with its own safe spot and, if wanted, a fault of one horizontal thruster."""
+def dispersed(
+    plan: Plan, seed: int, kind: str | None, thrusters: Sequence[str] = HORIZONTAL
+) -> Iterator[Case]:
+    """Cases of the plan, each with its own safe spot and, if wanted, a fault of one of the ``thrusters``."""
     rng = np.random.default_rng(seed)
     scenario = plan.loaded.scenario
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     for case in plan.cases():
         direction = rng.uniform(0.0, 2.0 * np.pi)
-        thruster, after = str(rng.choice(HORIZONTAL)), float(rng.uniform(0.0, LATEST_S))
+        thruster, after = str(rng.choice(thrusters)), float(rng.uniform(0.0, LATEST_S))
         spot = {
             f"{TERMINAL}.safe_spot_north_m": SPOT_M * float(np.cos(direction)),
             f"{TERMINAL}.safe_spot_east_m": SPOT_M * float(np.sin(direction)),
@@ -63,16 +67,13 @@ def isolated(flight: Flight) -> Mapping[str, Any]:
     return {"isolated": names, **(fault_response(flight) if flight.loaded.truth.faults else {})}
 
 
-def single_faults(rows: list[Row]) -> str:
+def single_faults(title: str, rows: list[Row]) -> str:
     """Figures of the flights with one fault that began."""
     begun = [row for row in rows if row.get("fault_s") is not None]
     right = [row for row in begun if row["named"] == row["thruster"]]
     times = np.array([row["time_to_detect_s"] for row in right])
     lines = [
-        (
-            f"single faults: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the "
-            "fault began"
-        ),
+        (f"{title}: {len(rows)} flights, in {len(begun)} hazard avoidance was reached and the fault began"),
         f"  right thruster named {len(right)} = {100.0 * len(right) / len(begun):.2f} %, healthy thrusters "
         f"isolated {sum(int(row['false_alarms']) for row in begun)}",
         (
@@ -139,12 +140,12 @@ def main() -> None:
     options = parser.parse_args()
     start = time.perf_counter()
     plan = load_plan("tianwen1_mc", cases=options.n)
-    print(
-        single_faults(
-            list(fly_rows(plan.loaded, dispersed(plan, options.seed, "stuck_off"), collect=isolated))
-        ),
-        flush=True,
-    )
+    for title, kind, thrusters in (
+        ("horizontal thruster dead", "stuck_off", HORIZONTAL),
+        ("250 N thruster stuck on", "stuck_on", STRONG),
+    ):
+        cases = dispersed(plan, options.seed, kind, thrusters)
+        print(single_faults(title, list(fly_rows(plan.loaded, cases, collect=isolated))), flush=True)
     print(
         healthy(list(fly_rows(plan.loaded, dispersed(plan, options.seed, None), collect=isolated))),
         flush=True,

@@ -99,7 +99,7 @@ def _ccsds(kind: str, run: Run, path: Path) -> int:
     try:
         epoch = ccsds.parse_epoch(str(run.scenario["initial"].get("epoch_utc") or ""))
         with path.open("w", encoding="ascii", errors="replace", newline="\n") as stream:
-            return write(stream, run.name, str(run.scenario["planet"]["name"]), epoch, run, comments)
+            return write(stream, run.name, run.scenario["planet"], epoch, run, comments)
     except ValueError as error:
         raise refusal(run.folder, str(error)) from None
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from edl6dof import __version__
-from edl6dof.calibration.fit import Fit
+from edl6dof.calibration.fit import DESIGNS, Fit, fit
 from edl6dof.calibration.problem import Calibration
+from edl6dof.campaign.executor import Progress
 
 #: A residual beyond which a figure is not explained, in standard deviations.
 UNEXPLAINED = 2.0
@@ -17,72 +19,137 @@ UNEXPLAINED = 2.0
 UNTOLD, ALIKE = 0.1, 0.9
 
 
-def rounded(calibration: Calibration, found: Fit) -> dict[str, float]:
+@dataclass(frozen=True)
+class Findings:
+    """A calibration that has been done.
+
+    Attributes:
+        calibration: what was to be explained, and by what.
+        fit: the posterior.
+        before: means of the figures over neighbouring flights at the priors' means, shape (figures,).
+        after: the same at the solution: flown, not read off the surface.
+    """
+
+    calibration: Calibration
+    fit: Fit
+    before: np.ndarray
+    after: np.ndarray
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The parameters found, by dotted path."""
+        return self.calibration.values(self.fit.x)
+
+    @property
+    def sigmas(self) -> dict[str, float]:
+        """Their posterior standard deviations, by dotted path."""
+        priors = self.calibration.params.parameters.items()
+        return {
+            path: prior.sigma * float(share)
+            for (path, prior), share in zip(priors, self.fit.deviation, strict=True)
+        }
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """Of the figures, in standard deviations of what is published and of one flight; not widened."""
+        return (self.after - self.calibration.data.number) / self.fit.sigma
+
+    @property
+    def unexplained(self) -> list[str]:
+        """Meanings of the figures that the solution does not explain."""
+        return [
+            b.figure.meaning
+            for b, residual in zip(self.calibration.beside, self.residuals, strict=True)
+            if not abs(residual) <= UNEXPLAINED
+        ]
+
+
+def find(calibration: Calibration, progress: Progress | None = None) -> Findings:
+    """Calibrate.
+
+    Raises:
+        TooFew: too few flights of a design reached every figure.
+    """
+    params, seed = calibration.params, calibration.loaded.scenario.seed
+    found = fit(
+        lambda points: calibration.fly(points, progress),
+        calibration.data,
+        *calibration.bounds,
+        params.flights,
+        seed,
+    )
+    before, after = (calibration.means(x, progress) for x in (np.zeros(len(found.x)), found.x))
+    return Findings(calibration, found, before, after)
+
+
+def rounded(found: Findings) -> dict[str, float]:
     """Values by dotted path, to a hundredth of their posterior standard deviation."""
-    deviations = found.deviation * [prior.sigma for prior in calibration.params.parameters.values()]
     return {
-        path: round(value, int(np.ceil(2.0 - np.log10(deviation))))
-        for (path, value), deviation in zip(calibration.values(found.x).items(), deviations, strict=True)
+        path: round(value, int(np.ceil(2.0 - np.log10(found.sigmas[path]))))
+        for path, value in found.values.items()
     }
 
 
-def unexplained(calibration: Calibration, found: Fit) -> list[str]:
-    """Meanings of the figures that the solution does not explain."""
-    return [
-        b.figure.meaning
-        for b, residual in zip(calibration.beside, found.after, strict=True)
-        if abs(residual) > UNEXPLAINED
-    ]
-
-
-def remarks(calibration: Calibration, found: Fit) -> list[str]:
+def remarks(found: Findings) -> list[str]:
     """What the figures cannot tell, in sentences."""
-    paths, said = calibration.paths, []
-    said.append(
-        f"{len(calibration.beside)} figures tell {found.told_apart:.1f} of {len(paths)} parameters; the rest "
-        "is what the priors say."
-    )
-    if untold := [path for path, share in zip(paths, found.resolution, strict=True) if share < UNTOLD]:
+    paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
+    said = [
+        f"{figures} figures tell {fitted.told_apart:.1f} of {len(paths)} parameters; the rest is what the "
+        "priors say."
+    ]
+    if untold := [path for path, share in zip(paths, fitted.resolution, strict=True) if share < UNTOLD]:
         said.append(f"They say next to nothing of: {', '.join(untold)}.")
     for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
-        if abs(correlation := found.correlation[i, j]) > ALIKE:
+        if abs(correlation := fitted.correlation[i, j]) > ALIKE:
             said.append(f"They cannot tell apart {paths[i]} and {paths[j]} (correlation {correlation:+.2f}).")
-    if bound := [path for path, stands in zip(paths, found.at_bound, strict=True) if stands]:
+    if bound := [path for path, stands in zip(paths, fitted.at_bound, strict=True) if stands]:
         said.append(f"At the end of what is possible: {', '.join(bound)}.")
-    if lost := unexplained(calibration, found):
+    if lost := found.unexplained:
         said.append(f"Not explained within {UNEXPLAINED:g} sigma: {', '.join(lost)}.")
+    if fitted.widening > 1.0:
+        said.append(
+            f"Priors and figures contradict each other: sum of squares {fitted.squares:.0f} where {figures} "
+            f"are expected; the published sigmas count {fitted.widening:.1f} times as large."
+        )
+    said.append(f"The last design moved no parameter by more than {fitted.moved:.2f} of its posterior sigma.")
     return said
 
 
-def plain(calibration: Calibration, found: Fit) -> dict[str, Any]:
-    """Everything that was found, ready for JSON."""
-    priors, values = calibration.params.parameters, calibration.values(found.x)
+def plain(found: Findings) -> dict[str, Any]:
+    """Everything that was found, ready for JSON; ``nan`` where not every neighbour reached a figure."""
+    calibration, fitted, residuals = found.calibration, found.fit, found.residuals
+    priors, values, sigmas = calibration.params.parameters, found.values, found.sigmas
     return {
         "scenario": calibration.loaded.scenario.name,
+        "designs": DESIGNS,
         "flights": calibration.params.flights,
-        "evaluations": len(calibration.flown),
+        "seed": calibration.loaded.scenario.seed,
+        "squares": fitted.squares,
+        "widening": fitted.widening,
+        "moved": fitted.moved,
         "parameters": {
             path: {
                 "prior_mean": prior.mean,
                 "prior_sigma": prior.sigma,
                 "mean": values[path],
-                "sigma": prior.sigma * float(found.deviation[k]),
-                "resolution": float(found.resolution[k]),
-                "at_bound": bool(found.at_bound[k]),
+                "sigma": sigmas[path],
+                "resolution": float(fitted.resolution[k]),
+                "at_bound": bool(fitted.at_bound[k]),
             }
             for k, (path, prior) in enumerate(priors.items())
         },
-        "correlation": found.correlation.tolist(),
+        "correlation": fitted.correlation.tolist(),
         "figures": {
             b.figure.name: {
                 "published": b.published.number,
-                "sigma": float(calibration.weights[k]),
+                "sigma": float(fitted.sigma[k]),
                 "before": float(found.before[k]),
                 "after": float(found.after[k]),
-                "slopes": dict(zip(priors, found.slopes[k].tolist(), strict=True)),
+                "residual": float(residuals[k]),
+                "slopes": dict(zip(priors, fitted.slopes[k].tolist(), strict=True)),
             }
             for k, b in enumerate(calibration.beside)
         },
-        "remarks": remarks(calibration, found),
+        "remarks": remarks(found),
         "edl6dof_version": __version__,
     }

@@ -1,32 +1,44 @@
-"""Weighted least squares of figures and priors, and what the solution is worth.
+"""The normal posterior of parameters whose figures can only be flown, and what it is worth.
 
-The residuals are those of the figures, (mean over neighbouring flights - published) / sqrt(sigma^2 +
-spread^2), and those of the priors, (value - mean) / sigma: their sum of squares is minus twice the logarithm
-of the posterior density where both are normal.  Parameters are counted in standard deviations of their
-priors.
+A first design of flights is drawn from the prior and each further one from the posterior of the one before,
+so that the surface is fitted where the answer lies and as wide as it is uncertain.  The real flight is one
+draw: scatter about the surface counts as uncertainty beside the published one.  Where priors and figures
+contradict each other by more than all this, the published deviations are widened until they do not.
+Parameters are counted in standard deviations of their priors.
 
-Source: Tarantola, Inverse Problem Theory (2005), eq. 3.37 (posterior), 3.53 (covariance of the linear case);
-Backus and Gilbert (1970), resolution.
+Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
+Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
+Theory (2005), eq. 3.37 (posterior); Backus and Gilbert (1970), resolution; Paule and Mandel, J. Research NBS
+87 (1982) 377 (deviations that agree with the misfit).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import brentq, lsq_linear
+from scipy.stats import qmc
 
-#: Half the distance over which slopes are taken, in standard deviations of the prior: far above the noise of
-#: a mean over neighbouring flights, and small against what bends.
-STEP = 0.5
-#: Evaluations of the residuals, slopes not counted: the means are noisy in their last digits, and more would
-#: follow the noise.
-MOST_EVALUATIONS = 8
+from edl6dof.calibration.surface import Surface, regression
 
-#: Residuals of the figures (figures,) at parameters (parameters,) in standard deviations from their priors'
-#: means.
-Misfit = Callable[[np.ndarray], np.ndarray]
+#: Designs one after the other: the second lies where the answer is, the third tells how firm it is.
+DESIGNS = 3
+#: How near a bound a parameter stands at it, in standard deviations of its prior.
+AT_BOUND = 1e-3
+
+#: Figures (flights, figures) of flights at parameters (flights, parameters); ``nan`` where one was not
+#: reached.
+Fly = Callable[[np.ndarray], np.ndarray]
+
+
+class Data(NamedTuple):
+    """What is published: numbers and standard deviations, shape (figures,)."""
+
+    number: np.ndarray
+    sigma: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -34,23 +46,24 @@ class Fit:
     """A solution, in standard deviations of the priors.
 
     Attributes:
-        x: parameters, shape (parameters,).
-        before: residuals of the figures at the priors' means, shape (figures,).
-        after: the same at the solution.
-        slopes: change of each residual with each parameter there, shape (figures, parameters).
+        x: parameters of the largest posterior density, shape (parameters,).
+        covariance: of the posterior, shape (parameters, parameters); bounds left aside.
+        slopes: change of each figure with each parameter, shape (figures, parameters).
+        sigma: standard deviation of each figure, of what is published and of one flight, shape (figures,).
+        squares: sum of squares of figures and priors; as many as figures are expected of what agrees.
+        widening: factor of the published standard deviations with which it does, at least 1.
+        moved: the largest change of a parameter by the last design, in posterior standard deviations.
         at_bound: whether a parameter stands at a bound, shape (parameters,).
     """
 
     x: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
+    covariance: np.ndarray
     slopes: np.ndarray
+    sigma: np.ndarray
+    squares: float
+    widening: float
+    moved: float
     at_bound: np.ndarray
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """Of the posterior, shape (parameters, parameters): (1 + J' J)^-1."""
-        return np.linalg.inv(np.eye(len(self.x)) + self.slopes.T @ self.slopes)
 
     @property
     def deviation(self) -> np.ndarray:
@@ -75,44 +88,62 @@ class Fit:
         return float(np.sum(self.resolution))
 
 
-def fit(misfit: Misfit, low: np.ndarray, high: np.ndarray) -> Fit:
-    """Find the parameters of the largest posterior density.
+def fit(fly: Fly, data: Data, low: np.ndarray, high: np.ndarray, flights: int, seed: int) -> Fit:
+    """Find the posterior.
 
     Args:
-        misfit: residuals of the figures.
+        fly: flies a design.
+        data: what the figures are to explain.
         low, high: bounds of the parameters, shape (parameters,), below and above zero.
+        flights: of each design.
+        seed: of the designs.
+
+    Raises:
+        TooFew: too few flights of a design reached every figure.
     """
-    count = len(low)
+    x, covariance = np.zeros(len(low)), np.eye(len(low))
+    for number in range(DESIGNS):
+        engine = qmc.Halton(len(low), rng=np.random.default_rng((seed, number)))
+        drawn = qmc.MultivariateNormalQMC(x, covariance, engine=engine).random(flights)
+        points = np.clip(drawn, low, high)
+        found = solve(regression(points, fly(points)), data, low, high, x)
+        x, covariance = found.x, found.covariance
+    return found
 
-    def residuals(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([misfit(x), x])
 
-    def jacobian(x: np.ndarray) -> np.ndarray:
-        return np.concatenate([slopes(misfit, x, low, high), np.eye(count)])
-
-    found = least_squares(
-        residuals,
-        np.zeros(count),
-        jacobian,
-        bounds=(low, high),
-        max_nfev=MOST_EVALUATIONS,
-        xtol=1e-2,
-        ftol=1e-3,
-    )
+def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, before: np.ndarray) -> Fit:
+    """The posterior on a surface; ``before`` are the parameters where its design was drawn."""
+    gap, slopes = data.number - surface.constant, surface.slopes
+    widening = _widening(gap, slopes @ slopes.T + surface.scatter, data.sigma)
+    root = np.linalg.cholesky(surface.scatter + np.diag((widening * data.sigma) ** 2))
+    whitened = np.linalg.solve(root, slopes)
+    rows = np.concatenate([whitened, np.eye(len(before))])
+    wanted = np.concatenate([np.linalg.solve(root, gap), np.zeros(len(before))])
+    x = lsq_linear(rows, wanted, (low, high), method="bvls").x
+    covariance = np.linalg.inv(rows.T @ rows)
     return Fit(
-        found.x,
-        misfit(np.zeros(count)),
-        found.fun[:-count],
-        found.jac[:-count],
-        (found.x - low < 1e-3) | (high - found.x < 1e-3),
+        x=x,
+        covariance=covariance,
+        slopes=slopes,
+        sigma=np.sqrt(data.sigma**2 + np.diag(surface.scatter)),
+        squares=_squares(gap, slopes @ slopes.T + surface.scatter, data.sigma),
+        widening=widening,
+        moved=float(np.max(np.abs(x - before) / np.sqrt(np.diag(covariance)))),
+        at_bound=(x - low < AT_BOUND) | (high - x < AT_BOUND),
     )
 
 
-def slopes(misfit: Misfit, x: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Central differences of the residuals, one-sided at a bound; shape (figures, parameters)."""
-    columns = []
-    for k in range(len(x)):
-        below, above = x.copy(), x.copy()
-        below[k], above[k] = max(x[k] - STEP, low[k]), min(x[k] + STEP, high[k])
-        columns.append((misfit(above) - misfit(below)) / (above[k] - below[k]))
-    return np.stack(columns, axis=1)
+def _squares(gap: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> float:
+    """Least sum of squares of figures and priors, by what the figures' covariance is before they are known:
+    ``spread`` of parameters and flights, and the published deviations.
+    """
+    return float(gap @ np.linalg.solve(spread + np.diag(sigma**2), gap))
+
+
+def _widening(gap: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> float:
+    """Factor of the published deviations with which the sum of squares is no larger than expected."""
+
+    def excess(factor: float) -> float:
+        return _squares(gap, spread, factor * sigma) - len(gap)
+
+    return 1.0 if excess(1.0) <= 0.0 else brentq(excess, 1.0, float(np.linalg.norm(gap / sigma)))

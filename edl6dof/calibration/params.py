@@ -6,8 +6,10 @@ from typing import Self
 
 from pydantic import model_validator
 
+from edl6dof.calibration.surface import least_flights
 from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.errors import Inconsistent
+from edl6dof.config.wording import counted
 
 
 class Prior(Params):
@@ -47,7 +49,14 @@ class CalibrationParams(Params):
         "published figures to explain; all flown values that have a sigma when none is named",
         factory=list,
     )
-    flights: int = param(12, "neighbouring flights whose mean is compared", ge=1, le=1000)
+    flights: int = param(256, "flights of each design, every one at its own parameters", ge=1, le=100_000)
+
+    @model_validator(mode="after")
+    def _flights_tell_a_surface(self) -> Self:
+        parameters = counted(len(self.parameters), "parameter")
+        if self.flights < (least := least_flights(len(self.parameters))):
+            raise Inconsistent({"flights": f"must be >= {least} with {parameters} (got {self.flights})"})
+        return self
 
 
 class CalibrationFile(Params):

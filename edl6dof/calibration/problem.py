@@ -1,33 +1,28 @@
-"""The calibration of one scenario: from its section to a function of the parameters, which flies."""
+"""The calibration of one scenario: from its section to functions of the parameters, which fly."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import nan
 
 import numpy as np
 
+from edl6dof.calibration.fit import Data
 from edl6dof.calibration.params import CalibrationFile, CalibrationParams
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
-from edl6dof.campaign.neighbours import SampleMean, fly_neighbours, sample_means
+from edl6dof.campaign.executor import Progress, fly_rows
+from edl6dof.campaign.neighbours import fly_neighbours
+from edl6dof.campaign.rows import Row
 from edl6dof.config.document.source import Document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.scenario.schema import CALIBRATION, LoadedScenario, load_document
 
-#: Called with the evaluations done so far.
-Progress = Callable[[int], None]
-#: Difference in entry speed of the flights of a mean, m/s: far below what a figure feels, and enough for them
-#: to meet other cycles of the flight software, so that the mean bends smoothly with the parameters.
-_SPEED_STEP_M_S = 0.02
-#: A figure that too few of the neighbours reached cannot be compared: all must.
-_UNREACHED = 1e3
 
-
-@dataclass
+@dataclass(frozen=True)
 class Calibration:
     """What is to be explained, and by what.
 
@@ -35,14 +30,11 @@ class Calibration:
         loaded: the scenario.
         params: its calibration section.
         beside: the figures, with what is published.
-        flown: mean and spread of the figures at each set of parameters that was flown.
     """
 
     loaded: LoadedScenario
     params: CalibrationParams
     beside: tuple[Beside, ...]
-    progress: Progress | None = None
-    flown: dict[tuple[float, ...], Mapping[str, SampleMean]] = field(default_factory=dict)
 
     @property
     def paths(self) -> list[str]:
@@ -57,6 +49,12 @@ class Calibration:
         mean, sigma = (np.array([getattr(prior, name) for prior in priors]) for name in ("mean", "sigma"))
         return (low - mean) / sigma, (high - mean) / sigma
 
+    @property
+    def data(self) -> Data:
+        """What is published of the figures."""
+        numbers, sigmas = ([getattr(b.published, name) for b in self.beside] for name in ("number", "sigma"))
+        return Data(np.array(numbers), np.array(sigmas))
+
     def values(self, x: np.ndarray) -> dict[str, float]:
         """Values by dotted path of parameters in standard deviations."""
         return {
@@ -64,39 +62,25 @@ class Calibration:
             for (path, prior), offset in zip(self.params.parameters.items(), x, strict=True)
         }
 
-    def figures(self, x: np.ndarray) -> Mapping[str, SampleMean]:
-        """Mean and spread of the figures over neighbouring flights, the same ones whatever the parameters."""
-        key = tuple(float(value) for value in x)
-        if key not in self.flown:
-            flights = self.params.flights
-            rows = fly_neighbours(self.loaded, flights, step_m_s=_SPEED_STEP_M_S, belief=self.values(x))
-            self.flown[key] = sample_means(rows, self.loaded.scenario.published)
-            if self.progress is not None:
-                self.progress(len(self.flown))
-        return self.flown[key]
-
-    @cached_property
-    def weights(self) -> np.ndarray:
-        """Standard deviation of each figure: of what is published, and of one flight about the mean, as the
-        real one was; shape (figures,).
+    def fly(self, points: np.ndarray, progress: Progress | None = None) -> np.ndarray:
+        """Figures of a flight at each of the parameters, shape (flights, parameters), in standard deviations;
+        shape (flights, figures), ``nan`` where one was not reached.
         """
-        nominal = self.figures(np.zeros(len(self.paths)))
-        spread = [nominal[b.figure.name].deviation if b.figure.name in nominal else 0.0 for b in self.beside]
-        return np.hypot([b.published.sigma or 0.0 for b in self.beside], np.nan_to_num(spread))
+        profile = self.loaded.scenario.profile
+        cases = [Case(k, belief=self.values(x), profile=profile + k) for k, x in enumerate(points)]
+        return self._figures(fly_rows(self.loaded, cases, progress=progress))
 
-    def misfit(self, x: np.ndarray) -> np.ndarray:
-        """Residuals of the figures, shape (figures,); that of a figure which not all flights reached is
-        large.
-        """
-        found = self.figures(x)
-        return np.array(
-            [
-                (b.published.of(found[b.figure.name].mean) - b.published.number) / weight
-                if b.figure.name in found and found[b.figure.name].flights == self.params.flights
-                else _UNREACHED
-                for b, weight in zip(self.beside, self.weights, strict=True)
-            ]
-        )
+    def means(self, x: np.ndarray, progress: Progress | None = None) -> np.ndarray:
+        """Means of the figures over neighbouring flights at one set of parameters, shape (figures,)."""
+        rows = fly_neighbours(self.loaded, belief=self.values(x), progress=progress)
+        return np.mean(self._figures(rows), axis=0)
+
+    def _figures(self, rows: Iterable[Row]) -> np.ndarray:
+        def own(row: Row, b: Beside) -> float:
+            value = row.get(b.figure.name)
+            return nan if value is None else b.published.of(value)
+
+        return np.array([[own(row, b) for b in self.beside] for row in rows])
 
 
 def load_calibration(name: str, sets: tuple[str, ...] = (), flights: int | None = None) -> Calibration:
@@ -114,10 +98,11 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
         raise ConfigError(
             [document.problem((), "has no calibration: section; edl6dof calibrate tianwen1 has")]
         )
-    own = Document({CALIBRATION: document.data[CALIBRATION]}, dict(document.marks), files=document.files)
+    section = document.data[CALIBRATION]
+    if flights is not None and isinstance(section, dict):
+        section = {**section, "flights": flights}
+    own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
     params = validate(CalibrationFile, own).calibration
-    if flights is not None:
-        params = params.model_copy(update={"flights": flights})
     loaded = load_document(document, sets)
     beside = {b.figure.name: b for b in published_figures(loaded.scenario.published) if b.published.sigma}
     wrong = [

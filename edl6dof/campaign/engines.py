@@ -31,6 +31,9 @@ _AHEAD = 3
 #: Seconds for which a cluster may be without any worker.
 PATIENCE_S = 60.0
 
+#: Seconds for which a scheduler may take to answer.
+ANSWER_S = 20.0
+
 #: Seconds between looks at who is there while a task takes its time.
 LOOK_S = 2.0
 
@@ -149,7 +152,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     for name in ("distributed.batched", "distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
-        with Client(address, timeout="20s", set_as_default=False) as client:
+        with Client(address, timeout=ANSWER_S, set_as_default=False) as client:
             yield Dask(client)
         return
     options = {"host": "127.0.0.1", "dashboard_address": None, "processes": True, "threads_per_worker": 1}

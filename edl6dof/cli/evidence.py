@@ -61,7 +61,7 @@ def calibrate(
     ],
     sets: Sets = None,
     flights: Annotated[
-        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights in each mean.")
+        int | None, typer.Option("-n", "--flights", metavar="N", help="Flights of each design.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/calibration-<name> if not given.")

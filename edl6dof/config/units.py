@@ -54,6 +54,7 @@ UNITS: dict[str, Unit] = {
     "deg": Unit("deg", DEG, 1e4),
     "deg_s": Unit("deg/s", DEG, 1e7),
     "deg_day": Unit("deg/day", DEG / 86400.0, 1e6),
+    "deg_century": Unit("deg/century", DEG / (36525.0 * 86400.0), 1e6),
     "deg_s2": Unit("deg/s2", DEG, 1e6),
     "deg_h": Unit("deg/h", DEG / 3600.0, 1e9),
     "deg_sqrt_h": Unit("deg/sqrt(h)", DEG / 60.0, 1e6),

@@ -13,6 +13,21 @@ from edl6dof.environment.gravity import GRAVITY, GravityParams, fill_gravity
 from edl6dof.environment.layout import extended
 
 
+class OrientationParams(Params):
+    """Where the north pole and the prime meridian point in the celestial frame (ICRF), and their drift: days
+    of 86,400 s and Julian centuries since J2000.
+    """
+
+    pole_right_ascension_deg: float = param(REQUIRED, "right ascension of the pole", record=False)
+    pole_right_ascension_rate_deg_century: float = param(0.0, "its drift", record=False)
+    pole_declination_deg: float = param(REQUIRED, "declination of the pole", record=False, ge=-90.0, le=90.0)
+    pole_declination_rate_deg_century: float = param(0.0, "its drift", record=False)
+    prime_meridian_deg: float = param(
+        REQUIRED, "prime meridian from the ascending node of the equator", record=False
+    )
+    prime_meridian_rate_deg_day: float = param(REQUIRED, "its rotation", record=False)
+
+
 class PlanetParams(Params):
     """Reference ellipsoid, rotation, gravity field and gas of the atmosphere; one file each in
     edl6dof/data/planets.
@@ -49,6 +64,9 @@ class PlanetParams(Params):
         source="planet file",
         ge=-1e-3,
         le=1e-3,
+    )
+    orientation: OrientationParams | None = param(
+        None, "pole and prime meridian in the celestial frame: for CCSDS messages", record=False
     )
     areoid: str = param(
         "",

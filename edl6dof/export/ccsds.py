@@ -10,11 +10,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime, timedelta
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
 from edl6dof.environment.calendar import utc
+from edl6dof.environment.planet import OrientationParams
 from edl6dof.export.orientation import icrf_to_fixed
 
 Columns = Mapping[str, np.ndarray]
@@ -35,18 +36,35 @@ def parse_epoch(text: str) -> datetime:
     return utc(text)
 
 
+def _orientation(planet: Mapping[str, Any]) -> OrientationParams:
+    """Orientation of the planet of a run.
+
+    Raises:
+        ValueError: the run's planet states none.
+    """
+    stated = planet.get("orientation")
+    if stated is None:
+        raise ValueError(f"the planet {planet['name']} states no orientation in the celestial frame")
+    return OrientationParams.model_validate(stated)
+
+
 def write_oem(
-    stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]
+    stream: TextIO,
+    name: str,
+    planet: Mapping[str, Any],
+    epoch: datetime,
+    columns: Columns,
+    comments: list[str],
 ) -> int:
     """Write position (km) and velocity (km/s) of each row; returns the rows written."""
-    turn = icrf_to_fixed(planet, epoch)
+    turn = icrf_to_fixed(_orientation(planet), epoch)
     position, velocity = (
         np.stack([columns[f"truth.{s}_I_{a}_{u}"] for a in "xyz"], 1) @ turn / 1e3
         for s, u in (("r", "m"), ("v", "m_s"))
     )
     stamps, rows = _stamps(epoch, columns["t_s"])
     stream.writelines(_header("OEM", "2.0", comments))
-    stream.writelines(_metadata(name, planet, stamps, {"REF_FRAME": "ICRF"}))
+    stream.writelines(_metadata(name, planet["name"], stamps, {"REF_FRAME": "ICRF"}))
     for stamp, row in zip(stamps, rows, strict=True):
         numbers = (
             " ".join(f"{value:.9f}" for value in position[row])
@@ -58,12 +76,17 @@ def write_oem(
 
 
 def write_aem(
-    stream: TextIO, name: str, planet: str, epoch: datetime, columns: Columns, comments: list[str]
+    stream: TextIO,
+    name: str,
+    planet: Mapping[str, Any],
+    epoch: datetime,
+    columns: Columns,
+    comments: list[str],
 ) -> int:
     """Write the quaternion from ICRF to body axes of each row, scalar last; returns the rows written."""
     from scipy.spatial.transform import Rotation
 
-    to_inertial = Rotation.from_matrix(icrf_to_fixed(planet, epoch).T)
+    to_inertial = Rotation.from_matrix(icrf_to_fixed(_orientation(planet), epoch).T)
     body = Rotation.from_quat(np.stack([columns[f"truth.q_I2B_{c}"] for c in "xyzw"], 1))
     quaternion = (to_inertial * body).as_quat()
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
@@ -73,7 +96,9 @@ def write_aem(
     frames = {"REF_FRAME_A": "ICRF", "REF_FRAME_B": "SC_BODY_1", "ATTITUDE_DIR": "A2B"}
     stream.writelines(_header("AEM", "1.0", comments))
     stream.writelines(
-        _metadata(name, planet, stamps, frames, {"ATTITUDE_TYPE": "QUATERNION", "QUATERNION_TYPE": "LAST"})
+        _metadata(
+            name, planet["name"], stamps, frames, {"ATTITUDE_TYPE": "QUATERNION", "QUATERNION_TYPE": "LAST"}
+        )
     )
     stream.write("DATA_START\n")
     for stamp, row in zip(stamps, rows, strict=True):

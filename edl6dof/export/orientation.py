@@ -1,16 +1,16 @@
 """Where a planet's pole and prime meridian point in the International Celestial Reference Frame.
 
 Source: Archinal et al. 2011, Report of the IAU Working Group on Cartographic Coordinates and Rotational
-Elements: 2009, table 1; the same set as NAIF's pck00010.  The elements of the Earth in it are good to about
-0.1 deg.
+Elements: 2009.
 """
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import NamedTuple
 
 import numpy as np
+
+from edl6dof.environment.planet import OrientationParams
 
 CENTURY_D = 36525.0
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
@@ -32,22 +32,6 @@ LEAP_SECONDS: tuple[tuple[datetime, int], ...] = tuple(
 )  # fmt: skip
 
 
-class Elements(NamedTuple):
-    """Right ascension and declination of the pole (deg, deg per century) and prime meridian (deg, deg per
-    day).
-    """
-
-    ascension: tuple[float, float]
-    declination: tuple[float, float]
-    meridian: tuple[float, float]
-
-
-ELEMENTS = {
-    "Mars": Elements((317.68143, -0.1061), (52.88650, -0.0609), (176.630, 350.89198226)),
-    "Earth": Elements((0.00, -0.641), (90.00, -0.557), (190.147, 360.9856235)),
-}
-
-
 def days_since_j2000(utc: datetime) -> float:
     """Days of dynamical time since J2000 (2000-01-01 12:00 TDB); TDB is taken as TT, which differs by 2 ms at
     most.
@@ -61,20 +45,17 @@ def days_since_j2000(utc: datetime) -> float:
     return ((utc - J2000).total_seconds() + steps[-1] + TT_MINUS_TAI_S) / 86400.0
 
 
-def icrf_to_fixed(planet: str, utc: datetime) -> np.ndarray:
+def icrf_to_fixed(orientation: OrientationParams, utc: datetime) -> np.ndarray:
     """Matrix, shape (3, 3), that turns ICRF components into those of the planet-fixed frame at a date.
 
     Raises:
-        ValueError: no elements of the planet are known, or the date lies before leap seconds.
+        ValueError: the date lies before leap seconds.
     """
-    if planet not in ELEMENTS:
-        raise ValueError(
-            f"the orientation of {planet!r} in the celestial frame is not known; known: {', '.join(ELEMENTS)}"
-        )
-    days = days_since_j2000(utc)
-    pole, tilt, meridian = ELEMENTS[planet]
-    ascension, declination = (np.radians(angle + rate * days / CENTURY_D) for angle, rate in (pole, tilt))
-    spin = np.radians(meridian[0] + meridian[1] * days)
+    o, days = orientation, days_since_j2000(utc)
+    centuries = days / CENTURY_D
+    ascension = np.radians(o.pole_right_ascension_deg + o.pole_right_ascension_rate_deg_century * centuries)
+    declination = np.radians(o.pole_declination_deg + o.pole_declination_rate_deg_century * centuries)
+    spin = np.radians(o.prime_meridian_deg + o.prime_meridian_rate_deg_day * days)
     return _about_z(spin) @ _about_x(0.5 * np.pi - declination) @ _about_z(0.5 * np.pi + ascension)
 
 

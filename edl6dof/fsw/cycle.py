@@ -54,7 +54,7 @@ def run(onboard, sensed, k, fsw):
         command.request[i] = 0
 
     # navigation
-    estimate_state(onboard, sensed, fsw.navigation)
+    estimate_state(onboard, state, sensed, fsw.navigation)
     derive(onboard.planet, onboard.atmosphere, onboard.site.frame, fsw.navigation.estimate, nav)
     if onboard.mission.n_phases == 0:
         return

@@ -174,6 +174,8 @@ ONBOARD = np.dtype(
                     ("equatorial_radius", "f8"),
                     ("flattening", "f8"),
                     ("rotation_rate", "f8"),
+                    ("j2", "f8"),  # oblateness, not normalised, and the radius that it refers to
+                    ("gravity_radius", "f8"),
                     ("sutton_graves_constant", "f8"),
                 ],
                 align=True,

@@ -18,6 +18,7 @@ from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.scenario.aim import set_aim, start_of
 from edl6dof.scenario.believed_aero import fill_airframe
+from edl6dof.scenario.believed_instruments import believe_instruments
 from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
@@ -48,6 +49,8 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["planet"]["equatorial_radius"] = planet.equatorial_radius_m
     record["planet"]["flattening"] = planet.flattening
     record["planet"]["rotation_rate"] = planet.rotation_rate_rad_s
+    record["planet"]["j2"] = 0.0 if planet.gravity.model in ("central", "none") else planet.gravity.j2
+    record["planet"]["gravity_radius"] = planet.gravity.reference_radius_m
     record["planet"]["sutton_graves_constant"] = planet.gas.sutton_graves_constant
     _believe_atmosphere(record["atmosphere"], scenario, tables)
     _believe_vehicle(record["vehicle"], scenario, tables)
@@ -56,7 +59,10 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
         fill(record[name], getattr(software, name))
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
-    record["imu_delay"] = scenario.sensors.imu.delay_cycles / software.rates.base_hz
+    sensors = scenario.sensors
+    unit = sensors.inertial_unit if "inertial_unit" in sensors.flown else sensors.imu
+    record["imu_delay"] = unit.delay_cycles / software.rates.base_hz
+    believe_instruments(record["instruments"], scenario)
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
     set_aim(onboard, scenario, tables)

@@ -215,6 +215,8 @@ def _new_fsw() -> np.ndarray:
     """What every flight computer begins with."""
     fsw = np.zeros(1, FSW)
     fsw["health"]["thruster"] = 1
+    for name in ("gyro", "accelerometer", "beam", "star_tracker"):
+        fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["probe"]["suspect"] = NONE
     fsw["mission"]["entered"] = np.nan
     fsw["mission"]["entered"][0, 0] = 0.0

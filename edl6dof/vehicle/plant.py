@@ -135,13 +135,22 @@ PEAKS = np.dtype(
     align=True,
 )
 
-#: What the derivative is given beside time and state, held over a step
+#: What the derivative is given beside time and state, laid down for a step
 #: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
 INPUTS = np.dtype(
     [
+        ("middle", "f8"),  # s: time of the middle of the step
         ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
         ("rcs_moment", "f8", (3,)),  # N m, B, about its origin: likewise
+        ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
+        ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
+        ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step
+        (
+            "thrust_goal_slope",
+            "f8",
+            (MAX_ENGINES,),
+        ),  # N/s: what it gains in time, about the middle of the step
         ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant
         ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
         ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant

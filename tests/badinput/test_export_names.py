@@ -15,6 +15,15 @@ from edl6dof.export.ccsds import write_aem, write_oem
 from edl6dof.export.tables import Description, plain, write_mat, write_netcdf
 
 EPOCH = datetime(2021, 5, 14, tzinfo=UTC)
+MARS = {
+    "name": "Mars",
+    "orientation": {
+        "pole_right_ascension_deg": 317.7,
+        "pole_declination_deg": 52.9,
+        "prime_meridian_deg": 176.6,
+        "prime_meridian_rate_deg_day": 350.9,
+    },
+}
 EVIL = "lander\nREF_FRAME = EME2000\r\nMETA_STOP\x0b2021-05-14T00:00:00 1 2 3 4 5 6\x00\u2028é"
 
 
@@ -27,8 +36,8 @@ def columns() -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("write", [write_oem, write_aem])
 def test_a_message_has_the_lines_of_an_ordinary_one(write):
     ordinary, forged = io.StringIO(), io.StringIO()
-    write(ordinary, "lander", "Mars", EPOCH, columns(), ["fine"])
-    write(forged, EVIL, "Mars", EPOCH, columns(), [EVIL * 10])
+    write(ordinary, "lander", MARS, EPOCH, columns(), ["fine"])
+    write(forged, EVIL, MARS, EPOCH, columns(), [EVIL * 10])
     assert forged.getvalue().isascii()
     lines = forged.getvalue().splitlines()
     assert [line.partition(" ")[0] for line in lines] == [
@@ -41,7 +50,7 @@ def test_a_message_has_the_lines_of_an_ordinary_one(write):
 
 def test_a_name_of_nothing_printable_is_unknown():
     stream = io.StringIO()
-    write_oem(stream, "\n\x00", "Mars", EPOCH, columns(), [])
+    write_oem(stream, "\n\x00", MARS, EPOCH, columns(), [])
     assert "OBJECT_NAME = UNKNOWN\n" in stream.getvalue()
 
 

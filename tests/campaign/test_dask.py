@@ -86,10 +86,26 @@ def test_cluster_of_its_own(tmp_path, undisturbed):
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
 
+IMPATIENT = """
+from edl6dof.campaign import engines
+engines.ANSWER_S, engines.PATIENCE_S, engines.LOOK_S = 1.0, 3.0, 0.5
+from edl6dof.cli import main
+main()
+"""
+
+
+def impatient(*words, cwd):
+    """Start the program; it waits for a cluster for seconds only."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([sys.executable, "-c", IMPATIENT, *words], cwd=cwd, env=environment, **pipes)
+
+
 def test_no_scheduler_there(tmp_path):
     words = ("--engine", "dask", "--cluster", "tcp://127.0.0.1:9", "-q")
-    status, out, err = finished("campaign", write_drop(tmp_path), *words, cwd=tmp_path)
-    assert status == 2 and "Traceback" not in err and "127.0.0.1:9" in err
+    campaign = impatient("campaign", write_drop(tmp_path), *words, cwd=tmp_path)
+    _, err = campaign.communicate(timeout=60)
+    assert campaign.returncode == 2 and "Traceback" not in err and "127.0.0.1:9" in err
 
 
 def test_all_workers_are_killed_and_another_joins(tmp_path, undisturbed):
@@ -106,24 +122,11 @@ def test_all_workers_are_killed_and_another_joins(tmp_path, undisturbed):
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
 
-LONELY = """
-from edl6dof.campaign import engines
-engines.PATIENCE_S, engines.LOOK_S = 3.0, 0.5
-from edl6dof.cli import main
-main()
-"""
-
-
 def test_no_worker_is_left(tmp_path, undisturbed):
     """A message within the time that the program waits for one, and another engine goes on."""
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, _), worker(address, tmp_path) as only:
-        words = ["campaign", file, "--engine", "dask", "--cluster", address, "-q"]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        campaign = subprocess.Popen(
-            [sys.executable, "-c", LONELY, *words], cwd=tmp_path, env=environment, **pipes
-        )
+        campaign = impatient("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
         begun(tmp_path, campaign)
         only.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=60)

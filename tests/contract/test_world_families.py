@@ -30,7 +30,7 @@ from edl6dof.spatial.quaternion import from_axes
 from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS, efficiency_of_model
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, inflation
 from edl6dof.vehicle.plant import OUTPUTS
-from edl6dof.vehicle.propulsion.engine import ENGINE, EngineParams, propellant_flow, thrust_rate
+from edl6dof.vehicle.propulsion.engine import ENGINE, EngineParams, propellant_flow, thrust_goal, thrust_rate
 from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
 
 #: Altitudes (m): below the ground of any planet, through the air, and far outside.
@@ -109,7 +109,8 @@ def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatab
     def burn():
         thrust, levels = 0.0, []
         for k, command in enumerate(np.repeat([7500.0, 1500.0, 60.0, 5000.0, 7500.0, 0.0], 4000)):
-            thrust += 1e-3 * thrust_rate(engine, 1e-3 * k, thrust, command, command in (0.0, 7500.0))
+            goal, _ = thrust_goal(engine, 1e-3 * k, 1e-3, command)
+            thrust += 1e-3 * thrust_rate(engine, goal, thrust, command in (0.0, 7500.0))
             levels.append(thrust)
         return np.array(levels)
 

@@ -1,16 +1,8 @@
 """What is not finite ends a flight at once, named by the quantity in which it began, and never becomes an
-index.
-
-With bounds checked in all compiled code (some minutes, most of them compiling):
-
-    NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=/tmp/checked python -m pytest tests/flights/test_not_finite.py
+index (``contract/test_bounds_check.py`` reads the tables with such numbers).
 """
 
 from __future__ import annotations
-
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -120,54 +112,3 @@ def test_last_state_before_a_failed_step_is_logged_whatever_the_rate(loaded):
     sparse = edl6dof.fly("tianwen1", ["vehicle.landing_gear.damping_n_s_m=1e12", "simulation.log_every=1000"])
     assert sparse.telemetry["t_s"][-1] == sparse.time_s
     assert np.all(np.diff(sparse.telemetry["t_s"]) > 0.0)
-
-
-#: Every table that is read in flight, each with the words in which a number enters it.
-TABLES = """
-import sys
-import numpy as np
-import edl6dof
-from edl6dof.environment.atmosphere import air
-from edl6dof.environment.terrain import ground
-from edl6dof.environment.wind import wind
-from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_range
-from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
-from edl6dof.fsw.guidance.entry.prediction.reference import node_of
-from edl6dof.fsw.navigation.derived import model_atmosphere
-from edl6dof.scenario import records
-from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
-
-sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
-"flight_software.guidance.entry.law=" + sys.argv[1]]
-case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
-capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
-for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
-    found = {
-        "air": air(case["atmosphere"], gas, tables["atmosphere"], x)[0],
-        "wind": wind(case["wind"], tables["atmosphere"], x)[0],
-        "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
-        "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
-        "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
-        "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
-        "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
-        "airframe": believed_aero(onboard["vehicle"], x)[0],
-        "reference": node_of(onboard["reference"], x)[1],
-        "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
-        "influence": at_speed(onboard["plan"]["etpc"], x)[1],
-        "profile": profile_range(onboard["plan"]["adaptive_hinf"], x),
-    }
-    if np.isnan(x):
-        assert all(np.isnan(value) for value in found.values()), found
-print("kept within bounds")
-"""
-
-
-@pytest.mark.parametrize("law", ["etpc", "adaptive_hinf"])
-def test_no_table_is_read_out_of_bounds(law, tmp_path):
-    checked = {**os.environ, "NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", TABLES, law], env=checked, capture_output=True, text=True, timeout=240
-    )
-    assert done.stdout.strip() == "kept within bounds", done.stderr[-3000:]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import gc
 import io
 import json
 import os
@@ -179,6 +180,8 @@ class Harness:
             assert in_child(lambda seed=seed: command(self.file, seed=seed, force=True))[1]["status"] == 0
             self.tables[seed] = (RUN / "cases.parquet").read_bytes()
             shutil.copytree("runs", f"complete-{seed}")
+        read()  # what a report loads is there for all children too
+        gc.freeze()
 
     def _use(self, engine: Recorded) -> None:
         campaign_flight._engine = lambda options: contextlib.nullcontext(engine)

@@ -12,6 +12,8 @@ from edl6dof.telemetry.channels import CHANNELS
 
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0
 FOUND = {"thruster": "D7", "isolated": "D7 stuck off"}
+#: A branch of the mission for a failure that the flight does not have.
+NOT_ENTERED = ("wing_failed",)
 RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
 
 
@@ -38,7 +40,8 @@ def synthetic_flight() -> SimpleNamespace:
         for axis, offset in zip(("east", "north", "up"), (5.0, 5.0, 30.0), strict=True):
             tm[f"truth.{name}_{axis}_m"] = np.where(on, tm[f"truth.site_{axis}_m"] + offset, np.nan)
     names = [phase.name for phase in scenario.mission.phases]
-    tm["guide.phase"] = np.floor(t / END * (len(names) - 0.01))
+    flown = np.array([float(k) for k, name in enumerate(names) if name not in NOT_ENTERED])
+    tm["guide.phase"] = flown[np.floor(t / END * (len(flown) - 0.01)).astype(int)]
     tm["truth.engine_thrust_n"] = np.where(t > SHELL, 3000.0, 0.0)
     tm["truth.footpads"] = np.where(t > 19.5, 4.0, 0.0)
     tm["truth.trim_wing"] = np.clip((t - 4.0) / 0.7, 0.0, 1.0)

@@ -5,20 +5,29 @@ from __future__ import annotations
 import csv
 import warnings
 from datetime import datetime
+from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from scipy.io import loadmat, netcdf_file
 from scipy.spatial.transform import Rotation
 
+import edl6dof
 from edl6dof.app.export import FILES, run_export
 from edl6dof.config.errors import ConfigError
+from edl6dof.environment.planet import OrientationParams
 from edl6dof.export.orientation import days_since_j2000, icrf_to_fixed
 from edl6dof.manifest import seal
 from edl6dof.runs.run import Run
 
 #: Date of t = 0 in the scenario.
 EPOCH = "2021-05-14T23:08:55.100000"
+
+
+def orientation_of(planet):
+    path = Path(edl6dof.__file__).parent / "data" / "planets" / f"{planet}.yaml"
+    return OrientationParams.model_validate(yaml.safe_load(path.read_text(encoding="utf-8"))["orientation"])
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +120,7 @@ def test_aem_turns_the_celestial_frame_into_the_body(run, exported, tmp_path):
     assert (meta.ref_frame_a, meta.ref_frame_b, meta.attitude_dir.value) == ("ICRF", "SC_BODY_1", "A2B")
     states = segment.data.attitude_state
     assert len(states) == len(range(0, len(run.t) - 1, 200)) + 1
-    turn = icrf_to_fixed("Mars", datetime.fromisoformat(EPOCH + "+00:00"))
+    turn = icrf_to_fixed(orientation_of("mars"), datetime.fromisoformat(EPOCH + "+00:00"))
     for state, row in ((0, 0), (60, 12_000), (-1, -1)):
         q = states[state].quaternion_state.quaternion
         q1, q2, q3, qc = q.q1, q.q2, q.q3, q.qc
@@ -144,7 +153,7 @@ def test_sun_over_mars_stands_where_mars_time_says():
         coordinates.get_body_barycentric(name, time, ephemeris="builtin").xyz.to_value("km")
         for name in ("sun", "mars")
     )
-    x, y, z = icrf_to_fixed("Mars", when) @ (sun - mars)
+    x, y, z = icrf_to_fixed(orientation_of("mars"), when) @ (sun - mars)
     longitude, latitude = np.degrees(np.arctan2(y, x)), np.degrees(np.arctan2(z, np.hypot(x, y)))
 
     days = days_since_j2000(when)
@@ -181,18 +190,24 @@ def test_earth_turns_with_sidereal_time():
     when = datetime.fromisoformat("2015-03-01T07:00:00+00:00")
     time = Time(when.replace(tzinfo=None), scale="utc")
     here = coordinates.EarthLocation.from_geodetic(0.0, 0.0).get_gcrs(time).cartesian.xyz.value
-    x, y, z = icrf_to_fixed("Earth", when) @ (here / np.linalg.norm(here))
+    x, y, z = icrf_to_fixed(orientation_of("earth"), when) @ (here / np.linalg.norm(here))
     assert np.degrees(np.arctan2(y, x)) == pytest.approx(0.0, abs=0.3)
     assert np.degrees(z) == pytest.approx(0.0, abs=0.1)
 
 
-def test_a_scenario_without_a_date_cannot_become_a_message(run, tmp_path):
+@pytest.mark.parametrize(
+    "stated, instead, message",
+    [
+        ('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""', "epoch_utc"),
+        ("  orientation:\n", "  orientation: null\n  unread:\n", "Mars states no orientation"),
+    ],
+)
+def test_a_scenario_without_a_date_or_a_pole_cannot_become_a_message(run, tmp_path, stated, instead, message):
     for name in ("telemetry.parquet", "events.json", "summary.json"):
         (tmp_path / name).write_bytes((run.folder / name).read_bytes())
-    (tmp_path / "scenario.yaml").write_text(
-        run.scenario_text.replace('epoch_utc: "2021-05-14T23:08:55.1"', 'epoch_utc: ""')
-    )
+    assert stated in run.scenario_text
+    (tmp_path / "scenario.yaml").write_text(run.scenario_text.replace(stated, instead))
     seal(tmp_path, "flight")
-    with pytest.raises(ConfigError, match="epoch_utc"):
+    with pytest.raises(ConfigError, match=message):
         run_export(Run(tmp_path).folder, "oem", None, force=False)
     assert not list(tmp_path.glob("*.oem"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 from typing import Any
 
@@ -76,7 +77,7 @@ class Plan:
         ]
         return [("truth." if target.of == "truth" else "belief.") + target.path for target in targets]
 
-    @property
+    @cached_property
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
         return resolved_text(self.loaded) + _sections_text(

@@ -27,6 +27,15 @@ CONTROLLERS = Family(
     ),
 )
 
+#: What each takes notice of among what a phase may ask for; of those of plugins it is not known.
+HEEDS = {
+    "off": (),
+    "phase_plane": (),
+    "bank_to_steer": ("hold_alpha",),
+    "rate_damping": (),
+    "thrust_vector": ("bandwidth",),
+}
+
 if TYPE_CHECKING:
     ControllerName = str
 else:  # which controllers there are, plugins included, is known only when it runs

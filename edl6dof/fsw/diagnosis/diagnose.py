@@ -33,6 +33,7 @@ from edl6dof.fsw.diagnosis.probe import (
     NONE,
     PROBE,
     SOUND,
+    UNDECIDED,
     close_probe,
     follow_probe,
     next_suspect,
@@ -150,7 +151,10 @@ def follow_suspect(params, count, effectiveness, activity, load, unexplained, t,
         memory.probe.suspect = NONE
         isolate(i, STUCK_ON, 0.0, confidence, t, memory, healthy, shut)
     elif state == SOUND:
-        close_probe(params, t, memory.probe, healthy, shut)
+        memory.probe.trusted_until[memory.probe.suspect] = t + params.trust
+        close_probe(memory.probe, healthy, shut)
+    elif state == UNDECIDED:
+        close_probe(memory.probe, healthy, shut)
 
 
 @kernel
@@ -170,18 +174,16 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
         healthy: written, 0 for a thruster that is not to be used.
         shut: written, 1 for a thruster whose isolation valve is to be shut.
     """
-    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
-    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED:
-        return
     if memory.probe.suspect != NONE:
-        if known == 0:
-            close_probe(params, t, memory.probe, healthy, shut)
+        if memory.residual.taken == 0:
+            close_probe(memory.probe, healthy, shut)
         else:
             follow_suspect(
                 params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
             )
         return
-    if known == 0:
+    known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
+    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED or known == 0:
         return
     best = memory.hypotheses
     before = (best.thruster, best.kind)
@@ -198,4 +200,4 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
         params, count, effectiveness, memory.residual, known, best, healthy, t, memory.probe
     )
     if candidate != NONE and memory.streak == 0:
-        open_probe(candidate, t, memory.residual, memory.probe, healthy, shut)
+        open_probe(params, candidate, t, memory.residual, best, memory.probe, healthy, shut)

@@ -3,7 +3,8 @@ unless one of them fails.
 
 In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses
 only some of them at a time. Each horizontal pair on one line of action that has rested for a while is tested
-in turn; a thruster that one test makes suspect is tested again at once.  A test costs 8 g of propellant.
+in turn; a thruster that one test makes suspect is tested again at once.  One suspected to be stuck on is not:
+its own pulse would hide that, and its opposite's would look dead.  A test costs 8 g of propellant.
 Beyond Hu et al. 2022, who wait for the thruster to be used.
 """
 
@@ -12,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.hypotheses import NOTHING
+from edl6dof.fsw.diagnosis.hypotheses import NOTHING, STUCK_ON
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
@@ -61,7 +62,7 @@ def next_pair(
     params, thrusters, count, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
 ):
     """The pair to test now: a suspect's, or the one that has rested longest; twice ``NONE`` for none."""
-    if hypotheses.kind != NOTHING and hypotheses.evidence > params.suspicion:
+    if hypotheses.kind not in (NOTHING, STUCK_ON) and hypotheses.evidence > params.suspicion:
         i = hypotheses.thruster
         j = opposite(effectiveness, count, i)
         if can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):

@@ -2,12 +2,15 @@
 
 A thruster that has been stuck on for some time is part of the slow disturbance, and one whose opposite number
 fires against it leaves the same residual as that one stuck off.  Where the residual cannot decide, the
-suspect is isolated for a fraction of a second.  If it has failed, force and torque change by exactly
-minus its effectiveness; if it is sound, nothing happens, because nothing had been asked of it.
+suspect is isolated for a fraction of a second.  If it has failed, force and torque change by minus what it
+gave unasked, its effectiveness times the share in which it was to rest; if it is sound, nothing happens.
 A dead thruster that stops being commanded just then leaves the same change: every other thruster's use is
-weighed against the suspect. Suspected is a thruster for which "stuck on" has evidence but a rival, or whose
-thrust accounts for most of a slow disturbance that is larger than the misalignments of engine, drag and riser
-explain.
+weighed against the suspect.  A probe that decides nothing in its time gives the suspect back and proves
+nothing; only one that was found sound is trusted.
+
+Suspected is a thruster for which "stuck on" has evidence, or whose thrust accounts for most of a slow
+disturbance that is larger than the misalignments of engine, drag and riser explain, and for half of what the
+single cycles before left unexplained: the mean of a swing is no standing thrust.
 """
 
 from __future__ import annotations
@@ -16,14 +19,14 @@ from math import exp
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, forget, weights
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, for_stuck_on, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 
 NONE = -1
-UNDER_WAY, SOUND, FAILED = range(3)
+UNDER_WAY, SOUND, FAILED, UNDECIDED = range(4)
 SLOW_KNOWN = (
     25  # cycles for which the slow disturbance must have been known before a thruster is suspected of it
 )
@@ -32,6 +35,7 @@ BEFORE = 3  # cycles before a probe that what follows is compared with
 # lateral force over axial load, and torque over axial load in m, that no thruster is suspected of
 MISALIGNMENT = 0.01
 LEAST_FORCE, LEAST_TORQUE = 30.0, 40.0  # the same without load, N and N m: tank imbalance, air
+SUSPICIOUS = 2.5  # square of a slow disturbance in these units from which a thruster is suspected of it
 
 PROBE = np.dtype(
     [
@@ -41,6 +45,8 @@ PROBE = np.dtype(
         ("share_before", "f8", (MAX_THRUSTERS,)),
         ("sums", SUMS),
         ("rivals", SUMS, (MAX_THRUSTERS,)),
+        # evidence, before the probe, that another one is dead, less that the suspect is stuck on
+        ("head_start", "f8", (MAX_THRUSTERS,)),
         ("trusted_until", "f8", (MAX_THRUSTERS,)),
     ],
     align=True,
@@ -57,7 +63,7 @@ def explains_slow_part(count, effectiveness, residual, healthy, t, memory):
     weight = (1.0 / (force * force), 1.0 / (torque * torque), 1.0 / (torque * torque))
     size = product(slow, slow, weight)
     found, least = NONE, 0.2 * size
-    if size < 4.0:
+    if size < SUSPICIOUS:
         return found
     for i in range(count):
         if healthy[i] == 0 or t < memory.trusted_until[i]:
@@ -67,7 +73,22 @@ def explains_slow_part(count, effectiveness, residual, healthy, t, memory):
         left = size - 2.0 * idle * along + idle * idle * product(effectiveness[i], effectiveness[i], weight)
         if left < least:
             found, least = i, left
-    return found
+    return found if found == NONE or stands(found, effectiveness, residual, weight) else NONE
+
+
+@kernel
+def stands(i, effectiveness, residual, weight):
+    """Whether the thrust of ``i``, where it was not asked for, accounts for half of what the last cycles left
+    unexplained.
+    """
+    size, left = 0.0, 0.0
+    for k in range(WINDOW):
+        seen, idle = residual.recent[k], 1.0 - residual.recent_share[k, i]
+        square = product(seen, seen, weight)
+        size += square
+        left += square - 2.0 * idle * product(seen, effectiveness[i], weight)
+        left += idle * idle * product(effectiveness[i], effectiveness[i], weight)
+    return left < 0.5 * size
 
 
 @kernel
@@ -82,8 +103,9 @@ def next_suspect(params, count, effectiveness, residual, known, hypotheses, heal
 
 
 @kernel
-def open_probe(i, t, residual, memory, healthy, shut):
-    """Shut thruster ``i`` off, and note force and torque before."""
+def open_probe(params, i, t, residual, hypotheses, memory, healthy, shut):
+    """Shut thruster ``i`` off, and note force, torque and evidence before."""
+    suspected = for_stuck_on(hypotheses.on[i], 0.0)
     for j in range(6):
         memory.before[j] = 0.0
         for back in range(1, BEFORE + 1):
@@ -93,23 +115,23 @@ def open_probe(i, t, residual, memory, healthy, shut):
         for back in range(1, BEFORE + 1):
             memory.share_before[j] += residual.recent_share[(residual.taken - back) % WINDOW, j] / BEFORE
         forget(memory.rivals[j])
+        memory.head_start[j] = for_loss(params, hypotheses.off[j], 0.0, False)[1] - suspected
     memory.suspect, memory.since = i, t
     forget(memory.sums)
     healthy[i], shut[i] = 0, 1
 
 
 @kernel
-def close_probe(params, t, memory, healthy, shut):
-    """Put the suspect back into use and trust it for a while."""
+def close_probe(memory, healthy, shut):
+    """Put the suspect back into use."""
     i = memory.suspect
     healthy[i], shut[i] = 1, 0
-    memory.trusted_until[i] = t + params.trust
     memory.suspect = NONE
 
 
 @kernel
 def follow_probe(params, count, effectiveness, activity, load, unexplained, t, dt, memory):
-    """Let one cycle of a probe count: ``UNDER_WAY``, ``SOUND`` or ``FAILED``, and the confidence."""
+    """Let one cycle of a probe count: what is thought of the suspect, and the confidence that it failed."""
     if t < memory.since + 3.0 * dt:
         return UNDER_WAY, 0.0
     weight = weights(params, activity.wrench, load)
@@ -124,19 +146,23 @@ def follow_probe(params, count, effectiveness, activity, load, unexplained, t, d
         unexplained[5] - before[5],
     )
     every = product(change, change, weight)
-    collect(memory.sums, 1.0, -1.0, product(change, b, weight), product(b, b, weight), every)
+    unasked = 1.0 - memory.share_before[memory.suspect]
+    collect(memory.sums, 1.0, -unasked, product(change, b, weight), product(b, b, weight), every)
     found = evidence(memory.sums, 1.0)
-    failed = exp(found)
-    total = failed + exp(params.prior)
+    failed, rivals = exp(found), 0.0
     for j in range(count):
         if j != memory.suspect:
             b = effectiveness[j]
             less = memory.share_before[j] - activity.share[j]
             collect(memory.rivals[j], 1.0, less, product(change, b, weight), product(b, b, weight), every)
-            total += exp(for_loss(params, memory.rivals[j], 0.0, False)[1])
-    confidence = failed / total
-    if memory.sums.cycles >= LEAST_CYCLES and confidence >= params.confidence:
-        return FAILED, confidence
-    if t >= memory.since + WINDOW * dt or (memory.sums.cycles >= LEAST_CYCLES and found <= -params.prior):
-        return SOUND, confidence
+            rivals += exp(for_loss(params, memory.rivals[j], 0.0, False)[1] + memory.head_start[j])
+    confidence = failed / (failed + exp(params.prior) + rivals)
+    if memory.sums.cycles >= LEAST_CYCLES:
+        if confidence >= params.confidence:
+            return FAILED, confidence
+        if found <= -params.prior:
+            return SOUND, confidence
+    if t >= memory.since + WINDOW * dt:
+        refuted = failed <= (1.0 - params.confidence) * (1.0 + rivals)
+        return SOUND if refuted else UNDECIDED, confidence
     return UNDER_WAY, confidence

@@ -140,7 +140,7 @@ class Phase(Params):
     )
     bandwidth: float = param(
         1.0,
-        "bandwidth of the attitude loop in this phase over that of the controller's gains",
+        "bandwidth of the attitude loop of thrust_vector in this phase over that of its gains",
         gt=0.0,
         le=3.0,
     )

@@ -18,6 +18,7 @@ INSTRUMENTS = np.dtype(
         ("n_gyros", "i8"),
         ("gyro_range", "f8"),  # rad/s
         ("gyro_noise", "f8"),  # rad/sqrt(s): angle random walk
+        ("gyro_step", "f8"),  # rad: what one count stands for
         ("gyro_bias", "f8"),  # rad/s: standard deviation at the start
         ("gyro_bias_walk", "f8"),  # rad/s/sqrt(s)
         ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, of the rate
@@ -25,11 +26,13 @@ INSTRUMENTS = np.dtype(
         ("n_accelerometers", "i8"),
         ("accelerometer_range", "f8"),  # m/s2
         ("accelerometer_noise", "f8"),  # m/s/sqrt(s): velocity random walk
+        ("accelerometer_step", "f8"),  # m/s: what one count stands for
         ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
         ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
         ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force
         # star tracker
-        ("star_sigma", "f8"),  # rad, about each axis
+        ("star_sigma", "f8"),  # rad, about each axis: noise of a fix
+        ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
         # ground tracking
         (
             "tracking_position_sigma",
@@ -45,6 +48,10 @@ INSTRUMENTS = np.dtype(
         ("range_sigma_relative", "f8"),  # of the range, added to it
         ("speed_sigma", "f8"),  # m/s
         ("speed_sigma_relative", "f8"),  # of the speed along the beam, added to it
+        # what does not change from one reading of the radar to the next
+        ("range_bias", "f8"),  # m, of each beam by itself
+        ("range_scale", "f8"),  # of the range, of all beams together
+        ("speed_scale", "f8"),  # of the speed, of all beams together
     ],
     align=True,
 )

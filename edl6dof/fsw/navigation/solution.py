@@ -19,6 +19,7 @@ MOTION = np.dtype(
         ("last_angle", "f8", (3,)),  # rad, B: of the cycle before
         ("last_gain", "f8", (3,)),  # m/s, B
         ("rate", "f8", (3,)),  # rad/s, B: at its end
+        ("centre", "f8", (3,)),  # m, B: believed centre of mass
         ("rate_known", FLAG),  # whether enough gyros read within their range
         ("force_known", FLAG),  # whether enough accelerometers do
     ],
@@ -38,7 +39,7 @@ SOLUTION = np.dtype(
         ("started", FLAG),  # whether ground tracking and star tracker have started it
         # standard deviations that the filter claims
         ("sigma_r", "f8", (3,)),  # m: north, east, down
-        ("sigma_v", "f8", (3,)),  # m/s: north, east, down
+        ("sigma_v", "f8", (3,)),  # m/s: north, east, down, of the velocity relative to the planet
         ("sigma_attitude", "f8", (3,)),  # rad, about north, east, down
         ("sigma_height", "f8"),  # m, of the height above the ground
         # the last look at the radar
@@ -56,6 +57,8 @@ INSTRUMENT_HEALTH = np.dtype(
         ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),
         ("beam", FLAG, (MAX_BEAMS,)),
         ("star_tracker", FLAG),
+        ("gyro_excluded", "f8", (MAX_GYROS,)),  # s, flight time: since when; 0 while it is in use
+        ("accelerometer_excluded", "f8", (MAX_ACCELEROMETERS,)),  # likewise
     ],
     align=True,
 )

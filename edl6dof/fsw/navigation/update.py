@@ -4,17 +4,36 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
+from edl6dof.fsw.navigation.alignment import align
+from edl6dof.fsw.navigation.filters.registry import (
+    GIVEN,
+    NAVIGATION_FILTERS,
+    correct_solution,
+    start_filter,
+)
+from edl6dof.fsw.navigation.guard import GUARD, guard_vertical, guarded_height, height_and_climb
+from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
+from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.strapdown import integrate
+from edl6dof.fsw.navigation.tell import tell
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import put3, take3
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
+
+#: Time between two readings (s) below which they are one.
+LEAST_TIME = 1e-9
 
 #: What navigation remembers.
 NAVIGATION = np.dtype(
     [
         ("estimate", ESTIMATE),
+        ("inertial", INERTIAL_MEMORY),
         ("motion", MOTION),
         ("solution", SOLUTION),
+        ("recovery", RECOVERY),
+        ("guard", GUARD),
+        ("centre", "f8", (3,)),  # m, B: centre of mass that the solution is of
         ("health", INSTRUMENT_HEALTH),
         ("filter", NAVIGATION_FILTERS.memory),
     ],
@@ -37,11 +56,12 @@ def take_given(sensed, estimate):
 
 
 @kernel
-def estimate_state(onboard, sensed, memory):
+def estimate_state(onboard, state, sensed, memory):
     """Bring ``memory.estimate`` up to the cycle of ``sensed``.
 
     Args:
         onboard: ``ONBOARD`` record.
+        state: ``VEHICLE_STATE`` record: which parts are gone.
         sensed: ``SENSED`` record.
         memory: ``NAVIGATION`` record, updated.
     """
@@ -50,3 +70,68 @@ def estimate_state(onboard, sensed, memory):
     estimate.footpad_contact, estimate.wing_open = sensed.footpad_contact, sensed.wing_open
     if onboard.navigation.filter == GIVEN:
         take_given(sensed, estimate)
+        return
+    navigate(onboard, state, sensed, memory)
+    if memory.solution.started != 0:
+        tell(onboard.planet, memory.motion, memory.solution, estimate)
+        guard(onboard, sensed, memory, estimate)
+
+
+@kernel
+def navigate(onboard, state, sensed, memory):
+    """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
+    params, motion, solution = onboard.navigation, memory.motion, memory.solution
+    centre = take3(onboard.vehicle.configuration[state.configuration].centre, 0)
+    dt = take_reading(onboard.instruments, sensed.t, sensed.inertial, memory.inertial)
+    if dt > LEAST_TIME:
+        follow_centre(centre, motion, solution, memory.centre)
+        read_motion(
+            params, onboard.instruments, centre, dt, sensed.inertial, solution,
+            memory.health, memory.inertial, motion,
+        )  # fmt: skip
+        put3(memory.estimate.imu_gain_B, 0, add(take3(memory.estimate.imu_gain_B, 0), take3(motion.gain, 0)))
+    if solution.started == 0:
+        if sensed.tracking.fresh != 0 and sensed.stars.valid != 0:
+            align(onboard.planet, memory.inertial.t, sensed, motion, solution)
+            put3(memory.centre, 0, centre)
+            start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
+    elif dt > LEAST_TIME:
+        integrate(onboard.planet, motion, solution)
+        recover(
+            params.recovery,
+            onboard.planet.rotation_rate,
+            state.ignited,
+            motion,
+            memory.recovery,
+            solution,
+        )
+        correct_solution(
+            params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
+        )
+
+
+@kernel
+def follow_centre(centre, motion, solution, before):
+    """Let the solution be that of the new centre of mass (m, B) once a part has left; ``before``: the centre
+    it is of, updated.
+    """
+    arm = sub(centre, take3(before, 0))
+    if dot(arm, arm) == 0.0:
+        return
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    put3(solution.r_I, 0, add(take3(solution.r_I, 0), from_frame(q, arm)))
+    put3(solution.v_I, 0, add(take3(solution.v_I, 0), from_frame(q, cross(take3(motion.rate, 0), arm))))
+    put3(before, 0, centre)
+
+
+@kernel
+def guard(onboard, sensed, memory, estimate):
+    """Tell the height that the guards let pass, and have the vertical looked for where they find it wrong."""
+    params, solution = onboard.navigation.guards, memory.solution
+    r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
+    height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
+    estimate.height_above_ground = guarded_height(
+        params, height, climb, solution.sigma_height, sensed.footpad_contact, memory.motion.dt, memory.guard
+    )
+    q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
+    guard_vertical(params, onboard.instruments, sensed.radar, q, up, memory.guard, memory.recovery)

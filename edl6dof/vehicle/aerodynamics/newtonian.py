@@ -35,6 +35,10 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
     Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a
     base suction (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral
     leaves out [E].
+
+    One ratio stands for the whole shock layer.  In carbon dioxide 1.33 gives up to 1.3 % more than vibrations
+    that stay frozen, and up to 0.8 % (Mach 2) or 3.4 % (Mach 30) less than vibrations in equilibrium.
+
     Source: Anderson, Modern Compressible Flow, eq. 8.80 (recalled).
     """
     mach = np.asarray(mach, dtype=np.float64)

@@ -232,14 +232,11 @@ def propulsion(case, plant, t, y, centre, dy):
     for i in range(MAX_ENGINES):
         dy[THRUST + i] = 0.0
     for i in range(case.vehicle.n_engines):
-        level, running = y[THRUST + i], plant.running[i] != 0
-        command = plant.thrust_command[i] if running else 0.0
-        if command == 0.0 and level == 0.0:
+        inputs, level = plant.inputs, y[THRUST + i]
+        if inputs.thrust_goal[i] == 0.0 and level == 0.0:
             continue
-        loads, filled = case.feeds.engines, plant.inputs.filled
+        loads, filled = case.feeds.engines, inputs.filled
         within = load_within_reach(loads, i, filled)
-        if within <= 0.0:
-            command = 0.0
         engine, thrust = case.vehicle.engines[i], level * (1.0 - plant.thrust_lost[i])
         own_force, own_moment = thrust_wrench(engine, thrust)
         force = add(force, own_force)
@@ -247,7 +244,8 @@ def propulsion(case, plant, t, y, centre, dy):
         delivered += thrust * engine.thrust_factor
         if within > 0.0:
             draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
-        dy[THRUST + i] = thrust_rate(engine, t, level, command, plant.starting != 0 or not running)
+        goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
+        dy[THRUST + i] = thrust_rate(engine, goal, level, plant.starting != 0 or plant.running[i] == 0)
     return force, moment, delivered
 
 
@@ -256,8 +254,8 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces are their mean over the current step, less what the flow takes
-    (:mod:`edl6dof.vehicle.propulsion.rcs`).
+    Thruster forces are linear in time over the current step, less what the flow takes
+    (:mod:`edl6dof.vehicle.propulsion.rcs`), and after it their mean.
     """
     out, inputs = outputs, plant.inputs
     q, w = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]), take3(y, RATE)
@@ -266,10 +264,10 @@ def motion(case, plant, t, y, outputs, dy):
     inertia = (i[0], i[1], i[2], i[3], i[4], i[5])
     engine_force, engine_moment, delivered = propulsion(case, plant, t, y, centre, dy)
     share = efficiency(case.vehicle.rcs, out.dynamic_pressure)
-    rcs_force, rcs_moment = (
-        scale(share, take3(inputs.rcs_force, 0)),
-        scale(share, take3(inputs.rcs_moment, 0)),
-    )
+    since = t - inputs.middle
+    rcs_force = add(take3(inputs.rcs_force, 0), scale(since, take3(inputs.rcs_force_slope, 0)))
+    rcs_moment = add(take3(inputs.rcs_moment, 0), scale(since, take3(inputs.rcs_moment_slope, 0)))
+    rcs_force, rcs_moment = scale(share, rcs_force), scale(share, rcs_moment)
     # everything that turns the vehicle except the thrusters
     disturbance = add(take3(out.load_moment_B, 0), engine_moment)
     moment = add(disturbance, sub(rcs_moment, cross(centre, rcs_force)))

@@ -1,10 +1,10 @@
 """One step of the classical Runge-Kutta method of fourth order, and what it starts from and leaves.
 
-Some inputs of the derivative are held over a step: the mean wrench of the thrusters in vacuum, whose impulse
-is integrated in closed form; the plane of the ground; which tanks are not empty; and the noncentral part of
-gravitation, taken at the predicted middle of the step.  In a step of 10 ms at 6 km/s that part changes by
-4e-7 m/s2, evenly: holding it displaces the vehicle by less than 1e-6 m in a minute of coasting, and costs one
-sum of harmonics a step instead of four.
+Some inputs of the derivative are laid down for a step: as lines in time the wrench of the thrusters in vacuum
+and what the thrust of the engines strives for; as constants the plane of the ground, which tanks are not
+empty, and the noncentral part of gravitation, taken at the predicted middle of the step.  In a step of 10 ms
+at 6 km/s that part changes by 4e-7 m/s2, evenly: holding it displaces the vehicle by less than 1e-6 m in a
+minute of coasting, and costs one sum of harmonics a step instead of four.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ from edl6dof.vehicle.plant import (
     THRUST,
     VELOCITY,
 )
+from edl6dof.vehicle.propulsion.engine import thrust_goal
 from edl6dof.vehicle.propulsion.rcs import fire
+from edl6dof.vehicle.propulsion.tanks import load_within_reach
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
 #: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far
@@ -91,15 +93,30 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
 
 
 @kernel
-def hold_inputs(case, plant, rotation, h):
-    """Work out what is held over the step of ``h`` s that begins now; ``rotation`` is that of the planet at
-    its middle.
+def lay_down_inputs(case, plant, rotation, h):
+    """Lay down the inputs of the step of ``h`` s that begins now; ``rotation`` is that of the planet at its
+    middle.
     """
     inputs = plant.inputs
     for k in range(MAX_TANKS):
         inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 else 0
+    inputs.middle = plant.t + 0.5 * h
+    set_goals(case, plant, h)
     fire(case.vehicle.rcs, case.feeds.thrusters, plant.valves, plant.t, h, inputs)
     put3(inputs.noncentral_I, 0, noncentral_I(case.planet, rotation, halfway(plant.y, h)))
+
+
+@kernel
+def set_goals(case, plant, h):
+    """What the thrust of each engine strives for in the step of ``h`` s that begins now: none where it does
+    not run or starves.
+    """
+    inputs, engines = plant.inputs, case.vehicle.engines
+    for i in range(case.vehicle.n_engines):
+        fed = load_within_reach(case.feeds.engines, i, inputs.filled) > 0.0
+        command = plant.thrust_command[i] if fed and plant.running[i] != 0 else 0.0
+        mean, slope = thrust_goal(engines[i], plant.t, h, command)
+        inputs.thrust_goal[i], inputs.thrust_goal_slope[i] = mean, slope
 
 
 @kernel
@@ -166,12 +183,14 @@ def step(case, tables, plant, outputs, work, t_end):
         work.y0[i] = plant.y[i]
     middle = planet_rotation(case.planet, plant.t + 0.5 * h)
     end = planet_rotation(case.planet, t_end)
-    hold_inputs(case, plant, middle, h)
+    lay_down_inputs(case, plant, middle, h)
     v, q, g = take3(plant.y, VELOCITY), take_attitude(plant.y), take3(outputs.gravity_I, 0)
     rk4(case, tables, plant, outputs, work, middle, end, t_end)
     plant.t = t_end
     if not finite(plant.y):
         return False
+    put3(plant.inputs.rcs_force_slope, 0, (0.0, 0.0, 0.0))
+    put3(plant.inputs.rcs_moment_slope, 0, (0.0, 0.0, 0.0))
     evaluate_at(case, tables, plant, end, outputs, work)
     # half in the axes at the start, half in those at the end: second order in the turn during the step
     fell = scale(0.5 * h, add(g, take3(outputs.gravity_I, 0)))
@@ -208,16 +227,16 @@ def retrace(case, tables, plant, outputs, work):
     The state of that stage is left in ``work.stage``, the quantities met there in ``outputs``, its derivative
     in ``work.k[0]``.  When every stage is finite, the result of the step stays in ``work.stage``.
     """
-    dy, y = work.k[0], work.k[1]
+    dy, y, result = work.k[0], work.stage, work.k[1]
     h = work.t_failed - plant.t
     for i in range(STATES):
-        dy[i] = 0.0
+        dy[i], result[i] = 0.0, y[i]
     for share in (0.0, 0.5, 0.5, 1.0):
         for i in range(STATES):
             y[i] = plant.y[i] + share * h * dy[i]
         t = plant.t + share * h
         derivatives(case, tables, plant, t, planet_rotation(case.planet, t), y, outputs, dy)
         if not (finite(y) and finite(dy)):
-            for i in range(STATES):
-                work.stage[i] = y[i]
             return
+    for i in range(STATES):
+        y[i] = result[i]

@@ -15,6 +15,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
 from edl6dof.vehicle.propulsion.engine_models.registry import (
     EngineChoice,
+    goal_of_model,
     rate_of_model,
     specific_impulse_of_model,
 )
@@ -56,11 +57,19 @@ ENGINE = dtype_of(EngineParams)
 
 
 @kernel
-def thrust_rate(engine, t, thrust, command, starting):
-    """Time derivative of thrust (N/s) at time ``t``, s; ``starting`` says whether the engine starts or is cut
-    off.
+def thrust_goal(engine, t, step, command):
+    """What ``command`` (N) makes the thrust strive for over a step from ``t`` (both s): mean (N) and slope
+    (N/s) of a line.
     """
-    return rate_of_model(engine.model, engine, engine, t, thrust, command, starting)
+    return goal_of_model(engine.model, engine, engine, t, step, command)
+
+
+@kernel
+def thrust_rate(engine, goal, thrust, starting):
+    """Time derivative of thrust (N/s) towards ``goal`` (N); ``starting`` says whether the engine starts or is
+    cut off.
+    """
+    return rate_of_model(engine.model, engine, engine, goal, thrust, starting)
 
 
 @kernel
@@ -81,8 +90,10 @@ def thrust_wrench(engine, thrust):
 
 @kernel
 def propellant_flow(engine, thrust):
-    """Propellant mass flow (kg/s) at ``thrust`` N."""
-    if thrust <= 0.0:
+    """Propellant mass flow (kg/s) at ``thrust`` N; negative where the line of a pulse late in its step is, so
+    that the flow over the step is that of the pulse.
+    """
+    if thrust == 0.0:
         return 0.0
     isp = specific_impulse_of_model(engine.model, engine, engine, thrust)
     return thrust * engine.thrust_factor / (isp * engine.specific_impulse_factor * G0)

@@ -2,8 +2,9 @@
 
 A valve command is an interval [open, close].  The thrust level of a thruster climbs linearly to one in
 ``rise_s`` while the valve is open and falls to zero in ``decay_s`` when it is shut.  Over one integration
-step the level is integrated in closed form and its mean is applied as a constant force, so the impulse of a
-pulse does not depend on the step.
+step the level is integrated twice in closed form and applied as a line
+(:mod:`edl6dof.vehicle.propulsion.line_in_step`), so the impulse of a pulse does not depend on the step, nor
+does the displacement that it leaves.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from edl6dof.config.dtype import dtype_of
 from edl6dof.interface.capacities import MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import clamp, put3
+from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
+from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
 
 G0 = 9.80665
@@ -73,31 +75,35 @@ RCS = dtype_of(RcsParams)
 
 @kernel
 def climb(level, duration, slope):
-    """Integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0 or 1; returns
-    (integral, new level).
+    """First and second integral of a level over ``duration`` while it moves at ``slope`` (1/s) and stops at 0
+    or 1; returns (first, second, new level).
     """
     if duration <= 0.0:
-        return 0.0, level
+        return 0.0, 0.0, level
     goal = 1.0 if slope > 0.0 else 0.0
     reach = (goal - level) / slope
     if reach >= duration:
         end = level + slope * duration
-        return 0.5 * (level + end) * duration, end
-    return 0.5 * (level + goal) * reach + goal * (duration - reach), goal
+        return 0.5 * (level + end) * duration, (2.0 * level + end) / 6.0 * duration * duration, end
+    moving, rest = 0.5 * (level + goal) * reach, duration - reach
+    second = (2.0 * level + goal) / 6.0 * reach * reach + (moving + 0.5 * goal * rest) * rest
+    return moving + goal * rest, second, goal
 
 
 @kernel
-def mean_level(level, rise, decay, start, step, opens, closes):
-    """Mean thrust level over [start, start + step] of a valve open during [opens, closes]; returns (mean,
-    level at the end).
+def linear_level(level, rise, decay, start, step, opens, closes):
+    """Thrust level over [start, start + step] of a valve open during [opens, closes], as a line; returns
+    (mean, slope in 1/s, level at the end).
     """
     end = start + step
     a = clamp(opens, start, end)
     b = clamp(closes, a, end)
-    before, level = climb(level, a - start, -1.0 / decay)
-    during, level = climb(level, b - a, 1.0 / rise)
-    after, level = climb(level, end - b, -1.0 / decay)
-    return (before + during + after) / step, level
+    before, before2, level = climb(level, a - start, -1.0 / decay)
+    during, during2, level = climb(level, b - a, 1.0 / rise)
+    after, after2, level = climb(level, end - b, -1.0 / decay)
+    second = before2 + before * (end - a) + during2 + during * (end - b) + after2
+    mean, slope = line_in_step(before + during + after, second, step)
+    return mean, slope, level
 
 
 @kernel
@@ -108,41 +114,40 @@ def efficiency(rcs, dynamic_pressure):
 
 @kernel
 def fire(rcs, loads, valves, t, step, inputs):
-    """Mean force and moment of all thrusters in vacuum over a step and their propellant flow, for constant
-    application in that step; what the flow takes of it (:func:`efficiency`) changes within the step.
+    """Force and moment of all thrusters in vacuum, linear over a step, and their mean propellant flow; what
+    the flow takes of it (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
-    as plumes); writes ``rcs_force``, ``rcs_moment`` (N and N m about the origin of B) and ``rcs_flow``
-    (kg/s out of each tank) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are the
-    thrusters' ``FEEDS``.
+    as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
+    ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s) and ``rcs_flow`` (kg/s out of each tank) of
+    ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are the thrusters' ``FEEDS``.
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = 0.0
-    fx = fy = fz = mx = my = mz = 0.0
+    force = moment = force_slope = moment_slope = (0.0, 0.0, 0.0)
     for i in range(rcs.n_thrusters):
         if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
             valves.mean[i] = 0.0
             continue
         jet = rcs.thrusters[i]
-        mean, level = mean_level(
+        mean, slope, level = linear_level(
             valves.level[i], jet.rise, jet.decay, t, step, valves.opens[i], valves.closes[i]
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
         mean *= 1.0 - valves.lost[i]
+        slope *= 1.0 - valves.lost[i]
         valves.mean[i] = mean if within > 0.0 else 0.0
         if valves.mean[i] == 0.0:
             continue
-        force = mean * jet.thrust
-        flow = force / (jet.specific_impulse * G0)
+        flow = mean * jet.thrust / (jet.specific_impulse * G0)
         draw(loads, i, inputs.filled, within, flow, inputs.rcs_flow, 0)
-        x, y, z = force * jet.direction[0], force * jet.direction[1], force * jet.direction[2]
-        px, py, pz = jet.position[0], jet.position[1], jet.position[2]
-        fx += x
-        fy += y
-        fz += z
-        mx += py * z - pz * y
-        my += pz * x - px * z
-        mz += px * y - py * x
-    put3(inputs.rcs_force, 0, (fx, fy, fz))
-    put3(inputs.rcs_moment, 0, (mx, my, mz))
+        full = scale(jet.thrust, take3(jet.direction, 0))
+        arm = cross(take3(jet.position, 0), full)
+        force, moment = add(force, scale(mean, full)), add(moment, scale(mean, arm))
+        force_slope = add(force_slope, scale(slope, full))
+        moment_slope = add(moment_slope, scale(slope, arm))
+    put3(inputs.rcs_force, 0, force)
+    put3(inputs.rcs_moment, 0, moment)
+    put3(inputs.rcs_force_slope, 0, force_slope)
+    put3(inputs.rcs_moment_slope, 0, moment_slope)

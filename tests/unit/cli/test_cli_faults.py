@@ -56,8 +56,9 @@ def test_summary_counts_what_the_rows_say(flown):
     summary = json.loads((flown[3] / "summary.json").read_text(encoding="utf-8"))
     assert summary["flights"] == summary["survived"] == 6 and len(summary["groups"]) == 3
     rows = pq.read_table(flown[3] / "faults.parquet").to_pylist()
-    wrong = sum(row["named"] not in (None, "", row["component"]) for row in rows)
-    assert sum(group["named_wrong"] for group in summary["groups"]) == wrong < len(rows) / 2
+    right = sum(row["named"] == row["component"] for row in rows)
+    assert sum(group["named_right"] for group in summary["groups"]) == right
+    assert all(group["named_wrong"] == 0 for group in summary["groups"])
 
 
 def test_kinds_of_other_components_fail_each_of_theirs(tmp_path, capsys, monkeypatch):

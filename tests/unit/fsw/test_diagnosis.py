@@ -49,15 +49,16 @@ class Watch:
         )
         self.t, self.asked = 0.0, np.zeros(32)
 
-    def cycle(self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None):
+    def cycle(self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None, against=()):
         """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the
-        share ``use`` of cycles.
+        share ``use`` of cycles, and those ``against`` it throughout.
         """
         firing = self.rng.random(32) < use
         if who is not None:
             firing[: len(NAMES)] &= who
         share = np.where(firing, self.rng.uniform(0.3, 1.0, 32), 0.0) * self.healthy
         share[len(NAMES) :] = 0.0
+        share[list(against)] = self.healthy[list(against)]
         self.asked += share
         given = share.copy()
         if fault is not None:
@@ -163,6 +164,33 @@ def test_probe_of_a_sound_thruster_gives_it_back(effectiveness):
         watch.cycle(disturbance=effectiveness[0], use=0.0)
         shut += int(watch.shut[0])
     assert watch.found == [] and 5 < shut < 60 and watch.healthy[0] == 1 and watch.shut[0] == 0
+
+
+def test_a_swing_under_the_canopy_makes_no_thruster_suspect(effectiveness):
+    """The riser turns the vehicle to and fro once in a second, with three times the torque of a thruster: the
+    mean that is taken for the slow disturbance looks like one at times.
+    """
+    watch, shut = Watch(effectiveness, 3), 0
+    restart_residual(watch.memory[0]["residual"])
+    for k in range(2000):
+        swing = np.sin(2.0 * np.pi * k * DT) * np.array([0.0, 250.0, 180.0, 0.0, 560.0, -800.0])
+        watch.cycle(disturbance=swing, load=14000.0, use=0.0)
+        shut += int(watch.shut.sum())
+    assert shut == 0 and watch.found == []
+
+
+def test_a_probe_that_decides_nothing_trusts_nobody(effectiveness):
+    """P2 is shut just when P1, which fired all the time, rests: P1 dead and P2 stuck on look alike."""
+    p1, p2 = NAMES.index("P1"), NAMES.index("P2")
+    watch = Watch(effectiveness)
+    nobody = np.zeros(len(NAMES), bool)
+    for k in range(120):
+        fault = (p2, "stuck on", 0.0) if k > 60 else None
+        fires = fault is not None and watch.shut[p2] == 0
+        watch.cycle(fault, use=0.0, who=nobody, against=(p1,) if fires else ())
+    assert watch.shut.sum() <= 1 and watch.healthy[p1] == 1
+    assert watch.memory[0]["probe"]["trusted_until"][p2] == 0.0
+    assert watch.found in ([], [("P2", "stuck on")])
 
 
 def test_switched_off_it_neither_names_nor_isolates(effectiveness):

@@ -14,6 +14,7 @@ from edl6dof.vehicle.propulsion.engine import (
     ENGINE,
     EngineParams,
     propellant_flow,
+    thrust_goal,
     thrust_rate,
     thrust_wrench,
 )
@@ -30,7 +31,7 @@ def engine(**changes):
 
 def response(record, start, command, times, starting=False):
     solution = solve_ivp(
-        lambda t, y: [thrust_rate(record, t, y[0], command, starting)],
+        lambda t, y: [thrust_rate(record, command, y[0], starting)],
         (0.0, times[-1]),
         [start],
         t_eval=times,
@@ -59,12 +60,8 @@ def test_a_large_step_runs_at_the_rate_limit_until_the_lag_takes_over(starting, 
 
 def test_cut_off_falls_as_fast_as_ignition_rises():
     record = engine()
-    assert (
-        thrust_rate(record, 0.0, 7500.0, 0.0, True)
-        == -25000.0
-        == -thrust_rate(record, 0.0, 0.0, 7500.0, True)
-    )
-    assert thrust_rate(record, 0.0, 2000.0, 2000.0, False) == 0.0
+    assert thrust_rate(record, 0.0, 7500.0, True) == -25000.0 == -thrust_rate(record, 7500.0, 0.0, True)
+    assert thrust_rate(record, 2000.0, 2000.0, False) == 0.0
 
 
 @pytest.mark.parametrize("ty, tz", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (2.5, -4.0)])
@@ -91,9 +88,9 @@ def test_specific_impulse_runs_linearly_over_the_band_and_stays_level_outside():
     assert got == pytest.approx([280.0, 280.0, 287.5, 295.0, 310.0, 310.0])
 
 
-@pytest.mark.parametrize("thrust", [0.0, -1.0])
-def test_no_thrust_no_flow(thrust):
-    assert propellant_flow(engine(), thrust) == 0.0
+def test_no_thrust_no_flow_and_where_a_line_falls_below_none_the_flow_falls_with_it():
+    assert propellant_flow(engine(), 0.0) == 0.0
+    assert propellant_flow(engine(model="pulsed"), -30.0) == -propellant_flow(engine(model="pulsed"), 30.0)
 
 
 def test_an_engine_of_one_level_has_the_full_specific_impulse():
@@ -117,50 +114,62 @@ PULSES = {"period_s": 0.1, "minimum_pulse_s": 0.02, "lag_s": 0.02}
 
 
 def pulse_train(share, seconds, step):
-    """Impulse (N s) of full thrust commanded to ``share``, by Runge-Kutta steps as a flight makes them, and
-    the thrusts (N) met on the way.
+    """Integral and second integral (N s, N s2) of full thrust commanded to ``share``, by Runge-Kutta steps as
+    a flight makes them, and the thrusts (N) met on the way.
     """
     record = engine(model="pulsed", pulsed=PULSES)
-
-    def slope(t, y):
-        return np.array([thrust_rate(record, t, y[0], share * 7500.0, False), y[0]])
-
-    y, met = np.zeros(2), []
+    y, met = np.zeros(3), []
     for k in range(round(seconds / step)):
-        t = k * step
-        k1 = slope(t, y)
-        k2 = slope(t + 0.5 * step, y + 0.5 * step * k1)
-        k3 = slope(t + 0.5 * step, y + 0.5 * step * k2)
-        y = y + step / 6.0 * (k1 + 2.0 * (k2 + k3) + slope(t + step, y + step * k3))
+        mean, gain = thrust_goal(record, k * step, step, share * 7500.0)
+
+        def slope(after, y, mean=mean, gain=gain):
+            goal = mean + gain * (after - 0.5 * step)
+            return np.array([thrust_rate(record, goal, y[0], False), y[0], y[1]])
+
+        k1 = slope(0.0, y)
+        k2 = slope(0.5 * step, y + 0.5 * step * k1)
+        k3 = slope(0.5 * step, y + 0.5 * step * k2)
+        y = y + step / 6.0 * (k1 + 2.0 * (k2 + k3) + slope(step, y + step * k3))
         met.append(y[0])
-    return y[1], np.array(met)
+    return y[1], y[2], np.array(met)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.35, 0.5, 0.73])
-@pytest.mark.parametrize("step", [1e-3, 1e-2])
+@pytest.mark.parametrize("step", [1e-3, 0.7e-2, 2e-2])
 def test_pulses_give_full_thrust_for_the_time_the_valve_is_open(share, step):
     """A lag moves the impulse of a pulse but keeps it: n periods give n full open time; what still rises or
-    decays at the end is the lag times the thrust then.  An edge is met to a third of a step.
+    decays at the end is the lag times the thrust then.  Likewise what the pulses displace: that of the valve
+    less the lag times the impulse.  Steps as long as the lag, and such as no period divides by.
     """
-    impulse, met = pulse_train(share, 5.0, step)
-    open_time = 50 * share * 0.1
-    got = (impulse + PULSES["lag_s"] * met[-1]) / 7500.0
-    assert got == pytest.approx(open_time, abs=50 * 2.0 / 3.0 * step)
+    impulse, second, met = pulse_train(share, 4.9, step)
+    opens = 0.1 * np.arange(49)
+    valve = 7500.0 * np.sum(share * 0.1 * (4.9 - opens - 0.5 * share * 0.1))
+    lag = PULSES["lag_s"]
+    assert (impulse + lag * met[-1]) / 7500.0 == pytest.approx(49 * share * 0.1, rel=1e-12)
+    assert second + lag * impulse == pytest.approx(valve, rel=1e-12)
     assert met.max() > 4700.0 and met[-1000:].min() < 2000.0  # it does pulse
 
 
 def test_a_settled_pulse_train_has_the_peak_and_the_trough_of_a_switched_lag():
     """On for a, off for b: peak F (1 - e^-a) / (1 - e^-(a + b)), trough the peak times e^-b, in lags."""
     on, off = 0.05 / 0.02, 0.05 / 0.02
-    _, met = pulse_train(0.5, 2.0, 1e-4)
+    _, _, met = pulse_train(0.5, 2.0, 1e-4)
     peak = 7500.0 * (1.0 - exp(-on)) / (1.0 - exp(-on - off))
     assert met[-2000:].max() == pytest.approx(peak, rel=2e-3)
     assert met[-2000:].min() == pytest.approx(peak * exp(-off), rel=1e-2)
 
 
+@pytest.mark.parametrize("share", [0.23, 0.37, 0.64])
+def test_steps_as_long_as_the_lag_meet_the_thrust_at_every_moment(share):
+    """To 2 % of full thrust, as docs/step.md says; a valve looked at in the stages alone errs by 17 %."""
+    _, _, coarse = pulse_train(share, 2.0, 2e-2)
+    _, _, fine = pulse_train(share, 2.0, 2.5e-4)
+    assert coarse == pytest.approx(fine[79::80], abs=0.02 * 7500.0)
+
+
 @pytest.mark.parametrize("share, level", [(0.0, 0.0), (0.19, 0.0), (0.81, 7500.0), (1.0, 7500.0)])
 def test_pulses_and_pauses_too_short_for_the_valve_are_not_made(share, level):
-    _, met = pulse_train(share, 1.0, 1e-3)
+    _, _, met = pulse_train(share, 1.0, 1e-3)
     assert met[-100:] == pytest.approx(level, abs=1e-6)
 
 

@@ -9,11 +9,12 @@ triangle.  Their sum is the truth for any pulse train, however the time axis is 
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.integrate import cumulative_trapezoid
 
 from edl6dof.config.dtype import fill
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.plant import INPUTS, VALVES
-from edl6dof.vehicle.propulsion.rcs import RCS, RcsParams, Thruster, climb, efficiency, mean_level
+from edl6dof.vehicle.propulsion.rcs import RCS, RcsParams, Thruster, climb, efficiency, linear_level
 from edl6dof.vehicle.propulsion.rcs import fire as fire_from_tanks
 from edl6dof.vehicle.propulsion.tanks import FEEDS, fill_feeds
 
@@ -61,7 +62,7 @@ def flown(pulses, cuts):
     level, total, queue = 0.0, 0.0, list(pulses)
     opens, closes = queue.pop(0)
     for start, end in zip(cuts, cuts[1:], strict=False):
-        mean, level = mean_level(level, RISE, DECAY, start, end - start, opens, closes)
+        mean, _, level = linear_level(level, RISE, DECAY, start, end - start, opens, closes)
         total += mean * (end - start)
         if end >= closes + DECAY and queue:
             opens, closes = queue.pop(0)
@@ -108,7 +109,7 @@ def test_a_valve_reopened_while_thrust_decays_follows_its_differential_equation(
     for k in range(160):
         start = k * 1e-3
         opens, closes = [p for p in schedule if p[0] <= start + 5e-4 or p is schedule[0]][-1]
-        mean, got = mean_level(got, RISE, DECAY, start, 1e-3, opens, closes)
+        mean, _, got = linear_level(got, RISE, DECAY, start, 1e-3, opens, closes)
         total += mean * 1e-3
         expected = profile[round(start + 1e-3, 6)]
         assert (got, total) == pytest.approx(expected, abs=5e-5)
@@ -117,7 +118,7 @@ def test_a_valve_reopened_while_thrust_decays_follows_its_differential_equation(
 
 @pytest.mark.parametrize("length", [0.002, 0.008, 0.012])
 def test_a_short_pulse_peaks_where_the_valve_shuts_and_never_above_full_thrust(length):
-    levels = [mean_level(0.0, RISE, DECAY, 0.0, t, 0.0, length)[1] for t in np.linspace(1e-5, 0.05, 2000)]
+    levels = [linear_level(0.0, RISE, DECAY, 0.0, t, 0.0, length)[2] for t in np.linspace(1e-5, 0.05, 2000)]
     assert max(levels) == pytest.approx(length / RISE, abs=1e-3) and max(levels) <= 1.0 and min(levels) >= 0.0
 
 
@@ -127,10 +128,33 @@ def test_a_short_pulse_peaks_where_the_valve_shuts_and_never_above_full_thrust(l
 def test_climb_stops_at_nothing_and_at_full(level, duration, slope):
     times = np.linspace(0.0, duration, 20001)
     curve = np.clip(level + slope * times, 0.0, 1.0)
-    integral, end = climb(level, duration, slope)
-    assert integral == pytest.approx(np.trapezoid(curve, times), abs=1e-8) and end == pytest.approx(
-        curve[-1], abs=1e-12
-    )
+    first, second, end = climb(level, duration, slope)
+    gathered = cumulative_trapezoid(curve, times, initial=0.0)
+    assert first == pytest.approx(gathered[-1], abs=1e-8) and end == pytest.approx(curve[-1], abs=1e-12)
+    assert second == pytest.approx(np.trapezoid(gathered, times), abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_line_of_a_pulse_has_its_impulse_and_its_moment_in_time_wherever_it_lies(seed):
+    """Against the ramps drawn out at a thousandth of the step: pulses that begin and end before, in and after
+    a step of 20 ms, from any level.
+    """
+    rng, step = np.random.default_rng(seed), 0.02
+    times = np.linspace(0.0, step, 20001)
+    for _ in range(30):
+        opens = rng.uniform(-0.02, step)
+        closes, level, curve = opens + rng.uniform(0.0, 0.03), rng.uniform(), []
+        start, change = level, times[1]
+        for t in times:
+            curve.append(level)
+            valve = opens <= t < closes
+            level = min(level + change / RISE, 1.0) if valve else max(level - change / DECAY, 0.0)
+        mean, slope, end = linear_level(start, RISE, DECAY, 0.0, step, opens, closes)
+        line = mean + slope * (times - 0.5 * step)
+        assert np.trapezoid(line, times) == pytest.approx(np.trapezoid(curve, times), abs=1e-4 * step)
+        moments = [np.trapezoid(kind * times, times) for kind in (line, np.array(curve))]
+        assert moments[0] == pytest.approx(moments[1], abs=1e-4 * step**2)
+        assert end == pytest.approx(curve[-1], abs=3e-4)
 
 
 def run(rcs, valves, duration, step):

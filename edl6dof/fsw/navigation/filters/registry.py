@@ -12,10 +12,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from edl6dof.fsw.navigation.filters import given
+from edl6dof.config.base import group
+from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given
+from edl6dof.fsw.navigation.guard import GuardParams
+from edl6dof.fsw.navigation.parity import ParityParams
+from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.registry import Family
 
-NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER,))
+NAVIGATION_FILTERS = Family("navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER))
 
 #: Index of the member that takes the word of ideal instruments.
 GIVEN = NAVIGATION_FILTERS.names.index("given")
@@ -25,6 +29,10 @@ _Filters: Any = NAVIGATION_FILTERS.params_model("Filters", "filter", "given", "N
 
 class NavigationParams(_Filters):
     """Navigation: the filter, and what all share."""
+
+    parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
+    recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
+    guards: GuardParams = group(GuardParams, "guards of height and vertical")
 
 
 start_filter = NAVIGATION_FILTERS.switch("start", "params", "onboard", "sensed", "solution", "memory")

@@ -1,7 +1,9 @@
 """The models that each of ``vehicle.engines`` may name as its ``model``: how its thrust follows the command.
 
-A member has two kernels.  ``rate(params, engine, t, thrust, command, starting)`` gives the time derivative
-(N/s) of the thrust at time ``t`` (s); ``starting`` says whether the engine starts or is cut off.
+A member has three kernels.  ``goal(params, engine, t, step, command)`` gives what a ``command`` (N) makes the
+thrust strive for over the ``step`` (s) that begins at time ``t`` (s), as a line: its mean (N) and slope (N/s;
+:mod:`edl6dof.vehicle.propulsion.line_in_step`).  ``rate(params, engine, goal, thrust, starting)`` gives the
+time derivative (N/s) of the thrust; ``starting`` says whether the engine starts or is cut off.
 ``specific_impulse(params, engine, thrust)`` gives it in s.  ``params`` are the member's own, ``engine`` what
 all engines have.
 """
@@ -17,5 +19,6 @@ EngineChoice = ENGINE_MODELS.params_model(
     "EngineChoice", "model", "throttled", "How the thrust of an engine follows its command.", bare=True
 )
 
-rate_of_model = ENGINE_MODELS.switch("rate", "params", "engine", "t", "thrust", "command", "starting")
+goal_of_model = ENGINE_MODELS.switch("goal", "params", "engine", "t", "step", "command")
+rate_of_model = ENGINE_MODELS.switch("rate", "params", "engine", "goal", "thrust", "starting")
 specific_impulse_of_model = ENGINE_MODELS.switch("specific_impulse", "params", "engine", "thrust")

@@ -27,12 +27,18 @@ class ThrottledParams(Hardware):
 
 
 @kernel
-def rate(params, engine, t, thrust, command, starting):
+def goal(params, engine, t, step, command):
+    """The commanded level, all the step."""
+    return command, 0.0
+
+
+@kernel
+def rate(params, engine, goal, thrust, starting):
     """Time derivative of thrust (N/s) towards the commanded level; ``starting`` selects the fast build-up and
     cut-off rate.
     """
     limit = params.start_rate if starting else params.rate
-    return clamp((command - thrust) / params.lag, -limit, limit)
+    return clamp((goal - thrust) / params.lag, -limit, limit)
 
 
 @kernel
@@ -46,6 +52,6 @@ def specific_impulse(params, engine, thrust):
 MEMBER = Member(
     "throttled",
     ThrottledParams,
-    {"rate": rate, "specific_impulse": specific_impulse},
+    {"goal": goal, "rate": rate, "specific_impulse": specific_impulse},
     "first-order valve with a rate limit, engineering model",
 )

@@ -1,0 +1,123 @@
+"""Error-state Kalman filter: position, velocity, attitude, biases of gyros and accelerometers, and the height
+of the ground, corrected by star fixes and by range and speed of each radar beam.
+
+The covariance is carried forward at a low rate, and whenever a reading is taken in; errors that the readings
+share (scale factors and misalignments, bias of a beam's range, of the star tracker) are considered, not
+estimated.
+
+Source: Farrell, Aided Navigation (2008), chapters 5 and 11; considered errors: Schmidt, Advances in Control
+Systems 3 (1966); weights: Karlgaard and Schaub, JGCD 30 (2007).
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.fsw.navigation.filters.kalman.claim import apply_correction, claim
+from edl6dof.fsw.navigation.filters.kalman.process_noise import add_process_noise, mind_exclusions
+from edl6dof.fsw.navigation.filters.kalman.radar import count_usable, look_at_radar
+from edl6dof.fsw.navigation.filters.kalman.stars import look_at_stars
+from edl6dof.fsw.navigation.filters.kalman.start import begin
+from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE
+from edl6dof.fsw.navigation.filters.kalman.transition import (
+    accumulate,
+    begin_interval,
+    fill_transition,
+    move_covariance,
+)
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import take3
+
+
+class ErrorStateParams(Params):
+    """Error-state Kalman filter."""
+
+    covariance_interval_s: float = param(
+        1.0, "longest time between two steps of the covariance", gt=0.0, le=10.0
+    )
+    radar_interval_s: float = param(0.1, "time between two looks at the radar that are used", ge=0.0, le=10.0)
+    star_interval_s: float = param(1.0, "time between two star fixes that are used", ge=0.0, le=100.0)
+    gate: float = param(
+        4.0, "standard deviations of an innovation beyond which a reading is refused", ge=2.0, le=20.0
+    )
+    huber: float = param(2.5, "those beyond which it counts less than fully", ge=1.0, le=20.0)
+    patience: int = param(
+        10,
+        "looks in a row that refuse most beams, after which the solution is taken to be wrong instead",
+        ge=1,
+        le=1000,
+    )
+    terrain_sigma_m: float = param(
+        300.0,
+        "standard deviation of the ground below against the landing site, at the start",
+        status="estimate",
+        gt=0.0,
+        le=10e3,
+    )
+    terrain_change_m: float = param(
+        5.0,
+        "standard deviation of how much the ground rises or falls over 1 km",
+        status="estimate",
+        gt=0.0,
+        le=1000.0,
+    )
+    unknown_rate_deg_s: float = param(
+        60.0, "rate, one sigma, taken for what gyros at the end of their range miss", ge=0.0, le=1000.0
+    )
+    unknown_force_m_s2: float = param(
+        50.0, "specific force, one sigma, that accelerometers at the end of theirs miss", ge=0.0, le=1000.0
+    )
+
+
+@kernel
+def start(params, onboard, sensed, solution, memory):
+    """Begin with what ground tracking, star tracker and the sheets of the instruments promise."""
+    begin(params, onboard.instruments, solution, memory)
+    claim(onboard.planet, memory.covariance, solution)
+
+
+@kernel
+def correct(params, onboard, health, sensed, motion, solution, memory):
+    """Follow the motion; where it is time to, bring the covariance up to date and take in what star tracker
+    and radar say.
+    """
+    accumulate(params, motion, solution, memory)
+    early = 0.5 * motion.dt
+    stars = sensed.stars.valid != 0 and health.star_tracker != 0
+    stars = stars and sensed.t - memory.stars_t > params.star_interval - early
+    radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
+    radar = radar and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0
+    if stars or radar or memory.interval.dt > params.covariance_interval - early:
+        _carry_forward(params, onboard, health, solution, memory)
+        if stars:
+            look_at_stars(params, onboard, sensed, motion, solution, memory)
+        if radar:
+            look_at_radar(params, onboard, health, sensed, motion, solution, memory)
+        apply_correction(memory, solution)
+        claim(onboard.planet, memory.covariance, solution)
+
+
+@kernel
+def _carry_forward(params, onboard, health, solution, memory):
+    """Bring the covariance up to the time of the solution."""
+    planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
+    mind_exclusions(instruments, health, memory)
+    fill_transition(planet.mu, r_I, memory.interval, memory.transition)
+    move_covariance(memory.transition, memory.considered, memory.moved, memory.covariance)
+    _, _, up, _ = level_axes(planet, r_I, solution.t)
+    spin, v_I = planet.rotation_rate, take3(solution.v_I, 0)
+    v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    add_process_noise(params, instruments, v_rel_I, up, q, memory)
+    begin_interval(memory.interval)
+
+
+MEMBER = Member(
+    "error_state",
+    ErrorStateParams,
+    {"start": start, "correct": correct},
+    "Farrell, Aided Navigation (2008), chapters 5 and 11",
+    memory=ERROR_STATE,
+    reads=("inertial", "stars", "radar", "tracking"),
+)

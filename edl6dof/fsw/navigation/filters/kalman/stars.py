@@ -1,0 +1,28 @@
+"""A star fix: the rotation from the attitude in the solution to the measured one, three scalars.
+
+Source: Markley and Crassidis, Fundamentals of Spacecraft Attitude Determination and Control (2014), 6.2.
+"""
+
+from __future__ import annotations
+
+from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at
+from edl6dof.fsw.navigation.filters.kalman.radar import clear, take_in
+from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, STAR_BIAS
+from edl6dof.jit import kernel
+from edl6dof.spatial.quaternion import axes, conjugate, multiply, rotation_vector
+
+
+@kernel
+def look_at_stars(params, onboard, sensed, motion, solution, memory):
+    """Take in a valid star fix, into covariance and correction."""
+    q, measured = attitude_at(solution, motion, sensed.t), sensed.stars.q_I2B
+    fix = (measured[0], measured[1], measured[2], measured[3])
+    turn = rotation_vector(multiply(fix, conjugate(q)))
+    x, y, z = axes(q)
+    row = memory.row
+    for i in range(3):
+        clear(row)
+        row[ATTITUDE_ERROR + i] = 1.0
+        row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
+        take_in(params, onboard.instruments.star_sigma**2, turn[i], memory)
+    memory.stars_t = sensed.t

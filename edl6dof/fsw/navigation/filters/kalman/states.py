@@ -1,0 +1,74 @@
+"""The error state, what is considered beside it, and what the filter remembers.
+
+The error is what the solution lacks: truth = solution + error, and for the attitude C_true = (1 + [psi x]) C
+with C from B to I, psi in I.  The covariance is kept as one array of the states against the states and
+against the considered errors: constants of the instruments, which all readings share, and which the filter
+does not estimate but does not forget either.
+
+Source: S. F. Schmidt, "Application of state-space methods to navigation problems", Advances in Control
+Systems 3 (1966); Farrell, Aided Navigation (2008), chapter 11.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.records import COUNT, whole
+
+#: First place of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m.
+POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN = 0, 3, 6, 9, 12, 15
+STATES = 16
+#: First place of the considered errors.  Scale and misalignment: what a rate of one about each axis of B in
+#: turn adds to the measured one, B; likewise of the specific force.  Scale of all ranges, of all speeds along
+#: beams; bias of the star tracker (rad, B); bias of the range of each beam (m).
+GYRO_SCALE, ACCELEROMETER_SCALE = 16, 25
+RANGE_SCALE, SPEED_SCALE, STAR_BIAS, RANGE_BIAS = 34, 35, 36, 39
+WIDTH = RANGE_BIAS + MAX_BEAMS
+#: How many of the states move within an interval, and how many errors may act on them: the first of each.
+MOVING, ACTING = 9, 34
+
+#: What moved since the covariance was last brought up to date.
+INTERVAL = np.dtype(
+    [
+        ("dt", "f8"),  # s
+        ("gain", "f8", (3,)),  # m/s, I: integral of the specific force
+        ("path", "f8", (3,)),  # m, I: integral of that
+        ("frame", "f8", (3, 3)),  # s: integral of the matrix from B to I
+        # of that matrix times the rate about each axis of B in turn (rad), and times the force (m/s)
+        ("turned", "f8", (3, 3, 3)),
+        ("pushed", "f8", (3, 3, 3)),
+        ("unknown_turn", "f8"),  # rad2: variance of a turn that no gyro followed, about each axis
+        ("unknown_gain", "f8"),  # m2/s2: likewise of the velocity
+    ],
+    align=True,
+)
+
+ERROR_STATE = np.dtype(
+    [
+        ("covariance", "f8", (STATES, WIDTH)),
+        ("considered", "f8", (WIDTH,)),  # variances, from place STATES on
+        ("correction", "f8", (STATES,)),  # estimated error, not yet taken out of the solution
+        ("interval", INTERVAL),
+        # inverse of H'H of the instruments in use, B: variance of three axes over that of one instrument
+        ("gyro_spread", "f8", (3, 3)),
+        ("accelerometer_spread", "f8", (3, 3)),
+        ("gyros_in_use", whole(0, 2**MAX_GYROS - 1)),  # a bit for each
+        ("accelerometers_in_use", whole(0, 2**MAX_ACCELEROMETERS - 1)),
+        ("unknown_rate_time", "f8"),  # s: how long the rate has not been known
+        ("unknown_force_time", "f8"),  # s
+        ("stars_t", "f8"),  # s: flight time of the last star fix used
+        ("radar_t", "f8"),  # s: and of the last look at the radar
+        ("ranges_refused", COUNT),  # looks in a row in which most beams were refused
+        ("speeds_refused", COUNT),
+        # workspace
+        ("transition", "f8", (MOVING, ACTING)),
+        ("moved", "f8", (MOVING, WIDTH)),
+        ("row", "f8", (WIDTH,)),
+        ("product", "f8", (WIDTH,)),
+        ("gain", "f8", (STATES,)),
+        ("height_error", "f8", (MAX_BEAMS,)),
+        ("sorted", "f8", (MAX_BEAMS,)),
+    ],
+    align=True,
+)

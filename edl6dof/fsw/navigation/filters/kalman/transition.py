@@ -1,0 +1,163 @@
+"""How the error state moves between updates: position, velocity, gravity gradient, the specific force that a
+wrong attitude turns, biases, scale and misalignment of the instruments.
+
+Over an interval the specific force and the attitude enter through their integrals alone, which are summed in
+every base cycle, so that the covariance may follow at a low rate.
+
+Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), 12.3; Farrell, Aided
+Navigation (2008), 11.4.
+"""
+
+from __future__ import annotations
+
+from edl6dof.fsw.navigation.filters.kalman.states import (
+    ACCELEROMETER_BIAS,
+    ACCELEROMETER_SCALE,
+    ACTING,
+    ATTITUDE_ERROR,
+    GYRO_BIAS,
+    GYRO_SCALE,
+    MOVING,
+    POSITION,
+    STATES,
+    VELOCITY,
+    WIDTH,
+)
+from edl6dof.jit import kernel
+from edl6dof.spatial.quaternion import axes, from_frame
+from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
+
+
+@kernel
+def accumulate(params, motion, solution, memory):
+    """Take the cycle of ``motion`` into ``memory.interval``."""
+    interval, dt = memory.interval, motion.dt
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    gained, before = from_frame(q, take3(motion.gain, 0)), take3(interval.gain, 0)
+    put3(interval.path, 0, add(take3(interval.path, 0), scale(dt, add(before, scale(0.5, gained)))))
+    put3(interval.gain, 0, add(before, gained))
+    frame = axes(q)
+    for j in range(3):
+        for i in range(3):
+            interval.frame[i, j] += dt * frame[j][i]
+            for k in range(3):
+                interval.turned[k, i, j] += motion.angle[k] * frame[j][i]
+                interval.pushed[k, i, j] += motion.gain[k] * frame[j][i]
+    interval.dt += dt
+    # an error that lasts: its variance grows with the square of the time
+    memory.unknown_rate_time = 0.0 if motion.rate_known != 0 else memory.unknown_rate_time + dt
+    interval.unknown_turn += params.unknown_rate**2 * 2.0 * memory.unknown_rate_time * dt
+    memory.unknown_force_time = 0.0 if motion.force_known != 0 else memory.unknown_force_time + dt
+    interval.unknown_gain += params.unknown_force**2 * 2.0 * memory.unknown_force_time * dt
+
+
+@kernel
+def begin_interval(interval):
+    """Nothing has moved yet."""
+    interval.dt, interval.unknown_turn, interval.unknown_gain = 0.0, 0.0, 0.0
+    for i in range(3):
+        interval.gain[i] = 0.0
+        interval.path[i] = 0.0
+        for j in range(3):
+            interval.frame[i, j] = 0.0
+            for k in range(3):
+                interval.turned[k, i, j] = 0.0
+                interval.pushed[k, i, j] = 0.0
+
+
+@kernel
+def _turned(transition, to, of, v, factor):
+    """Write factor [v x] into the block (to, of)."""
+    x, y, z = factor * v[0], factor * v[1], factor * v[2]
+    transition[to, of + 1], transition[to, of + 2] = -z, y
+    transition[to + 1, of], transition[to + 1, of + 2] = z, -x
+    transition[to + 2, of], transition[to + 2, of + 1] = -y, x
+
+
+@kernel
+def fill_transition(mu, r_I, interval, transition):
+    """Write the rows of the moving states of the transition matrix of an ``interval``.
+
+    To second order in its length, with the mean of attitude and force over it where they meet each other.
+    """
+    dt, gain, path, frame = interval.dt, take3(interval.gain, 0), take3(interval.path, 0), interval.frame
+    for i in range(MOVING):
+        for j in range(ACTING):
+            transition[i, j] = 0.0
+    square = dot(r_I, r_I)
+    rate2 = mu / square**1.5
+    for i in range(3):
+        for j in range(3):
+            gradient = rate2 * (3.0 * r_I[i] * r_I[j] / square - (1.0 if i == j else 0.0))
+            transition[POSITION + i, POSITION + j] = 0.5 * dt * dt * gradient
+            transition[VELOCITY + i, POSITION + j] = dt * gradient
+            transition[VELOCITY + i, VELOCITY + j] = 0.5 * dt * dt * gradient
+        transition[POSITION + i, VELOCITY + i] = dt
+        transition[POSITION + i, POSITION + i] += 1.0
+        transition[VELOCITY + i, VELOCITY + i] += 1.0
+        transition[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] = 1.0
+    _turned(transition, POSITION, ATTITUDE_ERROR, path, -1.0)
+    _turned(transition, VELOCITY, ATTITUDE_ERROR, gain, -1.0)
+    _act_on_attitude(frame, gain, path, GYRO_BIAS, transition)
+    _act_on_velocity(frame, dt, ACCELEROMETER_BIAS, transition)
+    for k in range(3):
+        _act_on_attitude(interval.turned[k], gain, path, GYRO_SCALE + 3 * k, transition)
+        _act_on_velocity(interval.pushed[k], dt, ACCELEROMETER_SCALE + 3 * k, transition)
+
+
+@kernel
+def _act_on_attitude(turned, gain, path, of, transition):
+    """Write what a wrong turn, less ``turned`` times three errors from place ``of``, does to attitude,
+    velocity and position.
+    """
+    for j in range(3):
+        column = (turned[0, j], turned[1, j], turned[2, j])
+        _put_column(transition, ATTITUDE_ERROR, of + j, scale(-1.0, column))
+        _put_column(transition, VELOCITY, of + j, scale(0.5, cross(gain, column)))
+        _put_column(transition, POSITION, of + j, scale(1.0 / 3.0, cross(path, column)))
+
+
+@kernel
+def _act_on_velocity(pushed, dt, of, transition):
+    """Write what a wrong gain, less ``pushed`` times three errors from place ``of``, does to velocity and
+    position.
+    """
+    for i in range(3):
+        for j in range(3):
+            transition[VELOCITY + i, of + j] = -pushed[i, j]
+            transition[POSITION + i, of + j] = -0.5 * dt * pushed[i, j]
+
+
+@kernel
+def _put_column(a, row, column, v):
+    """Write a vector into a column of a matrix."""
+    a[row, column], a[row + 1, column], a[row + 2, column] = v
+
+
+@kernel
+def move_covariance(transition, considered, moved, covariance):
+    """Covariance after the transition: F P F', of which only the rows of the moving states differ from P."""
+    for i in range(MOVING):
+        for k in range(WIDTH):
+            moved[i, k] = 0.0
+        for j in range(STATES):
+            factor = transition[i, j]
+            if factor != 0.0:
+                for k in range(WIDTH):
+                    moved[i, k] += factor * covariance[j, k]
+        for j in range(STATES, ACTING):
+            factor = transition[i, j]
+            for k in range(STATES):
+                moved[i, k] += factor * covariance[k, j]
+            moved[i, j] += factor * considered[j]
+    for i in range(MOVING):
+        for k in range(MOVING, WIDTH):
+            covariance[i, k] = moved[i, k]
+        for k in range(MOVING, STATES):
+            covariance[k, i] = moved[i, k]
+        for k in range(i + 1):
+            value = 0.0
+            for j in range(ACTING):
+                value += moved[i, j] * transition[k, j]
+            covariance[i, k] = value
+            covariance[k, i] = value

@@ -1,0 +1,158 @@
+"""From the readings of an inertial unit to the motion of the body: what all gyros and accelerometers in use
+say together, without those that failed, less the believed biases, brought to the centre of mass.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.navigation.bridge import BRIDGE, bridge, bridged_roll
+from edl6dof.fsw.navigation.parity import NONE, PARITY, look_at_parity, restart
+from edl6dof.fsw.navigation.redundancy import (
+    REDUNDANT,
+    least_squares,
+    prepare,
+    take_increments,
+    usable,
+    without_one,
+)
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG
+from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
+
+#: What is remembered of the inertial unit.
+INERTIAL_MEMORY = np.dtype(
+    [
+        ("t", "f8"),  # s, flight time of the last reading
+        ("first", "f8"),  # s, flight time of the first one
+        ("begun", FLAG),  # whether there was one
+        ("gyros", REDUNDANT),
+        ("accelerometers", REDUNDANT),
+        ("gyro_parity", PARITY),
+        ("accelerometer_parity", PARITY),
+        ("bridge", BRIDGE),
+    ],
+    align=True,
+)
+
+
+@kernel
+def take_reading(instruments, t, inertial, memory):
+    """Difference the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s) since the
+    last reading, 0 while there is no new one: the first one is handed out until an older one has arrived.
+    """
+    if memory.begun == 0:
+        memory.begun, memory.first, memory.t = 1, t, t
+    before = memory.t
+    memory.t = max(t - instruments.unit_delay, memory.first)
+    take_increments(inertial.angle, instruments.n_gyros, memory.gyros)
+    take_increments(inertial.gain, instruments.n_accelerometers, memory.accelerometers)
+    return memory.t - before
+
+
+@kernel
+def read_motion(params, instruments, centre, dt, inertial, solution, health, memory, motion):
+    """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds.
+
+    Args:
+        params: ``NavigationParams`` record.
+        instruments: ``INSTRUMENTS`` record.
+        centre: believed centre of mass, m, B.
+        dt: since the last reading, s, positive.
+        inertial: ``INERTIAL`` record.
+        solution: ``SOLUTION`` record, of which the biases are used.
+        health: ``INSTRUMENT_HEALTH`` record, updated.
+        memory: ``INERTIAL_MEMORY`` record, updated.
+    """
+    put3(motion.last_angle, 0, take3(motion.angle, 0))
+    put3(motion.last_gain, 0, scale(dt / motion.dt if motion.dt > 0.0 else 0.0, take3(motion.gain, 0)))
+    motion.dt = dt
+    rate_before = take3(motion.rate, 0)
+    gain = _force(params, instruments, dt, inertial, solution, health, memory, motion)
+    known_before = motion.rate_known
+    _rotation(params, instruments, dt, inertial, solution, health, memory, motion)
+    if motion.rate_known == 0:
+        bridge(gain, take3(motion.last_gain, 0), dt, memory.bridge, motion)
+    elif known_before == 0:
+        motion.angle[0] += bridged_roll(motion.rate[0], memory.bridge)
+    # from the unit to the centre of mass
+    arm, angle = sub(take3(instruments.unit_position, 0), centre), take3(motion.angle, 0)
+    turned = scale(1.0 / dt, cross(angle, cross(angle, arm)))
+    if known_before != 0 and motion.rate_known != 0:
+        turned = add(turned, cross(sub(take3(motion.rate, 0), rate_before), arm))
+    put3(motion.gain, 0, sub(gain, turned))
+
+
+@kernel
+def _force(params, instruments, dt, inertial, solution, health, memory, motion):
+    """Velocity gained at the unit (m/s, B); the one of the cycle before while too few accelerometers read."""
+    axis, number, redundant = (
+        instruments.accelerometer_axis,
+        instruments.n_accelerometers,
+        memory.accelerometers,
+    )
+    in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)
+    _choose(params.parity, axis, number, in_use, redundant, memory.accelerometer_parity)
+    motion.force_known = redundant.solvable
+    if redundant.solvable == 0:
+        return take3(motion.last_gain, 0)
+    new = instruments.accelerometer_noise**2 * dt + instruments.accelerometer_step**2 / 6.0
+    age = memory.t - memory.first
+    lasting = (instruments.accelerometer_bias**2 + instruments.accelerometer_bias_walk**2 * age) * dt * dt
+    gain, _, failed = _combine(
+        params.parity, axis, number, new, lasting, instruments.accelerometer_scale, dt, redundant,
+        memory.accelerometer_parity,
+    )  # fmt: skip
+    if failed != NONE:
+        health.accelerometer[failed], health.accelerometer_excluded[failed] = 0, memory.t
+    return sub(gain, scale(dt, take3(solution.accelerometer_bias, 0)))
+
+
+@kernel
+def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
+    """Angle turned through and rate at the end into ``motion``; both stay while too few gyros read."""
+    axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
+    in_use = usable(number, health.gyro, inertial.gyro_saturated)
+    _choose(params.parity, axis, number, in_use, redundant, memory.gyro_parity)
+    motion.rate_known = redundant.solvable
+    if redundant.solvable == 0:
+        return
+    new = instruments.gyro_noise**2 * dt + instruments.gyro_step**2 / 6.0
+    age = memory.t - memory.first
+    lasting = (instruments.gyro_bias**2 + instruments.gyro_bias_walk**2 * age) * dt * dt
+    angle, left_out, failed = _combine(
+        params.parity, axis, number, new, lasting, instruments.gyro_scale, dt, redundant, memory.gyro_parity
+    )
+    if failed != NONE:
+        health.gyro[failed], health.gyro_excluded[failed] = 0, memory.t
+    rate = least_squares(redundant, number, inertial.rate)
+    if left_out != NONE:
+        rate = without_one(axis, redundant, left_out, inertial.rate, rate)
+    bias = take3(solution.gyro_bias, 0)
+    put3(motion.angle, 0, sub(angle, scale(dt, bias)))
+    put3(motion.rate, 0, sub(rate, bias))
+
+
+@kernel
+def _choose(params, axis, number, in_use, redundant, parity):
+    """Use the set ``in_use`` of instruments."""
+    if in_use != redundant.in_use:
+        prepare(axis, number, in_use, redundant)
+        restart(params, redundant.n_parity, parity)
+
+
+@kernel
+def _combine(params, axis, number, new, lasting, relative, dt, redundant, parity):
+    """What the increments say together, the instrument left out of it and the one found to have failed.
+
+    ``new``, ``lasting``: variances of an increment, from noise and from what stays from cycle to cycle;
+    ``relative``: standard deviation of the latter in proportion to the motion.
+    """
+    vector = least_squares(redundant, number, redundant.increment)
+    if params.enabled == 0:
+        return vector, NONE, NONE
+    lasting += (relative * norm(vector)) ** 2
+    left_out, failed = look_at_parity(params, new, lasting, dt, redundant, number, parity)
+    if left_out != NONE:
+        vector = without_one(axis, redundant, left_out, redundant.increment, vector)
+    return vector, left_out, failed

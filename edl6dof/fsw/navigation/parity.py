@@ -1,0 +1,144 @@
+"""Parity-space test of redundant instruments: whether one has failed, and which.
+
+Two looks in every cycle.  The fast one is at the parity vector p of the cycle: p'p / sigma^2 against
+chi-square.  The slow one is at its low-passed rate, in which noise is small and a small bias or drift is
+not.  Sigma is what is believed of one instrument: noise, and what stays from cycle to cycle (bias, and scale
+factor and misalignment in proportion to the motion, so that a fast turn raises no alarm; the vibration of
+the whole unit is motion that all axes read, and does not show in p).
+The suspect is the one with the largest (p.v)^2 / |v|^2, v its column of V.  It is left out of the cycle at
+once, and excluded for good when the look has accused it for several cycles on end.  With one instrument
+beyond three a fault is seen but is nobody's: it takes two to tell which.
+
+Source: Potter and Deckert 1973 (see :mod:`.redundancy`); isolation as Daly, Gai and Harrison, Generalized
+likelihood test for FDI in redundant sensor configurations, J. Guidance and Control 2(1), 1979.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.chi_square import chi_square_limit
+from edl6dof.fsw.navigation.redundancy import MAX_AXES, MAX_PARITY
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, whole
+
+#: No instrument.
+NONE = -1
+
+
+class ParityParams(Params):
+    """Fault detection of redundant gyros and accelerometers."""
+
+    enabled: bool = param(True, "whether they are tested and excluded")
+    false_alarm: float = param(
+        1e-10, "probability that one look at sound instruments exceeds its limit", gt=1e-100, lt=0.5
+    )
+    persistence_cycles: int = param(
+        5, "looks on end at one cycle each that must accuse the same instrument", ge=1, le=1000
+    )
+    window_s: float = param(10.0, "time constant of the low-passed parity vector", gt=0.0, le=1000.0)
+    slow_persistence_cycles: int = param(
+        25, "looks on end at the low-passed one that must accuse the same instrument", ge=1, le=10000
+    )
+
+
+#: One look: whom it accuses, and for how many cycles on end.
+LOOK = np.dtype(
+    [
+        ("statistic", "f8"),  # p'p / sigma^2
+        ("suspect", whole(NONE, MAX_AXES - 1)),  # index of the instrument
+        ("seen", COUNT),  # cycles on end
+    ],
+    align=True,
+)
+PARITY = np.dtype(
+    [
+        ("limit", "f8"),  # of both statistics
+        ("vector", "f8", (MAX_PARITY,)),  # p of this cycle, in the unit of a count
+        ("mean", "f8", (MAX_PARITY,)),  # p by time, low-passed, in that unit a second
+        ("mean_variance", "f8"),  # of it, for one instrument: from noise
+        ("mean_lasting", "f8"),  # standard deviation from what stays from cycle to cycle
+        ("fast", LOOK),  # at the vector of the cycle
+        ("slow", LOOK),  # at its mean
+    ],
+    align=True,
+)
+
+
+@kernel
+def restart(params, n_parity, memory):
+    """Begin anew with another set of instruments."""
+    memory.limit = chi_square_limit(max(n_parity, 1), params.false_alarm)
+    memory.mean_variance = memory.mean_lasting = 0.0
+    for k in range(MAX_PARITY):
+        memory.vector[k] = memory.mean[k] = 0.0
+    for look in (memory.fast, memory.slow):
+        look.statistic, look.suspect, look.seen = 0.0, NONE, 0
+
+
+@kernel
+def look_at_parity(params, new, lasting, dt, redundant, number, memory):
+    """Both looks at the increments of a cycle of ``dt`` seconds; returns the instrument to leave out of it
+    and the one to exclude for good (``NONE``: none).
+
+    ``new`` and ``lasting``: variances of an increment, from what is new in each and from what stays.
+    """
+    if redundant.n_parity == 0:
+        return NONE, NONE
+    share = min(dt / params.window, 1.0)
+    square = mean_square = 0.0
+    for k in range(redundant.n_parity):
+        p = 0.0
+        for i in range(number):
+            p += redundant.parity[k, i] * redundant.increment[i]
+        memory.vector[k] = p
+        memory.mean[k] += share * (p / dt - memory.mean[k])
+        square += p * p
+        mean_square += memory.mean[k] * memory.mean[k]
+    memory.mean_variance = (1.0 - share) ** 2 * memory.mean_variance + (share / dt) ** 2 * new
+    memory.mean_lasting += share * (sqrt(lasting) / dt - memory.mean_lasting)
+    memory.fast.statistic = square / (new + lasting)
+    memory.slow.statistic = mean_square / (memory.mean_variance + memory.mean_lasting**2)
+    _accuse(memory.limit, memory.vector, redundant, number, memory.fast)
+    _accuse(memory.limit, memory.mean, redundant, number, memory.slow)
+    failed = NONE
+    if memory.slow.seen >= params.slow_persistence_cycles:
+        failed = memory.slow.suspect
+    if memory.fast.seen >= params.persistence_cycles:
+        failed = memory.fast.suspect
+    return memory.fast.suspect, failed
+
+
+@kernel
+def _accuse(limit, vector, redundant, number, look):
+    """Whom a look at ``vector`` accuses."""
+    before = look.suspect
+    look.suspect = NONE
+    if look.statistic > limit and redundant.n_parity > 1:
+        look.suspect = isolate(vector, redundant, number)
+    look.seen = 0 if look.suspect == NONE else (look.seen + 1 if look.suspect == before else 1)
+
+
+@kernel
+def isolate(vector, redundant, number):
+    """The instrument whose failing alone explains most of a parity vector."""
+    found, most = NONE, 0.0
+    for i in range(number):
+        along, square = _along(vector, redundant, i)
+        if square > 1e-6 and along * along > most * square:
+            found, most = i, along * along / square
+    return found
+
+
+@kernel
+def _along(vector, redundant, i):
+    """Scalar product of a parity vector with column ``i`` of V, and the square of the column."""
+    along = square = 0.0
+    for k in range(redundant.n_parity):
+        v = redundant.parity[k, i]
+        along += vector[k] * v
+        square += v * v
+    return along, square

@@ -1,0 +1,132 @@
+"""Several instruments of one kind along axes of their own: the vector that they read, by least squares, and
+what they say against each other.
+
+The matrices belong to the set of instruments in use; they are kept, and made anew when the set changes.
+With axes as rows of H the vector is (H'H)^-1 H' z.  The parity vector p = V z holds what no vector explains:
+V H = 0, V V' = 1, and V upper triangular.
+
+Source: Potter and Deckert, Minimax failure detection and identification in redundant gyro and accelerometer
+systems, J. Spacecraft 10(4), 1973: V is the Cholesky factor of 1 - H (H'H)^-1 H'.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_GYROS
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG, whole
+from edl6dof.spatial.vector import dot, inertia_solve, scale, sub, take3
+
+#: Instruments of one kind, and the most that there can be beyond three.
+MAX_AXES = max(MAX_GYROS, MAX_ACCELEROMETERS)
+MAX_PARITY = MAX_AXES - 3
+#: Least determinant of H'H of axes that span space (orthogonal ones have 1), and least new direction of a row
+#: of V.
+_SPANS, _NEW = 1e-3, 1e-9
+
+REDUNDANT = np.dtype(
+    [
+        ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
+        ("solvable", FLAG),  # whether their axes span space
+        ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
+        ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
+        ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; likewise
+        ("count", "f8", (MAX_AXES,)),  # what each had counted when it was last read
+        ("increment", "f8", (MAX_AXES,)),  # how much it has counted since the time before
+    ],
+    align=True,
+)
+
+
+@kernel
+def usable(number, healthy, saturated):
+    """Bits of those of ``number`` instruments that are ``healthy`` and not ``saturated``."""
+    bits = 0
+    for i in range(number):
+        if healthy[i] != 0 and saturated[i] == 0:
+            bits |= 1 << i
+    return bits
+
+
+@kernel
+def take_increments(counts, number, memory):
+    """Difference the counts of this and the last reading."""
+    for i in range(number):
+        memory.increment[i] = counts[i] - memory.count[i]
+        memory.count[i] = counts[i]
+
+
+@kernel
+def prepare(axis, number, in_use, memory):
+    """Make the matrices of ``memory`` (``REDUNDANT``) for the set ``in_use`` of ``number`` instruments along
+    ``axis`` (rows of H).
+    """
+    memory.in_use, memory.n_parity, memory.solvable = in_use, 0, 0
+    xx = yy = zz = xy = xz = yz = 0.0
+    for i in range(number):
+        if in_use >> i & 1:
+            x, y, z = take3(axis[i], 0)
+            xx, yy, zz = xx + x * x, yy + y * y, zz + z * z
+            xy, xz, yz = xy + x * y, xz + x * z, yz + y * z
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - xz * yz) + xz * (xy * yz - xz * yy)
+    if determinant < _SPANS:
+        return
+    memory.solvable = 1
+    for i in range(number):
+        column = (0.0, 0.0, 0.0)
+        if in_use >> i & 1:
+            column = inertia_solve((xx, yy, zz, xy, xz, yz), take3(axis[i], 0))
+        for k in range(3):
+            memory.inverse[k, i] = column[k]
+    _factor(axis, number, in_use, memory)
+
+
+@kernel
+def _factor(axis, number, in_use, memory):
+    """Cholesky factor V of 1 - H (H'H)^-1 H', a row for each instrument that adds a direction."""
+    inverse, parity = memory.inverse, memory.parity
+    row = 0
+    for i in range(number):
+        if row == MAX_PARITY or not in_use >> i & 1:
+            continue
+        root = 0.0
+        for j in range(number):
+            parity[row, j] = 0.0
+            if j < i or not in_use >> j & 1:
+                continue
+            left = 1.0 if j == i else 0.0
+            for k in range(3):
+                left -= axis[i, k] * inverse[k, j]
+            for k in range(row):
+                left -= parity[k, i] * parity[k, j]
+            if j == i:
+                root = sqrt(left) if left > _NEW else 0.0
+            if root > 0.0:
+                parity[row, j] = left / root
+        if root > 0.0:
+            row += 1
+    memory.n_parity = row
+
+
+@kernel
+def least_squares(memory, number, readings):
+    """The vector (B) that best explains the readings of those in use."""
+    x = y = z = 0.0
+    for i in range(number):
+        reading = readings[i]
+        x += memory.inverse[0, i] * reading
+        y += memory.inverse[1, i] * reading
+        z += memory.inverse[2, i] * reading
+    return x, y, z
+
+
+@kernel
+def without_one(axis, memory, left_out, readings, vector):
+    """The least squares ``vector`` of ``readings`` as it is without the instrument ``left_out``."""
+    a = take3(axis[left_out], 0)
+    column = (memory.inverse[0, left_out], memory.inverse[1, left_out], memory.inverse[2, left_out])
+    excess = (readings[left_out] - dot(a, vector)) / (1.0 - dot(a, column))
+    return sub(vector, scale(excess, column))

@@ -1,0 +1,67 @@
+"""What the flight computer believes of the instruments that fly: their nominal places and axes, and the
+standard deviations that the errors of each case are drawn from.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from edl6dof.config.dtype import in_si
+from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.frames import ned_to_fixed
+
+
+def believe_instruments(record: np.void, scenario: Scenario) -> None:
+    """Fill an ``INSTRUMENTS`` record of zeros; what does not fly stays zero."""
+    sensors = scenario.sensors
+    if "inertial_unit" in sensors.flown:
+        unit = in_si(sensors.inertial_unit)
+        record["unit_position"] = unit["position"]
+        record["unit_delay"] = unit["delay_cycles"] / scenario.flight_software.rates.base_hz
+        _believe_axes(record, "gyro", unit["gyros"])
+        _believe_axes(record, "accelerometer", unit["accelerometers"])
+    if "star_tracker" in sensors.flown:
+        stars = in_si(sensors.star_tracker)
+        square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
+        record["star_sigma"] = np.sqrt(square + stars["misalignment"] ** 2)
+    if "ground_tracking" in sensors.flown:
+        ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
+        record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)
+        record["tracking_velocity_sigma"] = np.sqrt(ground["velocity"] ** 2 @ axes**2)
+    if "radar" in sensors.flown:
+        _believe_radar(record, in_si(sensors.radar))
+
+
+def _believe_radar(record: np.void, radar: np.void) -> None:
+    """Antenna, beams, and the errors of one beam: noise and what the copy that flies has for good."""
+    beams = radar["n_beams"]
+    record["antenna_position"], record["n_beams"] = radar["position"], beams
+    record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
+    record["range_sigma"] = np.hypot(radar["range_noise"], radar["reflectivity"])
+    record["range_sigma_relative"] = np.hypot(radar["range_noise_relative"], radar["range_scale"])
+    record["speed_sigma"] = radar["speed_noise"]
+    record["speed_sigma_relative"] = np.hypot(radar["speed_noise_relative"], radar["speed_scale"])
+
+
+def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
+    """Gyros or accelerometers: the fields that begin with ``kind``."""
+    count = given["n_axes"]
+    record[f"n_{kind}s"] = count
+    record[f"{kind}_axis"][:count] = given["axes"]["axis"][:count]
+    record[f"{kind}_scale"] = np.hypot(given["scale"], given["misalignment"])
+    record[f"{kind}_step"] = given["quantum"]
+    for name in ("range", "noise", "bias", "bias_walk"):
+        record[f"{kind}_{name}"] = given[name]
+
+
+def _orbit_axes(scenario: Scenario) -> np.ndarray:
+    """Up, along the ground track and across it, at the initial state, as rows in I (as F at t = 0)."""
+    initial = scenario.initial
+    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
+    place = (sin(lat), cos(lat), sin(lon), cos(lon))
+    north, east, _ = initial.velocity_ned
+    ahead = np.array([north, east]) / (np.hypot(north, east) or 1.0)
+    in_ned = ((0.0, 0.0, -1.0), (*ahead, 0.0), (-ahead[1], ahead[0], 0.0))
+    return np.array([ned_to_fixed(*place, row) for row in in_ned])

@@ -1,0 +1,372 @@
+"""A made-up Mars landing for navigation filters: entry, parachute from 7 km, powered descent, hover,
+touchdown, flown over the believed planet, with instruments that err as the flight computer believes.
+
+The solution is integrated by the rule by which the truth was made, so that instruments alone make errors.
+"""
+
+import numpy as np
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.navigation.filters.error_state import ErrorStateParams, correct, start
+from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE, STATES
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.interface.sensed import SENSED
+from edl6dof.jit import kernel
+from edl6dof.spatial.frames import from_geodetic
+from edl6dof.spatial.quaternion import (
+    about_axis,
+    conjugate,
+    from_axes,
+    from_frame,
+    multiply,
+    normalise,
+    rotation_vector,
+    to_frame,
+)
+
+DT = 0.05
+MU, RADIUS, SPIN = 4.282837e13, 3396190.0, 7.088218e-5
+FLATTENING = 1.0 / 169.89
+LATITUDE, LONGITUDE, SITE = np.radians(25.0), np.radians(110.0), -4100.0
+ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
+
+
+def onboard_record():
+    """Belief: planet, site and instruments with the error figures of the sheets."""
+    record = np.zeros(1, ONBOARD)
+    planet, site, unit = record[0]["planet"], record[0]["site"], record[0]["instruments"]
+    planet["mu"], planet["equatorial_radius"] = MU, RADIUS
+    planet["flattening"], planet["rotation_rate"] = FLATTENING, SPIN
+    site["altitude"] = SITE
+    tilt = np.radians(54.7356)
+    for k in range(6):
+        around = k * np.pi / 3.0
+        axis = np.cos(tilt), np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around)
+        unit["gyro_axis"][k] = unit["accelerometer_axis"][k] = axis
+    unit["n_gyros"] = unit["n_accelerometers"] = 6
+    degree_per_hour = np.radians(1.0) / 3600.0
+    unit["gyro_noise"] = np.radians(0.01) / 60.0
+    unit["gyro_bias"], unit["gyro_bias_walk"] = 0.03 * degree_per_hour, 0.003 * degree_per_hour / 60.0
+    unit["gyro_scale"] = 5e-5
+    unit["accelerometer_noise"] = 20e-6 * 9.81
+    unit["accelerometer_bias"], unit["accelerometer_bias_walk"] = 30e-6 * 9.81, 1e-6 * 9.81 / 60.0
+    unit["accelerometer_scale"] = 7e-5
+    unit["star_sigma"], unit["star_bias"] = np.radians(0.005), np.radians(0.004)
+    unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
+    unit["antenna_position"] = ARM
+    lean = np.radians(25.0)
+    for k in range(4):
+        around = np.pi / 4.0 + k * np.pi / 2.0
+        unit["beam_axis"][k] = np.cos(lean), np.sin(lean) * np.cos(around), np.sin(lean) * np.sin(around)
+    unit["n_beams"] = 4
+    unit["range_sigma"], unit["range_sigma_relative"] = 0.1, 0.01 / 3.0
+    unit["speed_sigma"], unit["speed_sigma_relative"] = 0.1 / 3.0, 0.01 / 3.0
+    unit["range_bias"], unit["range_scale"], unit["speed_scale"] = 0.1, 0.001, 0.0003
+    return record
+
+
+def params_record(**changes):
+    record = np.zeros(1, dtype_of(ErrorStateParams))
+    fill(record[0], ErrorStateParams(**changes))
+    return record
+
+
+@kernel
+def _axes_at(x, down, bank):
+    """Attitude with ``x`` forward, z as far down as may be, then rolled by ``bank``."""
+    y = np.cross(down, x)
+    y /= np.sqrt(np.sum(y * y))
+    z = np.cross(x, y)
+    turned = from_axes((x[0], x[1], x[2]), (y[0], y[1], y[2]), (z[0], z[1], z[2]))
+    return multiply(turned, about_axis((1.0, 0.0, 0.0), bank))
+
+
+@kernel
+def _bank(t):
+    """A bank that is reversed three times."""
+    return 1.0 * np.tanh(np.sin(2.0 * np.pi * t / 150.0) * 6.0)
+
+
+@kernel
+def _falling_speed(h):
+    """Downward speed of the descent by height above the site."""
+    if h > 1200.0:
+        return 95.0
+    if h > 100.0:
+        return min(95.0, np.sqrt(2.0 * 4.0 * (h - 100.0)) + 2.0)
+    if h > 20.0:
+        return min(np.sqrt(1.0 * (h - 20.0)) + 1.5, 2.0)
+    return 1.5
+
+
+@kernel
+def fly_truth(onboard, r, v, steps, entry):
+    """True states and increments of the cycles: r, v, q, angle, gain, height above the site."""
+    planet = onboard.planet
+    rs, vs, qs = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros((steps, 4))
+    angles, gains, heights = np.zeros((steps, 3)), np.zeros((steps, 3)), np.zeros(steps)
+    q = (1.0, 0.0, 0.0, 0.0)
+    for k in range(steps):
+        t = k * DT
+        north, east, up, altitude = level_axes(planet, (r[0], r[1], r[2]), t)
+        up, east, north = np.array(up), np.array(east), np.array(north)
+        v_rel = np.array([v[0] + SPIN * r[1], v[1] - SPIN * r[0], v[2]])
+        g = -MU / np.sum(r * r) ** 1.5 * r
+        h = altitude - onboard.site.altitude
+        if entry:
+            speed = np.sqrt(np.sum(v_rel * v_rel))
+            drag = 0.016 * np.exp(-altitude / 10e3) * speed**2 / (2.0 * 110.0)
+            new = _axes_at(v_rel / speed, -up, _bank(t))
+            pull = from_frame(new, (-drag, 0.0, -0.24 * drag))
+            f = np.array(pull)
+        else:
+            goal = -_falling_speed(h) * up + (12.0 * east + 5.0 * north) * min(h / 3000.0, 1.0)
+            f = (goal - v_rel) / (3.0 if h > 1200.0 else 0.8) - g
+            swing = np.radians(6.0) * min(h / 3000.0, 1.0) * np.sin(2.5 * t)
+            new = _axes_at(-f / np.sqrt(np.sum(f * f)), east, 0.3 * np.sin(0.1 * t))
+            new = multiply(new, about_axis((0.0, 1.0, 0.0), swing))
+            new = multiply(new, about_axis((0.0, 0.0, 1.0), 0.7 * swing))
+        new = normalise(new)
+        if k > 0:
+            angle = rotation_vector(multiply(conjugate(q), new))
+            half = multiply(q, (1.0, 0.25 * angle[0], 0.25 * angle[1], 0.25 * angle[2]))
+            angles[k] = np.array(angle)
+        q = new
+        rs[k], vs[k], qs[k], heights[k] = r, v, np.array(q), h
+        if k > 0:
+            gained = (vs[k] - vs[k - 1]) - DT * (-MU / np.sum(rs[k - 1] ** 2) ** 1.5 * rs[k - 1])
+            gains[k] = np.array(to_frame(normalise(half), (gained[0], gained[1], gained[2])))
+        later = v + DT * (f + g)
+        r = r + 0.5 * DT * (v + later)
+        v = later
+    return rs, vs, qs, angles, gains, heights
+
+
+def truth(onboard, entry):
+    """The entry, 300 s from 125 km; or the descent, from 7 km above the site to the ground."""
+    above = 125e3 if entry else SITE + 7000.0
+    r = np.array(from_geodetic(RADIUS, FLATTENING, LATITUDE, LONGITUDE, above))
+    north, east, up, _ = (np.array(axis) for axis in level_axes(onboard[0]["planet"], tuple(r), 0.0))
+    fall, across = (-4750.0 * np.sin(np.radians(11.0)), 4750.0 * np.cos(np.radians(11.0)))
+    v_rel = fall * up + across * east if entry else -120.0 * up + 60.0 * east
+    v = v_rel + np.array([-SPIN * r[1], SPIN * r[0], 0.0])
+    steps = int(300.0 / DT) if entry else int(250.0 / DT)
+    flown = fly_truth(onboard[0], r, v, steps, entry)
+    if entry:
+        return flown
+    down = int(np.argmax(flown[5] < 0.5))
+    assert down > 0
+    return tuple(column[:down] for column in flown)
+
+
+@kernel
+def true_range(u, up, height):
+    """Range along ``u`` to a sphere of the planet's radius."""
+    c = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
+    far = RADIUS + height
+    return far * c - np.sqrt(RADIUS**2 - far**2 * (1.0 - c * c))
+
+
+@kernel
+def strapdown(onboard, motion, solution):
+    """One cycle of the solution, by the rule by which the truth was made."""
+    r, v = solution.r_I.copy(), solution.v_I.copy()
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    a = motion.angle
+    half = normalise(multiply(q, (1.0, 0.25 * a[0], 0.25 * a[1], 0.25 * a[2])))
+    gained = from_frame(half, (motion.gain[0], motion.gain[1], motion.gain[2]))
+    size = np.sqrt(np.sum(a * a))
+    if size > 0.0:
+        q = multiply(q, about_axis((a[0] / size, a[1] / size, a[2] / size), size))
+    g = -MU / np.sum(r * r) ** 1.5 * r
+    later = v + DT * g + np.array(gained)
+    solution.r_I[:] = r + 0.5 * DT * (v + later)
+    solution.v_I[:] = later
+    solution.q_I2B[:] = np.array(normalise(q))
+    solution.t += DT
+
+
+@kernel
+def draw_unit(unit, size, rng):
+    """Errors of the instruments of one flight: biases (B) and matrices of scale and misalignment of gyros and
+    accelerometers, bias of the star tracker, scales and biases of the radar.  ``size``: factor of all.
+    """
+    half = size * np.sqrt(0.5)  # six instruments on a cone: H'H = 2
+    return (
+        half * unit.gyro_bias * rng.standard_normal(3),
+        half * unit.accelerometer_bias * rng.standard_normal(3),
+        half * unit.gyro_scale * rng.standard_normal((3, 3)),
+        half * unit.accelerometer_scale * rng.standard_normal((3, 3)),
+        size * unit.star_bias * rng.standard_normal(3),
+        size * unit.range_scale * rng.standard_normal(),
+        size * unit.speed_scale * rng.standard_normal(),
+        size * unit.range_bias * rng.standard_normal(unit.n_beams),
+    )
+
+
+@kernel
+def star_fix(unit, q, bias, size, rng):
+    """What the star tracker says of the attitude ``q``."""
+    noise = size * unit.star_sigma * rng.standard_normal(3)
+    turned = from_frame(q, (bias[0], bias[1], bias[2]))
+    e = 0.5 * (noise + np.array(turned))
+    return normalise(multiply((1.0, e[0], e[1], e[2]), q))
+
+
+@kernel
+def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, radar, rng):
+    """Fill ``radar``; ``looks``: state of each beam (0 sound, 1 lost, 2 locked on something 60 m away)."""
+    unit, planet = onboard.instruments, onboard.planet
+    arm = np.array(ARM) - np.array(CENTRE)
+    place = r + np.array(from_frame(q, (arm[0], arm[1], arm[2])))
+    turning = np.cross(rate, arm)
+    swing = np.array(from_frame(q, (turning[0], turning[1], turning[2])))
+    _, _, up, altitude = level_axes(planet, (place[0], place[1], place[2]), t)
+    height = altitude - onboard.site.altitude - terrain
+    velocity = v + swing - np.array([-SPIN * place[1], SPIN * place[0], 0.0])
+    radar.fresh = 5.0 < height < 7500.0
+    for b in range(unit.n_beams):
+        axis = unit.beam_axis[b]
+        u = np.array(from_frame(q, (axis[0], axis[1], axis[2])))
+        slope = -(u[0] * up[0] + u[1] * up[1] + u[2] * up[2])
+        reach, speed = true_range(u, up, height), np.sum(u * velocity)
+        ground = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
+        noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * rng.standard_normal()
+        noise += size * ground / slope * rng.standard_normal()
+        radar.range[b] = reach * (1.0 + drawn[5]) + drawn[7][b] + noise
+        noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
+        radar.speed[b] = speed * (1.0 + drawn[6]) + size * noise * rng.standard_normal()
+        radar.locked[b] = looks[b] != 1
+        if looks[b] == 2:
+            radar.range[b], radar.speed[b] = 60.0, 12.0
+
+
+@kernel
+def lay_ground(params, rs, vs, size, rng):
+    """Height of the ground below each cycle above what is believed of the site."""
+    ground = np.zeros(len(rs))
+    ground[0] = size * params.terrain_sigma * rng.standard_normal()
+    for k in range(1, len(rs)):
+        moved = vs[k] - np.array([-SPIN * rs[k, 1], SPIN * rs[k, 0], 0.0])
+        up = rs[k] / np.sqrt(np.sum(rs[k] ** 2))
+        along = np.sqrt(max(np.sum(moved**2) - np.sum(moved * up) ** 2, 0.0))
+        change = params.terrain_change * np.sqrt(along * DT / 1000.0)
+        ground[k] = ground[k - 1] + size * change * rng.standard_normal()
+    return ground
+
+
+@kernel
+def apart(planet, r, believed, t):
+    """Error of a position, upwards the difference of altitude: over some hundred metres to the side the planet
+    falls away by as much as the height is known.
+    """
+    _, _, up, altitude = level_axes(planet, (believed[0], believed[1], believed[2]), t)
+    true_altitude = level_axes(planet, (r[0], r[1], r[2]), t)[3]
+    error, axis = r - believed, np.array(up)
+    return error + (true_altitude - altitude - np.sum(axis * error)) * axis
+
+
+@kernel
+def fly_filter(onboard, params, records, flown, rng, size, stars_until, looks, reports):
+    """Let the filter follow one flight.
+
+    Args:
+        onboard, params: records; the believed altitude of the site is set so that the landing is on ground.
+        records: (sensed, motion, solution, health, memory), arrays of one, zeros but for the health.
+        flown: what ``truth`` returned.
+        rng: makes the errors of this flight.
+        size: factor of all errors.
+        stars_until: time of the last star fix, s.
+        looks: state of each beam in each cycle (see ``read_radar``).
+        reports: cycles at which the errors are told.
+
+    Returns error states and covariances at the reports, innovations of ranges and speeds over their standard
+    deviations and the beams used at each cycle, the claimed standard deviations of height and velocity.
+    """
+    rs, vs, qs, angles, gains, heights = flown
+    sensed, motion, solution = records[0][0], records[1][0], records[2][0]
+    health, memory = records[3][0], records[4][0]
+    unit, half = onboard.instruments, size * np.sqrt(0.5)
+    drawn = draw_unit(unit, size, rng)
+    bg, ba = drawn[0].copy(), drawn[1].copy()
+    ground = lay_ground(params, rs, vs, size, rng)
+    onboard.site.altitude = SITE - ground[-1]
+    told, count = 0, len(reports)
+    errors, covariances = np.zeros((count, STATES)), np.zeros((count, STATES, memory.covariance.shape[1]))
+    claims = np.zeros((count, 10))
+    steps = len(rs)
+    innovations, used = np.zeros((steps, 2, unit.n_beams)), np.zeros(steps, np.int64)
+    motion.centre[:] = np.array(CENTRE)
+    motion.rate_known, motion.force_known = 1, 1
+    for k in range(steps):
+        q = (qs[k, 0], qs[k, 1], qs[k, 2], qs[k, 3])
+        sensed.stars.valid = k * DT <= stars_until
+        if sensed.stars.valid:
+            sensed.stars.q_I2B[:] = np.array(star_fix(unit, q, drawn[4], size, rng))
+        if k == 0:
+            for i in range(3):
+                wide = size * rng.standard_normal()
+                solution.r_I[i] = rs[0, i] + wide * unit.tracking_position_sigma[i]
+                wide = size * rng.standard_normal()
+                solution.v_I[i] = vs[0, i] + wide * unit.tracking_velocity_sigma[i]
+            solution.q_I2B[:] = np.array(star_fix(unit, q, drawn[4], size, rng))
+            start(params, onboard, sensed, solution, memory)
+        else:
+            bg += half * unit.gyro_bias_walk * np.sqrt(DT) * rng.standard_normal(3)
+            ba += half * unit.accelerometer_bias_walk * np.sqrt(DT) * rng.standard_normal(3)
+            noise = half * unit.gyro_noise * np.sqrt(DT) * rng.standard_normal(3)
+            angle = angles[k] + drawn[2] @ angles[k] + noise + DT * (bg - solution.gyro_bias)
+            noise = half * unit.accelerometer_noise * np.sqrt(DT) * rng.standard_normal(3)
+            gain = gains[k] + drawn[3] @ gains[k] + noise + DT * (ba - solution.accelerometer_bias)
+            motion.dt = DT
+            motion.angle[:], motion.gain[:] = angle, gain
+            motion.rate[:] = angle / DT
+            strapdown(onboard, motion, solution)
+            sensed.t = k * DT
+            read_radar(
+                *(onboard, params.terrain_change, sensed.t, rs[k], vs[k], q, angles[k] / DT, ground[k]),
+                *(drawn, looks[k], size, sensed.radar, rng),
+            )
+            solution.beams_used = 0
+            correct(params, onboard, health, sensed, motion, solution, memory)
+            if memory.radar_t == sensed.t:
+                used[k] = solution.beams_used
+                for b in range(unit.n_beams):
+                    innovations[k, 0, b] = solution.range_innovation[b]
+                    innovations[k, 1, b] = solution.speed_innovation[b]
+        if told < count and k == reports[told]:
+            p = solution.q_I2B
+            turn = rotation_vector(multiply(q, conjugate((p[0], p[1], p[2], p[3]))))
+            errors[told, 0:3] = apart(onboard.planet, rs[k], solution.r_I, solution.t)
+            errors[told, 3:6] = vs[k] - solution.v_I
+            errors[told, 6:9] = np.array(turn)
+            errors[told, 9:12], errors[told, 12:15] = (
+                bg - solution.gyro_bias,
+                ba - solution.accelerometer_bias,
+            )
+            errors[told, 15] = ground[k] - solution.terrain
+            covariances[told] = memory.covariance
+            claims[told, 0:3], claims[told, 3:6] = solution.sigma_r, solution.sigma_v
+            claims[told, 6:9], claims[told, 9] = solution.sigma_attitude, solution.sigma_height
+            told += 1
+    return errors, covariances, innovations, used, claims
+
+
+def records():
+    """Records of one flight, every instrument trusted."""
+    made = tuple(np.zeros(1, dtype) for dtype in (SENSED, MOTION, SOLUTION, INSTRUMENT_HEALTH, ERROR_STATE))
+    for name in INSTRUMENT_HEALTH.names:
+        made[3][name] = 1
+    return made
+
+
+def fly(onboard, params, flown, reports, seed=1, size=1.0, stars_until=-1.0, looks=None):
+    """One flight of the filter (see ``fly_filter``)."""
+    if looks is None:
+        looks = np.zeros((len(flown[0]), 8), np.int64)
+    return fly_filter(
+        *(onboard[0], params[0], records(), flown, np.random.default_rng(seed), size, stars_until, looks),
+        np.array(reports, np.int64),
+    )
