@@ -80,11 +80,13 @@ def _heed_problems(scenario: Scenario) -> dict[str, str]:
 
 def _delay_problems(scenario: Scenario) -> dict[str, str]:
     """The flight computer keeps its valve commands for the age of a reading."""
-    delay, oldest = scenario.sensors.imu.delay_cycles, scenario.flight_software.rates.control_every
-    if delay <= oldest:
-        return {}
-    message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
-    return {"sensors.imu.delay_cycles": message}
+    oldest, found = scenario.flight_software.rates.control_every, {}
+    for name in ("imu", "inertial_unit"):
+        delay = getattr(scenario.sensors, name).delay_cycles
+        if name in scenario.sensors.flown and delay > oldest:
+            message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
+            found[f"sensors.{name}.delay_cycles"] = message
+    return found
 
 
 def _sensor_problems(scenario: Scenario) -> dict[str, str]:

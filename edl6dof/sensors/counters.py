@@ -115,7 +115,8 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         readings: written: the count of each instrument.
         flags: written: whether each met the end of its range, or did so not long ago.
     """
-    most, step, first = params.range * dt, sqrt(dt), _NORMALS * cycle
+    most, first = params.range * dt, _NORMALS * cycle
+    density = params.noise / sqrt(dt) if dt > 0.0 else 0.0
     second = 0.0
     walk(params, copy, dt, cycle, memory)
     for i in range(params.n_axes):
@@ -124,9 +125,7 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         else:
             white = second
         fault = faults[i]
-        error = copy.bias[i] + memory.walk[i] + fault.offset
-        if dt > 0.0:
-            error += params.noise * white / step
+        error = copy.bias[i] + memory.walk[i] + fault.offset + density * white
         if fault.noise > 0.0:
             error += fault.noise * normal_pair(copy.key, first + _FAULTY + i)[0]
         memory.error[i] = error
@@ -134,15 +133,8 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         wanted = (1.0 + copy.scale[i]) * dot(axis, moved) + error * dt
         counted = clamp(wanted, -most, most)
         met = counted != wanted and dt > 0.0
-        if fault.mode == STUCK:
-            counted = memory.last[i]
-        elif fault.mode == HARDOVER:
-            counted = most
-        elif fault.mode == OUTAGE:
-            counted = 0.0
-        elif fault.mode == SATURATED:
-            counted = copysign(most, wanted)
         if fault.mode != WORKING:
+            counted = broken(fault.mode, memory.last[i], wanted, most)
             met = fault.mode == SATURATED
         if met:
             memory.flagged_until[i] = t + params.persistence
@@ -151,6 +143,20 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         total = memory.count[i]
         readings[i] = total - wrapped(total, params.quantum) if params.quantum > 0.0 else total
         flags[i] = 1 if met or t < memory.flagged_until[i] else 0
+
+
+@kernel
+def broken(mode, last, wanted, most):
+    """What an instrument counts that does not work: ``last`` in the cycle before, ``wanted`` if it worked,
+    ``most`` at the end of its range.
+    """
+    if mode == STUCK:
+        return last
+    if mode == HARDOVER:
+        return most
+    if mode == OUTAGE:
+        return 0.0
+    return copysign(most, wanted)
 
 
 @kernel

@@ -105,3 +105,16 @@ def gravity(plant, loaded):
     r = plant["y"][:3]
     mu = loaded.scenario.planet.gravity.mu_m3_s2
     return -mu * r / np.linalg.norm(r) ** 3 + plant["inputs"]["noncentral_I"]
+
+
+def test_fault_of_an_instrument_is_an_event_and_breaks_no_more_than_its_reading(carried):
+    """With ideal instruments beside it, whose word is taken, the flight stays what it was."""
+    _, whole = carried
+    fault = "faults=[{gyro: g3, kind: hardover, at: {phase: parachute, plus_s: 5}}]"
+    broken = fly(edl6dof.load("tianwen1", [CARRIED, fault]), save_at_s=400.0)
+    said = [event["name"] for event in broken.events if event["key"] == "fault"]
+    assert said == ["fault: g3 hardover"]
+    assert broken.plant["y"].tobytes() == whole.plant["y"].tobytes()
+    reading = broken.saved.sensors["sensed"]["inertial"]["rate"][0]
+    limit = np.radians(330.0)
+    assert reading[2] == pytest.approx(limit) and np.abs(np.delete(reading, 2)).max() < 0.1 * limit
