@@ -1,6 +1,6 @@
 """The chi-square distribution: how probable a larger value is, and the value that is exceeded so rarely.
 
-Source: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.4.4, 26.4.5 and 26.4.8.
+Source: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.4.4 and 26.4.5.
 """
 
 from __future__ import annotations

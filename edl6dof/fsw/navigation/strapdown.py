@@ -5,7 +5,7 @@ board is the central field with J2, taken in the middle of the cycle.
 Left out: higher harmonics of the field, which a filter has to allow for.
 
 Source: Savage, Strapdown inertial navigation integration algorithm design, J. Guidance, Control and Dynamics
-21(1, 2), 1998: attitude eq. (39), velocity eqs. (36) and (60); gravity: Montenbruck and Gill, Satellite
+21(1, 2), 1998: two-sample coning and sculling; gravity: Montenbruck and Gill, Satellite
 Orbits, section 3.2.
 """
 

@@ -26,6 +26,7 @@ def onboard():
     record = build_records(edl6dof.load("tianwen1")).onboard.copy()
     record["instruments"] = believed_unit()
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index("dead_reckoning")
+    record["navigation"]["dead_reckoning"]["gravity"] = 0.0  # the flights have the field of the model
     return record
 
 

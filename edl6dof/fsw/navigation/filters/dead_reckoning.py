@@ -6,7 +6,7 @@ covariance is that of 21 errors: position, velocity and attitude in I; bias of g
 the relative errors (scale factor and misalignment) of both, in B.  It goes on about once a second, with the
 change of velocity and roll angle of that time; instruments share their errors as a balanced set does, in
 which three of n carry the noise of one.
-Left out: relative errors of rotation about other axes than x of B, and the errors of the gravity model.
+Left out: relative errors of rotation about other axes than x of B.
 
 Source: Zanetti, Advanced navigation algorithms for precision landing, thesis, The University of Texas at
 Austin (2007), dead reckoning of Mars entry; error equations as Titterton and Weston, Strapdown Inertial
@@ -36,6 +36,9 @@ class DeadReckoningParams(Params):
     """Dead reckoning with its covariance."""
 
     every_s: float = param(1.0, "time between two steps of the covariance", gt=0.0, le=60.0)
+    gravity_m_s2: float = param(
+        1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
+    )
     unknown_rate_deg_s: float = param(
         5.0,
         "standard deviation of the rate while it has to be bridged",
@@ -56,6 +59,7 @@ DEAD_RECKONING = np.dtype(
     [
         ("covariance", "f8", (ERRORS, ERRORS)),  # of the errors, SI
         ("time", "f8"),  # s, since its last step
+        ("age", "f8"),  # s, since the start
         ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
         ("roll", "f8"),  # rad: angle turned about x of B since its last step
         ("rate_gap", "f8"),  # s: for how long the rate has been bridged
@@ -81,7 +85,7 @@ def start(params, onboard, sensed, solution, memory):
         P[FORCE_BIAS + i, FORCE_BIAS + i] = forces * known.accelerometer_bias**2
         P[GYRO_RELATIVE + i, GYRO_RELATIVE + i] = gyros * known.gyro_scale**2
         P[FORCE_RELATIVE + i, FORCE_RELATIVE + i] = forces * known.accelerometer_scale**2
-    memory.time = memory.roll = memory.rate_gap = memory.force_gap = 0.0
+    memory.time = memory.age = memory.roll = memory.rate_gap = memory.force_gap = 0.0
     put3(memory.v_I, 0, take3(solution.v_I, 0))
     tell_sigmas(onboard.planet, P, solution)
 
@@ -98,7 +102,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     if adopted:
         adopt_attitude(sensed, motion, solution)
     if memory.time >= params.every - 0.5 * motion.dt or adopted:
-        _step(onboard, motion, solution, memory)
+        _step(params.gravity, onboard, motion, solution, memory)
         if adopted:
             _forget(P, TURN, onboard.instruments.star_sigma**2)
         tell_sigmas(onboard.planet, P, solution)
@@ -126,8 +130,10 @@ def _forget(P, first, variance):
 
 
 @kernel
-def _step(onboard, motion, solution, memory):
-    """Carry the covariance over the time since its last step."""
+def _step(gravity, onboard, motion, solution, memory):
+    """Carry the covariance over the time since its last step; ``gravity``: standard deviation (m/s2) of the
+    model, whose error lasts.
+    """
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
@@ -141,9 +147,11 @@ def _step(onboard, motion, solution, memory):
                 P[i, j], P[j, i] = P[j, i], P[i, j]
     for i in range(3):
         P[V + i, V + i] += forces * known.accelerometer_noise**2 * time
+        P[V + i, V + i] += gravity * gravity * time * (2.0 * memory.age + time)
         P[TURN + i, TURN + i] += gyros * known.gyro_noise**2 * time
         P[GYRO_BIAS + i, GYRO_BIAS + i] += gyros * known.gyro_bias_walk**2 * time
         P[FORCE_BIAS + i, FORCE_BIAS + i] += forces * known.accelerometer_bias_walk**2 * time
+    memory.age += time
     memory.time = memory.roll = 0.0
     put3(memory.v_I, 0, v)
 
