@@ -25,7 +25,7 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
     if "star_tracker" in sensors.flown:
         stars = in_si(sensors.star_tracker)
         square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
-        record["star_sigma"] = np.sqrt(square + stars["misalignment"] ** 2)
+        record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)
@@ -35,14 +35,18 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
 
 
 def _believe_radar(record: np.void, radar: np.void) -> None:
-    """Antenna, beams, and the errors of one beam: noise and what the copy that flies has for good."""
+    """Antenna, beams, and the errors of one beam: noise, and what the copy that flies has for good.
+
+    A beam that looks elsewhere than it should has another scale: of its own at usual angles to the vertical.
+    """
     beams = radar["n_beams"]
     record["antenna_position"], record["n_beams"] = radar["position"], beams
     record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
-    record["range_sigma"] = np.hypot(radar["range_noise"], radar["reflectivity"])
-    record["range_sigma_relative"] = np.hypot(radar["range_noise_relative"], radar["range_scale"])
-    record["speed_sigma"] = radar["speed_noise"]
-    record["speed_sigma_relative"] = np.hypot(radar["speed_noise_relative"], radar["speed_scale"])
+    for kind in ("range", "speed"):
+        record[f"{kind}_sigma"] = radar[f"{kind}_noise"]
+        record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
+        record[f"{kind}_scale"] = np.hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
+    record["range_bias"] = radar["reflectivity"]
 
 
 def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
