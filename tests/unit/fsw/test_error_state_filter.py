@@ -138,7 +138,7 @@ def test_rows_are_the_derivatives_of_what_is_expected(descent, beam):
     (reach, speed), (u, lever, velocity, up, slope) = expected(descent, np.zeros(16), beam)
     rows, found = np.zeros((2, WIDTH)), np.zeros((2, 16))
     range_row(u, up, lever, slope, reach, landing.RADIUS, beam, rows[0])
-    speed_row(u, landing.SPIN, velocity, speed, rows[1])
+    speed_row(u, landing.SPIN, velocity, speed, beam, rows[1])
     steps = np.array([*[10.0] * 3, *[0.1] * 3, *[1e-5] * 3, *[1.0] * 7])
     for state in range(16):
         away = np.zeros(16)

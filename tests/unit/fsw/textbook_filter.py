@@ -1,12 +1,12 @@
 """A Kalman filter written as textbooks write it, with full matrices, to hold the compiled one against.
 
-47 errors: 16 that are estimated, in the order of the compiled filter, and 31 that are considered, whose gain
+61 errors: 16 that are estimated, in the order of the compiled filter, and 45 that are considered, whose gain
 is zero; P' = (1 - K H) P (1 - K H)' + K R K' with dense matrices.  Nothing of the package is used.
 """
 
 import numpy as np
 
-ESTIMATED, ALL = 16, 47
+ESTIMATED, ALL = 16, 61
 
 
 def skew(v):
@@ -39,15 +39,13 @@ class TextbookFilter:
             [
                 np.tile(unit["gyro_scale"] ** 2 * np.diag(spread), 3),
                 np.tile(unit["accelerometer_scale"] ** 2 * np.diag(spread), 3),
-                [unit["range_scale"] ** 2, unit["speed_scale"] ** 2],
                 np.full(3, star),
-                np.full(4, unit["range_bias"] ** 2),
-                np.zeros(4),
+                *([size**2] * 4 + [0.0] * 4 for size in unit[["range_scale", "speed_scale", "range_bias"]]),
             ]
         )
         P[16:, 16:] = np.diag(considered)
-        P[6:9, 36:39] = -matrix(q) * star
-        P[36:39, 6:9] = P[6:9, 36:39].T
+        P[6:9, 34:37] = -matrix(q) * star
+        P[34:37, 6:9] = P[6:9, 34:37].T
         self.P = P
         self.begin()
 
@@ -111,7 +109,7 @@ class TextbookFilter:
         vertical = (np.eye(3) - np.outer(up, up)) / radius  # how the vertical turns with the place
         H[0:3] = up / c + reach / c * (vertical @ u)
         H[6:9] = (up @ -skew(lever) + reach * (up @ -skew(u))) / c
-        H[15], H[34], H[39 + beam] = -1.0 / c, reach, 1.0
+        H[15], H[37 + beam], H[53 + beam] = -1.0 / c, reach, 1.0
         unit = self.unit
         own = unit["range_sigma"] + unit["range_sigma_relative"] * reach
         self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach)
@@ -120,6 +118,6 @@ class TextbookFilter:
         u, spin = C @ self.unit["beam_axis"][beam], np.array([0.0, 0.0, self.planet["rotation_rate"]])
         speed = u @ (velocity + swing)
         H = np.zeros(ALL)
-        H[0:3], H[3:6], H[6:9], H[35] = -u @ skew(spin), u, -velocity @ skew(u), speed
+        H[0:3], H[3:6], H[6:9], H[45 + beam] = -u @ skew(spin), u, -velocity @ skew(u), speed
         own = self.unit["speed_sigma"] + self.unit["speed_sigma_relative"] * abs(speed)
         self.take(H, own**2, measured - speed)
