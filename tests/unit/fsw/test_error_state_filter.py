@@ -70,7 +70,7 @@ def look(book, before, motion, sensed):
         book.take_range(beam, sensed["radar"]["range"][beam], C, ARM - CENTRE, np.array(up), height)
     for beam in range(4):
         swing = C @ np.cross(motion["rate"], ARM - CENTRE)
-        book.take_speed(beam, sensed["radar"]["speed"][beam], C, v - np.cross(spin, place), swing)
+        book.take_speed(beam, sensed["radar"]["speed"][beam], C, np.array(up), v - np.cross(spin, place), swing)
 
 
 def test_filter_agrees_with_a_textbook_filter(descent):

@@ -93,8 +93,9 @@ class TextbookFilter:
         self.P = F @ self.P @ F.T + Q
         self.cycles = []
 
-    def take(self, H, R, innovation):
+    def take(self, H, R, innovation, up):
         K = self.P @ H / (H @ self.P @ H + R)
+        K[0:3] = (K[0:3] @ up) * up  # the place over the planet is considered too
         K[ESTIMATED:] = 0.0
         self.dx = self.dx + K * (innovation - H @ self.dx)
         rest = np.eye(ALL) - np.outer(K, H)
@@ -112,12 +113,12 @@ class TextbookFilter:
         H[15], H[37 + beam], H[53 + beam] = -1.0 / c, reach, 1.0
         unit = self.unit
         own = unit["range_sigma"] + unit["range_sigma_relative"] * reach
-        self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach)
+        self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach, up)
 
-    def take_speed(self, beam, measured, C, velocity, swing):
+    def take_speed(self, beam, measured, C, up, velocity, swing):
         u, spin = C @ self.unit["beam_axis"][beam], np.array([0.0, 0.0, self.planet["rotation_rate"]])
         speed = u @ (velocity + swing)
         H = np.zeros(ALL)
         H[0:3], H[3:6], H[6:9], H[45 + beam] = -u @ skew(spin), u, -velocity @ skew(u), speed
         own = self.unit["speed_sigma"] + self.unit["speed_sigma_relative"] * abs(speed)
-        self.take(H, own**2, measured - speed)
+        self.take(H, own**2, measured - speed, up)
