@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.history import POSE_HZ, thin
+from edl6dof.replay.history import POSE_HZ, spans, thin
 from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.panels import SERIES
+from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
 
 READOUT_HZ = 2.0
 #: Telemetry column: label, format, unit.
@@ -31,13 +33,17 @@ READOUT = {
 }
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
+#: Colours of what is made of an inertial instrument.
+HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
+#: Keys of events that are warnings.
+TROUBLES = ("fault", "diagnosis", "exclusion")
 #: A thruster counts as firing from this duty on.
 FIRING = 0.02
 
 
 class Lanes(Recorder):
-    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/events`` and ``/readout``; of the
-    first flight only.
+    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/instruments``, ``/events`` and
+    ``/readout``; of the first flight only.
     """
 
     def motions(self) -> None:
@@ -46,6 +52,7 @@ class Lanes(Recorder):
             return
         self._states()
         self._thrusters()
+        self._instruments()
         self._events()
         self._readout()
 
@@ -85,6 +92,25 @@ class Lanes(Recorder):
             self._switched(
                 f"rcs/{jet}", {"firing": firing, "failed": failed}, {"firing": FIRE, "failed": RED}
             )
+
+    def _instruments(self) -> None:
+        """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
+        for one in self.flight.instruments:
+            colours = RAYS if one.kind == "beam" else HEALTH
+            self._switched(
+                f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
+            )
+
+    def _saturations(self) -> list[tuple[float, str]]:
+        """When any of a kind of instruments met the end of their range, and which did."""
+        found = []
+        for kind in dict.fromkeys(one.kind for one in self.flight.instruments if SATURATED in one.states):
+            those = [one for one in self.flight.instruments if one.kind == kind]
+            held = {one.name: one.holds(SATURATED) for one in those}
+            for first, last in spans(np.logical_or.reduce(list(held.values()), axis=0)):
+                names = ", ".join(name for name, holds in held.items() if holds[first:last].any())
+                found.append((float(self.t[first]), f"{kind} {names} at the end of the range"))
+        return found
 
     def _switched(
         self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
@@ -130,13 +156,12 @@ class Lanes(Recorder):
                 f"{event['name']}: {event['detail']}" if event["detail"] else event["name"]
                 for event in events
             ]
-            level = ["WARN" if event["key"] in ("fault", "diagnosis") else "INFO" for event in events]
+            level = ["WARN" if event["key"] in TROUBLES else "INFO" for event in events]
             level[-1] = "INFO" if self.flight.success else "ERROR"
-            self.columns(
-                "events",
-                np.array([e["t_s"] for e in events]),
-                self.rr.TextLog.columns(text=text, level=level),
-            )
+            told = list(zip([event["t_s"] for event in events], text, level, strict=True))
+            told += [(t, name, "WARN") for t, name in self._saturations()]
+            t, text, level = map(list, zip(*sorted(told, key=lambda one: one[0]), strict=True))
+            self.columns("events", np.array(t), self.rr.TextLog.columns(text=text, level=level))
 
     def _readout(self) -> None:
         """What a flight controller would read off, twice a second; and what has failed."""
