@@ -174,9 +174,3 @@ def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
     step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))
     rows = np.arange(0, len(t), step)
     return rows if rows[-1] == len(t) - 1 else np.append(rows, len(t) - 1)
-
-
-def spans(present: np.ndarray) -> list[tuple[int, int]]:
-    """First and one-past-last row of each run of ``True``."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

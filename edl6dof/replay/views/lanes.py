@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.history import POSE_HZ, spans, thin
+from edl6dof.replay.history import POSE_HZ, thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.panels import SERIES
 from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
+from edl6dof.telemetry.spans import spans
 
 READOUT_HZ = 2.0
 #: Telemetry column: label, format, unit.
