@@ -35,14 +35,17 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
 
 
 def _believe_radar(record: np.void, radar: np.void) -> None:
-    """Antenna and beams; noise of a reading, and what the copy that flies has for good."""
+    """Antenna, beams, and the errors of one beam: noise, and what the copy that flies has for good.
+
+    A beam that looks elsewhere than it should has another scale: of its own at usual angles to the vertical.
+    """
     beams = radar["n_beams"]
     record["antenna_position"], record["n_beams"] = radar["position"], beams
     record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
     for kind in ("range", "speed"):
         record[f"{kind}_sigma"] = radar[f"{kind}_noise"]
         record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
-        record[f"{kind}_scale"] = radar[f"{kind}_scale"]
+        record[f"{kind}_scale"] = np.hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
     record["range_bias"] = radar["reflectivity"]
 
 

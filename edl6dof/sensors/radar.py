@@ -108,7 +108,11 @@ class RadarParams(Hardware):
         0.25, "more of it, of the range", status="estimate", ge=0.0, le=100.0
     )
     range_scale_pct: float = param(
-        0.1, "error of the scale of all ranges, drawn for each case", status="estimate", ge=0.0, le=100.0
+        0.15,
+        "error of the scale of the range, drawn for each beam and case",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
     )
     reflectivity_m: float = param(
         0.1, "shift of the range of each beam, drawn for each case", status="estimate", ge=0.0
@@ -118,7 +122,11 @@ class RadarParams(Hardware):
         0.25, "more of it, of the speed", status="estimate", ge=0.0, le=100.0
     )
     speed_scale_pct: float = param(
-        0.05, "error of the scale of all speeds, drawn for each case", status="estimate", ge=0.0, le=100.0
+        0.05,
+        "error of the scale of the speed, drawn for each beam and case",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
     )
     lobes: LobeParams = group(LobeParams, "parts of the vehicle in the beams")
     dust: DustParams = group(DustParams, "dust that the engines raise")
@@ -129,13 +137,12 @@ class RadarParams(Hardware):
         return unique_names(value)
 
 
-#: The copy that flies: true directions (B), errors of scale, of the clock that all beams share, shifts of the
-#: range (m), key of the noise.
+#: The copy that flies: true directions (B), errors of scale, shifts of the range (m), key of the noise.
 UNIT = np.dtype(
     [
         ("axis", "f8", (MAX_BEAMS, 3)),
-        ("range_scale", "f8"),
-        ("speed_scale", "f8"),
+        ("range_scale", "f8", (MAX_BEAMS,)),
+        ("speed_scale", "f8", (MAX_BEAMS,)),
         ("reflectivity", "f8", (MAX_BEAMS,)),
         ("key", "i8"),
     ],
@@ -201,8 +208,8 @@ def read(params, unit, faults, i, distance, speed, dust, first, radar):
     a, b = normal_pair(unit.key, first + 1)
     range_noise = params.range_noise + params.range_noise_relative * distance
     speed_noise = params.speed_noise + params.speed_noise_relative * abs(speed)
-    reach = (1.0 + unit.range_scale) * distance + unit.reflectivity[i] + range_noise * a
-    closing = (1.0 + unit.speed_scale) * speed + speed_noise * b
+    reach = (1.0 + unit.range_scale[i]) * distance + unit.reflectivity[i] + range_noise * a
+    closing = (1.0 + unit.speed_scale[i]) * speed + speed_noise * b
     if dust > 0.0 or range_fault.noise > 0.0 or speed_fault.noise > 0.0:
         a, b = normal_pair(unit.key, first + 2)
         c, _ = normal_pair(unit.key, first + 3)
@@ -216,9 +223,8 @@ def plan(params: RadarParams, rng: np.random.Generator, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     given, n = in_si(params), len(params.beams)
     unit["axis"][:n] = turned(given["beams"]["axis"][:n], given["misalignment"], rng)
-    unit["range_scale"], unit["speed_scale"] = (
-        given[name] * rng.standard_normal() for name in ("range_scale", "speed_scale")
-    )
+    for name in ("range_scale", "speed_scale"):
+        unit[name][:n] = given[name] * rng.standard_normal(n)
     unit["reflectivity"][:n] = given["reflectivity"] * rng.standard_normal(n)
     unit["key"] = rng.integers(2**62)
 

@@ -50,8 +50,8 @@ INSTRUMENTS = np.dtype(
         ("speed_sigma_relative", "f8"),  # of the speed along the beam, added to it
         # what does not change from one reading of the radar to the next
         ("range_bias", "f8"),  # m, of each beam by itself
-        ("range_scale", "f8"),  # of the range, of all beams together
-        ("speed_scale", "f8"),  # of the speed, of all beams together
+        ("range_scale", "f8"),  # of the range, of each beam by itself
+        ("speed_scale", "f8"),  # of the speed, likewise
     ],
     align=True,
 )

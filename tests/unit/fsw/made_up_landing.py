@@ -63,13 +63,14 @@ def onboard_record():
     unit["n_beams"] = 4
     unit["range_sigma"], unit["range_sigma_relative"] = 0.1, 0.01 / 3.0
     unit["speed_sigma"], unit["speed_sigma_relative"] = 0.1 / 3.0, 0.01 / 3.0
-    unit["range_bias"], unit["range_scale"], unit["speed_scale"] = 0.1, 0.001, 0.0003
+    unit["range_bias"], unit["range_scale"], unit["speed_scale"] = 0.1, 0.0015, 0.0005
     return record
 
 
 def params_record(**changes):
     record = np.zeros(1, dtype_of(ErrorStateParams))
-    fill(record[0], ErrorStateParams(**changes))
+    # the made-up planet attracts as the flight computer believes
+    fill(record[0], ErrorStateParams(**{"gravity_m_s2": 0.0, **changes}))
     return record
 
 
@@ -200,8 +201,8 @@ def draw_unit(unit, size, rng):
         half * unit.gyro_scale * rng.standard_normal((3, 3)),
         half * unit.accelerometer_scale * rng.standard_normal((3, 3)),
         size * unit.star_bias * rng.standard_normal(3),
-        size * unit.range_scale * rng.standard_normal(),
-        size * unit.speed_scale * rng.standard_normal(),
+        size * unit.range_scale * rng.standard_normal(unit.n_beams),
+        size * unit.speed_scale * rng.standard_normal(unit.n_beams),
         size * unit.range_bias * rng.standard_normal(unit.n_beams),
     )
 
@@ -235,9 +236,9 @@ def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, r
         ground = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
         noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * rng.standard_normal()
         noise += size * ground / slope * rng.standard_normal()
-        radar.range[b] = reach * (1.0 + drawn[5]) + drawn[7][b] + noise
+        radar.range[b] = reach * (1.0 + drawn[5][b]) + drawn[7][b] + noise
         noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
-        radar.speed[b] = speed * (1.0 + drawn[6]) + size * noise * rng.standard_normal()
+        radar.speed[b] = speed * (1.0 + drawn[6][b]) + size * noise * rng.standard_normal()
         radar.locked[b] = looks[b] != 1
         if looks[b] == 2:
             radar.range[b], radar.speed[b] = 60.0, 12.0

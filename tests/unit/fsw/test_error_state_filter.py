@@ -18,7 +18,7 @@ from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
 
 ONBOARD, PARAMS = landing.onboard_record(), landing.params_record()
 #: Every reading counts fully, as in the textbook.
-ALL_COUNT = landing.params_record(gate=20.0, huber=20.0)
+ALL_COUNT = landing.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
 CENTRE, ARM = np.array(landing.CENTRE), np.array(landing.ARM)
 
 
@@ -41,7 +41,8 @@ def followed(onboard, params, flown, first, cycles):
     sensed, motion, solution, health, memory = (record[0] for record in records)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        *(params[0]["terrain_sigma"], params[0]["terrain_change"], flown[2][first]),
+        *(params[0]["terrain_sigma"], params[0]["terrain_change"]),
+        *(2.0 * params[0]["gravity"] ** 2 * params[0]["gravity_time"], flown[2][first]),
     )
 
     def begin(sensed, solution):
@@ -70,7 +71,9 @@ def look(book, before, motion, sensed):
         book.take_range(beam, sensed["radar"]["range"][beam], C, ARM - CENTRE, np.array(up), height)
     for beam in range(4):
         swing = C @ np.cross(motion["rate"], ARM - CENTRE)
-        book.take_speed(beam, sensed["radar"]["speed"][beam], C, v - np.cross(spin, place), swing)
+        book.take_speed(
+            beam, sensed["radar"]["speed"][beam], C, np.array(up), v - np.cross(spin, place), swing
+        )
 
 
 def test_filter_agrees_with_a_textbook_filter(descent):
@@ -138,7 +141,7 @@ def test_rows_are_the_derivatives_of_what_is_expected(descent, beam):
     (reach, speed), (u, lever, velocity, up, slope) = expected(descent, np.zeros(16), beam)
     rows, found = np.zeros((2, WIDTH)), np.zeros((2, 16))
     range_row(u, up, lever, slope, reach, landing.RADIUS, beam, rows[0])
-    speed_row(u, landing.SPIN, velocity, speed, rows[1])
+    speed_row(u, landing.SPIN, velocity, speed, beam, rows[1])
     steps = np.array([*[10.0] * 3, *[0.1] * 3, *[1e-5] * 3, *[1.0] * 7])
     for state in range(16):
         away = np.zeros(16)

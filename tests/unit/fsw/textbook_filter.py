@@ -1,12 +1,12 @@
 """A Kalman filter written as textbooks write it, with full matrices, to hold the compiled one against.
 
-47 errors: 16 that are estimated, in the order of the compiled filter, and 31 that are considered, whose gain
+61 errors: 16 that are estimated, in the order of the compiled filter, and 45 that are considered, whose gain
 is zero; P' = (1 - K H) P (1 - K H)' + K R K' with dense matrices.  Nothing of the package is used.
 """
 
 import numpy as np
 
-ESTIMATED, ALL = 16, 47
+ESTIMATED, ALL = 16, 61
 
 
 def skew(v):
@@ -22,9 +22,9 @@ def matrix(q):
 class TextbookFilter:
     """Errors and their covariance; the solution itself is kept by whoever asks."""
 
-    def __init__(self, unit, planet, site_altitude, terrain_sigma, terrain_change, q):
+    def __init__(self, unit, planet, site_altitude, terrain_sigma, terrain_change, gravity, q):
         self.unit, self.planet, self.site = unit, planet, site_altitude
-        self.change = terrain_change
+        self.change, self.gravity = terrain_change, gravity
         star = unit["star_bias"] ** 2
         spread = np.linalg.inv(unit["gyro_axis"][:6].T @ unit["gyro_axis"][:6])
         self.spread = spread
@@ -39,15 +39,13 @@ class TextbookFilter:
             [
                 np.tile(unit["gyro_scale"] ** 2 * np.diag(spread), 3),
                 np.tile(unit["accelerometer_scale"] ** 2 * np.diag(spread), 3),
-                [unit["range_scale"] ** 2, unit["speed_scale"] ** 2],
                 np.full(3, star),
-                np.full(4, unit["range_bias"] ** 2),
-                np.zeros(4),
+                *([size**2] * 4 + [0.0] * 4 for size in unit[["range_scale", "speed_scale", "range_bias"]]),
             ]
         )
         P[16:, 16:] = np.diag(considered)
-        P[6:9, 36:39] = -matrix(q) * star
-        P[36:39, 6:9] = P[6:9, 36:39].T
+        P[6:9, 34:37] = -matrix(q) * star
+        P[34:37, 6:9] = P[6:9, 34:37].T
         self.P = P
         self.begin()
 
@@ -86,7 +84,9 @@ class TextbookFilter:
             F[0:3, width] = -0.5 * T * block
         unit, C = self.unit, matrix(q)
         Q = np.zeros((ALL, ALL))
-        Q[3:6, 3:6] = unit["accelerometer_noise"] ** 2 * T * C @ self.spread @ C.T
+        Q[3:6, 3:6] = unit[
+            "accelerometer_noise"
+        ] ** 2 * T * C @ self.spread @ C.T + self.gravity * T * np.eye(3)
         Q[6:9, 6:9] = unit["gyro_noise"] ** 2 * T * C @ self.spread @ C.T
         Q[9:12, 9:12] = unit["gyro_bias_walk"] ** 2 * T * self.spread
         Q[12:15, 12:15] = unit["accelerometer_bias_walk"] ** 2 * T * self.spread
@@ -95,8 +95,9 @@ class TextbookFilter:
         self.P = F @ self.P @ F.T + Q
         self.cycles = []
 
-    def take(self, H, R, innovation):
+    def take(self, H, R, innovation, up):
         K = self.P @ H / (H @ self.P @ H + R)
+        K[0:3] = (K[0:3] @ up) * up  # the place over the planet is considered too
         K[ESTIMATED:] = 0.0
         self.dx = self.dx + K * (innovation - H @ self.dx)
         rest = np.eye(ALL) - np.outer(K, H)
@@ -111,15 +112,15 @@ class TextbookFilter:
         vertical = (np.eye(3) - np.outer(up, up)) / radius  # how the vertical turns with the place
         H[0:3] = up / c + reach / c * (vertical @ u)
         H[6:9] = (up @ -skew(lever) + reach * (up @ -skew(u))) / c
-        H[15], H[34], H[39 + beam] = -1.0 / c, reach, 1.0
+        H[15], H[37 + beam], H[53 + beam] = -1.0 / c, reach, 1.0
         unit = self.unit
         own = unit["range_sigma"] + unit["range_sigma_relative"] * reach
-        self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach)
+        self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach, up)
 
-    def take_speed(self, beam, measured, C, velocity, swing):
+    def take_speed(self, beam, measured, C, up, velocity, swing):
         u, spin = C @ self.unit["beam_axis"][beam], np.array([0.0, 0.0, self.planet["rotation_rate"]])
         speed = u @ (velocity + swing)
         H = np.zeros(ALL)
-        H[0:3], H[3:6], H[6:9], H[35] = -u @ skew(spin), u, -velocity @ skew(u), speed
+        H[0:3], H[3:6], H[6:9], H[45 + beam] = -u @ skew(spin), u, -velocity @ skew(u), speed
         own = self.unit["speed_sigma"] + self.unit["speed_sigma_relative"] * abs(speed)
-        self.take(H, own**2, measured - speed)
+        self.take(H, own**2, measured - speed, up)

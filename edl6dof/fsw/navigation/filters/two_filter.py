@@ -229,9 +229,9 @@ def _claim(params, onboard, solution, memory):
         solution.sigma_attitude[i] = sqrt(attitude)
     height = abs(altitude - onboard.site.altitude - solution.terrain)
     own = instruments.range_sigma + instruments.range_sigma_relative * height
-    shared = (instruments.range_scale * height) ** 2 + instruments.range_bias**2
-    full = memory.heights >= params.heights
-    solution.sigma_height = sqrt(own**2 / params.heights + shared) if full else solution.sigma_r[2]
+    lasting = (instruments.range_scale * height) ** 2 + instruments.range_bias**2
+    averaged = sqrt(own**2 / params.heights + lasting / max(instruments.n_beams, 1))
+    solution.sigma_height = averaged if memory.heights >= params.heights else solution.sigma_r[2]
 
 
 MEMBER = Member(

@@ -67,20 +67,20 @@ def range_row(u, up, lever, slope, reach, radius, beam, row):
     put3(row, POSITION, add(scale(1.0 / slope, up), level))
     put3(row, ATTITUDE_ERROR, scale(1.0 / slope, add(cross(lever, up), scale(reach, cross(u, up)))))
     row[TERRAIN] = -1.0 / slope
-    row[RANGE_SCALE] = reach
+    row[RANGE_SCALE + beam] = reach
     row[RANGE_BIAS + beam] = 1.0
 
 
 @kernel
-def speed_row(u, spin, velocity, speed, row):
-    """Write what the speed along ``u`` sees of the errors; ``velocity`` is that of the centre of mass
-    relative to a planet that turns at ``spin``.
+def speed_row(u, spin, velocity, speed, beam, row):
+    """Write what the speed of a ``beam`` along ``u`` sees of the errors; ``velocity`` is that of the
+    centre of mass relative to a planet that turns at ``spin``.
     """
     clear(row)
     put3(row, POSITION, (-spin * u[1], spin * u[0], 0.0))
     put3(row, VELOCITY, u)
     put3(row, ATTITUDE_ERROR, cross(u, velocity))
-    row[SPEED_SCALE] = speed
+    row[SPEED_SCALE + beam] = speed
 
 
 @kernel
@@ -143,7 +143,7 @@ def common_height_error(onboard, health, radar, q, up, height, memory):
 
 
 @kernel
-def stands_apart(params, instruments, error, common, slope, off, noise, memory):
+def stands_apart(params, instruments, error, common, slope, off, reach, noise, memory):
     """Whether the height of a beam differs from the median of all by more than noise, bias and attitude
     explain; then the beam is wrong, however unsure the solution is.
     """
@@ -153,7 +153,8 @@ def stands_apart(params, instruments, error, common, slope, off, noise, memory):
         covariance[ATTITUDE_ERROR + 1, ATTITUDE_ERROR + 1]
         + covariance[ATTITUDE_ERROR + 2, ATTITUDE_ERROR + 2]
     )
-    spread = 2.0 * slope * slope * (noise + instruments.range_bias**2) + 2.0 * off * off * level
+    lasting = instruments.range_bias**2 + (instruments.range_scale * reach) ** 2
+    spread = 2.0 * slope * slope * (noise + lasting) + 2.0 * off * off * level
     return (error - common) ** 2 > params.gate**2 * spread
 
 
@@ -171,7 +172,7 @@ def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solutio
             innovation = radar.range[beam] - reach
             noise = range_noise(params, instruments, reach, slope, off)
             if told > 2 and stands_apart(
-                params, instruments, innovation * slope, common, slope, off, noise, memory
+                params, instruments, innovation * slope, common, slope, off, reach, noise, memory
             ):
                 continue
             range_row(u, up, lever, slope, reach, radius, beam, memory.row)
@@ -202,7 +203,7 @@ def look_at_speeds(params, onboard, health, radar, q, up, velocity, swing, solut
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             speed = dot(u, add(velocity, swing))
             own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
-            speed_row(u, spin, velocity, speed, memory.row)
+            speed_row(u, spin, velocity, speed, beam, memory.row)
             innovation = radar.speed[beam] - speed
             deviation, taken = take_in(params, own**2, innovation, up, memory)
             solution.speed_innovation[beam] = deviation

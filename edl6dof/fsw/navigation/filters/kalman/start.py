@@ -31,11 +31,11 @@ def consider(instruments, gyro_spread, accelerometer_spread, considered):
         i = k % 3
         considered[GYRO_SCALE + k] = instruments.gyro_scale**2 * gyro_spread[i, i]
         considered[ACCELEROMETER_SCALE + k] = instruments.accelerometer_scale**2 * accelerometer_spread[i, i]
-    considered[RANGE_SCALE] = instruments.range_scale**2
-    considered[SPEED_SCALE] = instruments.speed_scale**2
     for i in range(3):
         considered[STAR_BIAS + i] = instruments.star_bias**2
     for beam in range(instruments.n_beams):
+        considered[RANGE_SCALE + beam] = instruments.range_scale**2
+        considered[SPEED_SCALE + beam] = instruments.speed_scale**2
         considered[RANGE_BIAS + beam] = instruments.range_bias**2
 
 

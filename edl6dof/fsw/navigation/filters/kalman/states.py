@@ -20,10 +20,11 @@ from edl6dof.records import COUNT, whole
 POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN = 0, 3, 6, 9, 12, 15
 STATES = 16
 #: First place of the considered errors.  Scale and misalignment: what a rate of one about each axis of B in
-#: turn adds to the measured one, B; likewise of the specific force.  Scale of all ranges, of all speeds along
-#: beams; bias of the star tracker (rad, B); bias of the range of each beam (m).
+#: turn adds to the measured one, B; likewise of the specific force.  Bias of the star tracker (rad, B).
+#: Scale of the range of each beam, and of its speed; bias of its range (m).
 GYRO_SCALE, ACCELEROMETER_SCALE = 16, 25
-RANGE_SCALE, SPEED_SCALE, STAR_BIAS, RANGE_BIAS = 34, 35, 36, 39
+STAR_BIAS, RANGE_SCALE = 34, 37
+SPEED_SCALE, RANGE_BIAS = RANGE_SCALE + MAX_BEAMS, RANGE_SCALE + 2 * MAX_BEAMS
 WIDTH = RANGE_BIAS + MAX_BEAMS
 #: How many of the states move within an interval, and how many errors may act on them: the first of each.
 MOVING, ACTING = 9, 34
