@@ -40,6 +40,8 @@ def flight_on_instruments() -> SimpleNamespace:
     tm["nav.beams_in_use"] = np.where(t < BEAM_EXCLUDED, 0b11111111, 0b11110111)
     tm["nav.beams_used"] = np.where(t < LOCK, 0, np.where(t < REFUSED, 0b1111, 0b1101))
     tm["nav.beams_used"] = np.where(t < BEAM_EXCLUDED, tm["nav.beams_used"], 0b0101)
+    excluded = {"t_s": GYRO_EXCLUDED, "key": "exclusion", "name": "gyro g3 excluded", "detail": ""}
+    flight.events.insert(4, excluded)
     for k, beam in enumerate(flight.scenario.beam_names):
         tm[f"range.{beam}_m"] = np.where((t >= LOCK) & (t < 19.0), tm["truth.height_m"] + 10.0 * k, 0.0)
     return flight

@@ -93,13 +93,13 @@ def test_lanes_change_with_the_telemetry(replay):
     assert lane("beam/b4") == at((0.0, "off"), (LOCK, USED), (BEAM_EXCLUDED, "excluded"))
 
 
-def test_saturation_is_a_warning_among_the_events(flight, replay):
+def test_exclusion_is_a_warning_and_stands_in_the_readout(flight, replay):
     times, columns = read(replay, "/events")
-    texts = [cell[0] for cell in columns["TextLog:text"]]
-    (k,) = [k for k, text in enumerate(texts) if "end of the range" in text]
-    assert texts[k] == "gyro g1, g2, g3, g4, g5, g6 at the end of the range"
-    assert times[k] == pytest.approx(SATURATED[0], abs=STEP) and columns["TextLog:level"][k] == ["WARN"]
-    assert len(texts) == len(flight.events) + 1 and np.all(np.diff(times) >= 0.0)
+    k = [cell[0] for cell in columns["TextLog:text"]].index("gyro g3 excluded")
+    assert (times[k], columns["TextLog:level"][k]) == (GYRO_EXCLUDED, ["WARN"])
+    times, columns = read(replay, "/readout")
+    told = ["**excluded:** g3" in cell[0] for cell in columns["TextDocument:text"]]
+    assert told == (times > GYRO_EXCLUDED - 1e-6).tolist() and True in told and False in told
 
 
 def test_errors_stand_between_three_claimed_sigmas(flight, replay):

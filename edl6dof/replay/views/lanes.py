@@ -12,7 +12,6 @@ from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.panels import SERIES
 from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
-from edl6dof.telemetry.spans import spans
 
 READOUT_HZ = 2.0
 #: Telemetry column: label, format, unit.
@@ -102,17 +101,6 @@ class Lanes(Recorder):
                 f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
             )
 
-    def _saturations(self) -> list[tuple[float, str]]:
-        """When any of a kind of instruments met the end of their range, and which did."""
-        found = []
-        for kind in dict.fromkeys(one.kind for one in self.flight.instruments if SATURATED in one.states):
-            those = [one for one in self.flight.instruments if one.kind == kind]
-            held = {one.name: one.holds(SATURATED) for one in those}
-            for first, last in spans(np.logical_or.reduce(list(held.values()), axis=0)):
-                names = ", ".join(name for name, holds in held.items() if holds[first:last].any())
-                found.append((float(self.t[first]), f"{kind} {names} at the end of the range"))
-        return found
-
     def _switched(
         self, name: str, when: dict[str, np.ndarray], colours: dict[str, tuple[int, int, int]]
     ) -> None:
@@ -159,10 +147,11 @@ class Lanes(Recorder):
             ]
             level = ["WARN" if event["key"] in TROUBLES else "INFO" for event in events]
             level[-1] = "INFO" if self.flight.success else "ERROR"
-            told = list(zip([event["t_s"] for event in events], text, level, strict=True))
-            told += [(t, name, "WARN") for t, name in self._saturations()]
-            t, text, level = map(list, zip(*sorted(told, key=lambda one: one[0]), strict=True))
-            self.columns("events", np.array(t), self.rr.TextLog.columns(text=text, level=level))
+            self.columns(
+                "events",
+                np.array([e["t_s"] for e in events]),
+                self.rr.TextLog.columns(text=text, level=level),
+            )
 
     def _readout(self) -> None:
         """What a flight controller would read off, twice a second; and what has failed."""
@@ -185,10 +174,9 @@ class Lanes(Recorder):
     def _troubles(self, row: int) -> str:
         failed = [jet for jet, state in self.flight.failures.items() if state[row] > 0]
         known = [jet for jet, found in self.flight.diagnosed.items() if found.t_s <= self.t[row]]
-        words = [f"**failed:** {', '.join(failed)}"] * bool(failed) + [
-            f"**diagnosed:** {', '.join(known)}"
-        ] * bool(known)
-        return "  \n".join(words)
+        excluded = [one.name for one in self.flight.instruments if one.holds(EXCLUDED)[row]]
+        told = {"failed": failed, "diagnosed": known, "excluded": excluded}
+        return "  \n".join(f"**{word}:** {', '.join(names)}" for word, names in told.items() if names)
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:

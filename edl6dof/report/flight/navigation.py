@@ -75,6 +75,10 @@ def at_moments(run: Run) -> Table:
 
 def _beside(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
+    if (
+        key == "touchdown"
+    ):  # the estimate is a reading old: where contact shakes the vehicle, it has not seen that yet
+        t = float(run.t[max(np.searchsorted(run.t, t) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
 
 
