@@ -24,6 +24,7 @@ from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
@@ -47,6 +48,7 @@ _RETURNS = {
     "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
     "estimator": ("nothing", lambda value: value is None),
     "sensor": ("nothing", lambda value: value is None),
+    "navigation_filter": ("nothing", lambda value: value is None),
     "atmosphere": (
         "four numbers: density, pressure, temperature and speed of sound",
         lambda value: isinstance(value, tuple) and len(value) == 4,
@@ -92,7 +94,8 @@ def _argument(name: str, key: str, member: Member) -> Any:
     scalars = {
         **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
         **{"since_line_stretch": 1.0, "mach": 1.5},
-        **{"t": 10.0, "thrust": 1000.0, "command": 2000.0, "starting": False},
+        **{"t": 10.0, "step": 0.02, "thrust": 1000.0, "command": 2000.0, "starting": False},
+        **({"goal": 2000.0} if key == "engine_model" else {}),
     }
     records = {
         "params": dtype_of(member.params),
@@ -113,6 +116,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,
+        "health": INSTRUMENT_HEALTH,
+        "motion": MOTION,
+        "solution": SOLUTION,
         "atm": ATMOSPHERE,
         "wind": WIND,
         "gas": GAS,

@@ -18,6 +18,7 @@ TIME = "time since entry (s)"
 EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",
+    "exclusion": "excluded",
     "trim_wing": "trim wing",
     "mortar": "parachute",
     "heat_shield": "heat shield",

@@ -16,7 +16,13 @@ AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200
 
 #: FAMILY, the file of a member, its name there and as a plugin, the lines of a scenario that choose it.
 FAMILIES = [
-    ("sensor", "sensors/imu.py", '"imu"', '"imu_b"', "sensors: {carried: [perfect, imu, imu_b]}"),
+    (
+        "sensor",
+        "sensors/imu.py",
+        '"imu"',
+        '"imu_b"',
+        "sensors: {carried: [perfect, imu, imu_b]}\nflight_software: {navigation: {filter: given}}",
+    ),
     (
         *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
         f"atmosphere: {{model: isothermal, {AIR}}}",
@@ -32,6 +38,10 @@ FAMILIES = [
     (
         *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
         "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
+    ),
+    (
+        *("navigation_filter", "fsw/navigation/filters/dead_reckoning.py", '"dead_reckoning"', '"unaided"'),
+        "flight_software: {navigation: {filter: unaided, unaided: {every_s: 2.0}}}",
     ),
     (
         *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
