@@ -56,7 +56,8 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "engine_model": (
         "engine model",
         {
-            "rate": ("params", "engine", "t", "thrust", "command", "starting"),
+            "goal": ("params", "engine", "t", "step", "command"),
+            "rate": ("params", "engine", "goal", "thrust", "starting"),
             "specific_impulse": ("params", "engine", "thrust"),
         },
     ),
