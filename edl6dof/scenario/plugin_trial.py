@@ -32,7 +32,7 @@ from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 from edl6dof.vehicle.propulsion.engine import ENGINE
 
-#: What a kernel of each role must return, and whether a value is that.
+#: What the kernels of each family must return, under its role where one differs, and whether a value is that.
 _RETURNS = {
     "entry_law": ("a bank angle (float)", lambda value: isinstance(value, float)),
     "reversal": ("a side, 1.0 or -1.0", lambda value: isinstance(value, float)),
@@ -45,6 +45,10 @@ _RETURNS = {
         lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
     ),
     "engine_model": ("a number (float)", lambda value: isinstance(value, float)),
+    "engine_model.goal": (
+        "two numbers: mean and slope of a line over the step",
+        lambda value: isinstance(value, tuple) and len(value) == 2,
+    ),
     "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
     "estimator": ("nothing", lambda value: value is None),
     "sensor": ("nothing", lambda value: value is None),
@@ -82,7 +86,7 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
         return f"uses a field that its records do not have: {error}"
     except Exception as error:  # what the user's own code raises
         return f"fails on records of zeros: {type(error).__name__}: {error}"
-    words, fits = _RETURNS[key]
+    words, fits = _RETURNS.get(f"{key}.{role}", _RETURNS[key])
     return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
 
 
