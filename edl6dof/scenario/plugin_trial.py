@@ -5,6 +5,7 @@ compiler's page.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
@@ -32,35 +34,44 @@ from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 from edl6dof.vehicle.propulsion.engine import ENGINE
 
-#: What the kernels of each family must return, under its role where one differs, and whether a value is that.
-_RETURNS = {
-    "entry_law": ("a bank angle (float)", lambda value: isinstance(value, float)),
-    "reversal": ("a side, 1.0 or -1.0", lambda value: isinstance(value, float)),
-    "powered_law": (
-        "four numbers: acceleration north, east, up, and tilt limit",
-        lambda value: isinstance(value, tuple) and len(value) == 4,
-    ),
-    "controller": (
+
+def _number(value: Any) -> bool:
+    return isinstance(value, float)
+
+
+def _numbers(count: int) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, tuple) and len(value) == count
+
+
+def _nothing(value: Any) -> bool:
+    return value is None
+
+
+#: What the kernel of each family and role must return, and whether a value is that.
+_RETURNS: dict[tuple[str, str], tuple[str, Callable[[Any], bool]]] = {
+    ("entry_law", "guide"): ("a bank angle (float)", _number),
+    ("reversal", "side"): ("a side, 1.0 or -1.0", _number),
+    ("powered_law", "guide"): ("four numbers: acceleration north, east, up, and tilt limit", _numbers(4)),
+    ("controller", "control"): (
         "torque and attitude error, three numbers each",
         lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
     ),
-    "engine_model": ("a number (float)", lambda value: isinstance(value, float)),
-    "engine_model.goal": (
-        "two numbers: mean and slope of a line over the step",
-        lambda value: isinstance(value, tuple) and len(value) == 2,
-    ),
-    "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
-    "estimator": ("nothing", lambda value: value is None),
-    "sensor": ("nothing", lambda value: value is None),
-    "navigation_filter": ("nothing", lambda value: value is None),
-    "atmosphere": (
+    ("engine_model", "goal"): ("two numbers: mean and slope of the thrust striven for", _numbers(2)),
+    ("engine_model", "rate"): ("a number (float)", _number),
+    ("engine_model", "specific_impulse"): ("a number (float)", _number),
+    ("parachute_model", "inflation"): ("a number (float)", _number),
+    ("parachute_model", "efficiency"): ("a number (float)", _number),
+    ("estimator", "estimate"): ("nothing", _nothing),
+    ("sensor", "measure"): ("nothing", _nothing),
+    ("navigation_filter", "start"): ("nothing", _nothing),
+    ("navigation_filter", "correct"): ("nothing", _nothing),
+    ("navigation_filter", "start"): ("nothing", _nothing),
+    ("navigation_filter", "correct"): ("nothing", _nothing),
+    ("atmosphere", "air"): (
         "four numbers: density, pressure, temperature and speed of sound",
-        lambda value: isinstance(value, tuple) and len(value) == 4,
+        _numbers(4),
     ),
-    "wind": (
-        "two numbers: wind towards east and north",
-        lambda value: isinstance(value, tuple) and len(value) == 2,
-    ),
+    ("wind", "mean"): ("two numbers: wind towards east and north", _numbers(2)),
 }
 
 
@@ -86,7 +97,7 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
         return f"uses a field that its records do not have: {error}"
     except Exception as error:  # what the user's own code raises
         return f"fails on records of zeros: {type(error).__name__}: {error}"
-    words, fits = _RETURNS.get(f"{key}.{role}", _RETURNS[key])
+    words, fits = _RETURNS[key, role]
     return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
 
 
@@ -99,7 +110,6 @@ def _argument(name: str, key: str, member: Member) -> Any:
         **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
         **{"since_line_stretch": 1.0, "mach": 1.5},
         **{"t": 10.0, "step": 0.02, "thrust": 1000.0, "command": 2000.0, "starting": False},
-        **({"goal": 2000.0} if key == "engine_model" else {}),
     }
     records = {
         "params": dtype_of(member.params),
@@ -111,7 +121,7 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "onboard": ONBOARD,
         "vehicle": ONBOARD["vehicle"],
         "nav": NAV,
-        "goal": GUIDE,
+        "goal": np.dtype("f8") if key == "engine_model" else GUIDE,
         "inputs": CONTROL_INPUTS,
         "measured": MEASURED,
         "out": DISTURBANCE if key == "estimator" else GUIDE,
@@ -120,6 +130,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,
+        "health": INSTRUMENT_HEALTH,
+        "motion": MOTION,
+        "solution": SOLUTION,
         "health": INSTRUMENT_HEALTH,
         "motion": MOTION,
         "solution": SOLUTION,

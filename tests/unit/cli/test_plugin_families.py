@@ -65,6 +65,17 @@ def test_member_outside_the_package_is_chosen_by_its_name(tmp_path, family, memb
     assert "mine.yaml: ok" in out
 
 
+def test_goal_of_an_engine_that_is_no_line_is_refused_in_one_line(tmp_path):
+    family, member, old, new, lines = next(row for row in FAMILIES if row[0] == "engine_model")
+    text = (PACKAGE / member).read_text(encoding="utf-8")
+    line = "return line_in_step(engine.full_thrust * first, engine.full_thrust * second, step)"
+    wrong = text.replace(old, new).replace(line, "return engine.full_thrust * first / step")
+    assert line in text
+    status, _, error = checked(tmp_path, family, member, text, wrong, lines)
+    assert status == 2
+    assert "goal: must return two numbers: mean and slope" in error and len(error.strip().splitlines()) == 1
+
+
 def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path):
     family, member, *_ = FAMILIES[0]
     source = PACKAGE / member

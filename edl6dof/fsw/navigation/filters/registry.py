@@ -17,6 +17,7 @@ from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, t
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
+from edl6dof.fsw.navigation.saturation import SaturationParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
@@ -33,6 +34,7 @@ class NavigationParams(_Filters):
     """Navigation: the filter, and what all share."""
 
     parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
+    saturation: SaturationParams = group(SaturationParams, "gyros at the end of their range")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
 
