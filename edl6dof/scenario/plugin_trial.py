@@ -26,7 +26,6 @@ from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
@@ -63,8 +62,6 @@ _RETURNS: dict[tuple[str, str], tuple[str, Callable[[Any], bool]]] = {
     ("parachute_model", "efficiency"): ("a number (float)", _number),
     ("estimator", "estimate"): ("nothing", _nothing),
     ("sensor", "measure"): ("nothing", _nothing),
-    ("navigation_filter", "start"): ("nothing", _nothing),
-    ("navigation_filter", "correct"): ("nothing", _nothing),
     ("navigation_filter", "start"): ("nothing", _nothing),
     ("navigation_filter", "correct"): ("nothing", _nothing),
     ("atmosphere", "air"): (
@@ -130,9 +127,6 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,
-        "health": INSTRUMENT_HEALTH,
-        "motion": MOTION,
-        "solution": SOLUTION,
         "health": INSTRUMENT_HEALTH,
         "motion": MOTION,
         "solution": SOLUTION,
