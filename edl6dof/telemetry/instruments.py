@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.telemetry.columns import range_of
+from edl6dof.vehicle.faults.component import Component, Components
 
 IN_USE, SATURATED, EXCLUDED = "in use", "saturated", "excluded"
 NO_ECHO, USED, NOT_USED = "no echo", "used", "locked, not used"
@@ -16,7 +17,7 @@ INERTIAL_STATES, BEAM_STATES = (IN_USE, SATURATED, EXCLUDED), (NO_ECHO, USED, NO
 
 #: Channels of the kinds of instruments: which are not excluded, and which say that they are saturated, or
 #: are used, if they are.
-CHANNELS_OF = {
+CHANNELS_OF: dict[Component, tuple[str, str]] = {
     "gyro": ("nav.gyros_in_use", "sensed.gyros_saturated"),
     "accelerometer": ("nav.accelerometers_in_use", "sensed.accelerometers_saturated"),
     "beam": ("nav.beams_in_use", "nav.beams_used"),
@@ -26,7 +27,7 @@ CHANNELS_OF = {
 class Instrument(NamedTuple):
     """One instrument: its kind, name, and the index into ``states`` at each row, shape (rows,)."""
 
-    kind: str
+    kind: Component
     name: str
     states: Sequence[str]
     state: np.ndarray
@@ -36,7 +37,7 @@ class Instrument(NamedTuple):
         return self.state == self.states.index(state)
 
 
-def instruments(table: Mapping[str, np.ndarray], names: Mapping[str, Sequence[str]]) -> list[Instrument]:
+def instruments(table: Mapping[str, np.ndarray], names: Components) -> list[Instrument]:
     """The instruments of a flight from the columns of its telemetry; none of a kind whose columns it does not
     have.
 
@@ -52,13 +53,13 @@ def instruments(table: Mapping[str, np.ndarray], names: Mapping[str, Sequence[st
     ]
 
 
-def columns_of(names: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+def columns_of(names: Components) -> tuple[str, ...]:
     """Columns that :func:`instruments` needs."""
     every = (channel for kind, channels in CHANNELS_OF.items() if names.get(kind) for channel in channels)
     return (*every, *(range_of(beam) for beam in names.get("beam", ())))
 
 
-def _inertial(table: Mapping[str, np.ndarray], kind: str, index: int, name: str) -> Instrument:
+def _inertial(table: Mapping[str, np.ndarray], kind: Component, index: int, name: str) -> Instrument:
     in_use, saturated = (_bit(table[channel], index) for channel in CHANNELS_OF[kind])
     state = np.where(~in_use, INERTIAL_STATES.index(EXCLUDED), np.where(saturated, 1, 0))
     return Instrument(kind, name, INERTIAL_STATES, state)

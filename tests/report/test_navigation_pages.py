@@ -86,7 +86,7 @@ def test_table_holds_error_and_three_sigma_at_each_moment(made_up):
     assert table.columns == ["error", "unit", "mortar fire>", "ignition>", "touchdown>"]
     rows = {row[0]: row[1:] for row in table.rows}
     assert rows["position east"] == ["m", "160.0 ± 300.0", "80.0 ± 300.0", "21.0 ± 300.0"]
-    assert rows["height above the ground"] == ["m", "0.20 ± 3.00", "0.60 ± 3.00", "0.89 ± 3.00"]
+    assert rows["height above the ground"] == ["m", "0.20 ± 3.00", "0.60 ± 3.00", "0.90 ± 3.00"]
     assert len(rows) == 10
     del made_up.when["touchdown"]
     assert navigation.at_moments(made_up).columns[-1] == "ignition>", "only what the flight came to"

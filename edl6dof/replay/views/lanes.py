@@ -36,7 +36,7 @@ GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
 #: Colours of what is made of an inertial instrument.
 HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
 #: Keys of events that are warnings.
-TROUBLES = ("fault", "diagnosis", "exclusion")
+TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 #: A thruster counts as firing from this duty on.
 FIRING = 0.02
 

@@ -12,6 +12,7 @@ from edl6dof.report.flight.parts import TIME, event_marks, has_signal, stacked
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED, Instrument, instruments
 from edl6dof.telemetry.spans import spans
+from edl6dof.vehicle.faults.component import Component, Components
 
 #: Colour of a state; one that is left out leaves the lane empty.
 COLOURS = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: SKY, EXCLUDED: BAD}
@@ -31,12 +32,14 @@ def figures(run: Run) -> Iterator[Figure]:
         yield stacked("nav_instruments", "Instruments", panels, caption, 150)
 
 
-def names(run: Run) -> dict[str, list[str]]:
+def names(run: Run) -> Components:
     """Names of the instruments that are carried, by kind."""
-    sensors, found = run.scenario["sensors"], {}
+    sensors = run.scenario["sensors"]
+    found: dict[Component, list[str]] = {}
     if "inertial_unit" in sensors["carried"]:
-        for kind in ("gyro", "accelerometer"):
-            found[kind] = [str(one["name"]) for one in sensors["inertial_unit"][f"{kind}s"]["axes"]]
+        unit = sensors["inertial_unit"]
+        found["gyro"] = [str(one["name"]) for one in unit["gyros"]["axes"]]
+        found["accelerometer"] = [str(one["name"]) for one in unit["accelerometers"]["axes"]]
     if "radar" in sensors["carried"]:
         found["beam"] = [str(one["name"]) for one in sensors["radar"]["beams"]]
     return found
@@ -54,8 +57,8 @@ def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
         ]
         if ends:
             x = np.array([[begin, end, np.nan] for begin, end, _ in ends]).ravel()
-            y = np.repeat([float(lane) for _, _, lane in ends], 3)
-            traces.append(Trace(x, np.where(np.isnan(x), np.nan, y), state, colour=colour, width=7.0))
+            places = np.repeat([float(lane) for _, _, lane in ends], 3)
+            traces.append(Trace(x, np.where(np.isnan(x), np.nan, places), state, colour=colour, width=7.0))
     y = Axis(TITLES[those[0].kind], (len(those) - 0.5, -0.5), names=[one.name for one in those])
     marks = [replace(mark, label="") for mark in event_marks(run, run.t)]
     return Panel(Axis(TIME), y, traces, marks=marks, weight=0.3 + 0.13 * len(those))

@@ -78,7 +78,7 @@ def _beside(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     if (
         key == "touchdown"
     ):  # the estimate is a reading old: where contact shakes the vehicle, it has not seen that yet
-        t = float(run.t[max(np.searchsorted(run.t, t) - 1, 0)])
+        t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {BOUND * run.at(sigma, t):{form}}"
 
 

@@ -19,6 +19,7 @@ EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",
     "exclusion": "excluded",
+    "guard": "guard",
     "trim_wing": "trim wing",
     "mortar": "parachute",
     "heat_shield": "heat shield",
