@@ -1,4 +1,4 @@
-"""Flights whose gyros saturate at the parachute opening: bridged, or taken at their word as on Schiaparelli."""
+"""Flights whose gyros saturate at parachute opening: bridged, or taken at their word as on Schiaparelli."""
 
 import numpy as np
 import pytest
