@@ -132,6 +132,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "events"),
     FigureOfMerit("false_alarms", "healthy thrusters isolated", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
+    FigureOfMerit("instrument_false_alarms", "sound instruments excluded", "diagnosis"),
+    FigureOfMerit("time_to_exclude_s", "time from an instrument's fault to its exclusion", "diagnosis"),
 )
 _BY_NAME = {figure.name: figure for figure in FIGURES}
 
