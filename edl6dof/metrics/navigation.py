@@ -13,7 +13,7 @@ _VERTICAL = ("nav.error_attitude_north_deg", "nav.error_attitude_east_deg")
 
 
 def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
-    """Errors of the estimate at mortar fire, ignition and touchdown, as far as the flight came.
+    """Errors of the estimate at mortar fire, ignition and just before touchdown, as far as the flight came.
 
     Args:
         telemetry: its rows.
@@ -22,10 +22,19 @@ def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str
     figures: dict[str, float] = {}
     if (t := when.get("mortar")) is not None:
         figures["parachute_nav_position_m"] = hypot(*telemetry.at(t, *_POSITION))
-    for key in ("ignition", "touchdown"):
-        if (t := when.get(key)) is not None:
-            (figures[f"{key}_nav_height_m"],) = telemetry.at(t, "nav.error_height_m")
-            figures[f"{key}_nav_velocity_m_s"] = hypot(*telemetry.at(t, *_VELOCITY))
+    if (t := when.get("ignition")) is not None:
+        figures.update(_height_and_velocity("ignition", telemetry, t))
     if (t := when.get("touchdown")) is not None:
+        # the estimate is a reading old: where contact shakes the vehicle, it has not seen that yet
+        t = float(telemetry.beside(t)["t_s"][0])
+        figures.update(_height_and_velocity("touchdown", telemetry, t))
         figures["touchdown_nav_vertical_deg"] = hypot(*telemetry.at(t, *_VERTICAL))
     return figures
+
+
+def _height_and_velocity(moment: str, telemetry: Telemetry, t: float) -> dict[str, float]:
+    (height,) = telemetry.at(t, "nav.error_height_m")
+    return {
+        f"{moment}_nav_height_m": height,
+        f"{moment}_nav_velocity_m_s": hypot(*telemetry.at(t, *_VELOCITY)),
+    }

@@ -102,7 +102,7 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.drag_m_s2", "measured drag acceleration"),
     Channel("nav.mass_kg", "believed mass"),
     *_vector("nav.error", "m", "north east down", "estimated less true position"),
-    *_vector("nav.error_v", "m_s", "north east down", "estimated less true velocity"),
+    *_vector("nav.error_v", "m_s", "north east down", "estimated less true velocity over the ground"),
     *_vector("nav.error_attitude", "deg", "north east down", "rotation from true to estimated attitude"),
     Channel("nav.error_height_m", "estimated less true height above the ground"),
     *_vector("nav.sigma", "m", "north east down", "claimed standard deviation of position"),

@@ -1,7 +1,8 @@
 """Telemetry of navigation: how far the estimate is from the truth, and how far it says it may be.
 
-Errors are the estimate less the truth, in the axes north, east and down of the true place; that of attitude
-is the small rotation from the true to the estimated body.
+Errors are the estimate less the truth, in the axes north, east and down of the true place: of position, of
+the velocity relative to the turning planet, and of attitude, the small rotation from the true to the
+estimated body.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ from edl6dof.vehicle.plant import ATTITUDE, POSITION, VELOCITY
 
 
 @kernel
-def record_errors(plant, outputs, estimate, c, s, nav):
+def record_errors(plant, outputs, estimate, spin, c, s, nav):
     """Write the errors of the ``estimate`` (``ESTIMATE``) into ``nav``, a group of a row of telemetry;
-    ``c``, ``s``: cosine and sine of the planet's rotation.
+    ``spin``: the planet's rate of rotation (rad/s), ``c``, ``s``: cosine and sine of its angle.
     """
     y, out = plant.y, outputs
     sl, cl, so, co = out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon
     r = rotate_z(c, s, sub(take3(estimate.r_I, 0), take3(y, POSITION)))
-    v = rotate_z(c, s, sub(take3(estimate.v_I, 0), take3(y, VELOCITY)))
+    v_F = rotate_z(c, s, sub(take3(estimate.v_I, 0), take3(y, VELOCITY)))
+    v = (v_F[0] + spin * r[1], v_F[1] - spin * r[0], v_F[2])
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     p = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
     turned = rotate_z(c, s, from_frame(q, rotation_vector(multiply(conjugate(q), p))))

@@ -69,7 +69,8 @@ def onboard_record():
 
 def params_record(**changes):
     record = np.zeros(1, dtype_of(ErrorStateParams))
-    fill(record[0], ErrorStateParams(**changes))
+    # the made-up planet attracts as the flight computer believes
+    fill(record[0], ErrorStateParams(**{"gravity_m_s2": 0.0, **changes}))
     return record
 
 

@@ -19,7 +19,7 @@ from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
 
 ONBOARD, PARAMS = landing.onboard_record(), landing.params_record()
 #: Every reading counts fully, as in the textbook.
-ALL_COUNT = landing.params_record(gate=20.0, huber=20.0)
+ALL_COUNT = landing.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
 CENTRE, ARM = np.array(landing.CENTRE), np.array(landing.ARM)
 
 
@@ -42,7 +42,8 @@ def followed(onboard, params, flown, first, cycles):
     sensed, motion, solution, health, memory = (record[0] for record in records)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        *(params[0]["terrain_sigma"], params[0]["terrain_change"], flown[2][first]),
+        *(params[0]["terrain_sigma"], params[0]["terrain_change"]),
+        *(2.0 * params[0]["gravity"] ** 2 * params[0]["gravity_time"], flown[2][first]),
     )
 
     def begin(sensed, solution):
@@ -71,7 +72,9 @@ def look(book, before, motion, sensed):
         book.take_range(beam, sensed["radar"]["range"][beam], C, ARM - CENTRE, np.array(up), height)
     for beam in range(4):
         swing = C @ np.cross(motion["rate"], ARM - CENTRE)
-        book.take_speed(beam, sensed["radar"]["speed"][beam], C, np.array(up), v - np.cross(spin, place), swing)
+        book.take_speed(
+            beam, sensed["radar"]["speed"][beam], C, np.array(up), v - np.cross(spin, place), swing
+        )
 
 
 def test_filter_agrees_with_a_textbook_filter(descent):

@@ -22,9 +22,9 @@ def matrix(q):
 class TextbookFilter:
     """Errors and their covariance; the solution itself is kept by whoever asks."""
 
-    def __init__(self, unit, planet, site_altitude, terrain_sigma, terrain_change, q):
+    def __init__(self, unit, planet, site_altitude, terrain_sigma, terrain_change, gravity, q):
         self.unit, self.planet, self.site = unit, planet, site_altitude
-        self.change = terrain_change
+        self.change, self.gravity = terrain_change, gravity
         star = unit["star_bias"] ** 2
         spread = np.linalg.inv(unit["gyro_axis"][:6].T @ unit["gyro_axis"][:6])
         self.spread = spread
@@ -84,7 +84,9 @@ class TextbookFilter:
             F[0:3, width] = -0.5 * T * block
         unit, C = self.unit, matrix(q)
         Q = np.zeros((ALL, ALL))
-        Q[3:6, 3:6] = unit["accelerometer_noise"] ** 2 * T * C @ self.spread @ C.T
+        Q[3:6, 3:6] = unit[
+            "accelerometer_noise"
+        ] ** 2 * T * C @ self.spread @ C.T + self.gravity * T * np.eye(3)
         Q[6:9, 6:9] = unit["gyro_noise"] ** 2 * T * C @ self.spread @ C.T
         Q[9:12, 9:12] = unit["gyro_bias_walk"] ** 2 * T * self.spread
         Q[12:15, 12:15] = unit["accelerometer_bias_walk"] ** 2 * T * self.spread

@@ -63,6 +63,12 @@ class ErrorStateParams(Params):
         gt=0.0,
         le=1000.0,
     )
+    gravity_m_s2: float = param(
+        1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
+    )
+    gravity_time_s: float = param(
+        60.0, "time over which that stays the same", status="estimate", ge=0.0, le=10e3
+    )
     unknown_rate_deg_s: float = param(
         60.0, "rate, one sigma, taken for what gyros at the end of their range miss", ge=0.0, le=1000.0
     )

@@ -103,7 +103,8 @@ def add_process_noise(params, instruments, v_rel_I, up, q, memory):
     add_block(covariance, ACCELEROMETER_BIAS, walk, accelerometer)
     along = norm(sub(v_rel_I, scale(dot(v_rel_I, up), up)))
     covariance[TERRAIN, TERRAIN] += params.terrain_change**2 * along * dt / 1000.0
+    gravity = 2.0 * params.gravity**2 * params.gravity_time * dt  # white noise of the same long-term growth
     for i in range(3):
-        covariance[VELOCITY + i, VELOCITY + i] += interval.unknown_gain
+        covariance[VELOCITY + i, VELOCITY + i] += interval.unknown_gain + gravity
         room = max(ANYHOW - covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i], 0.0)
         covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] += min(interval.unknown_turn, room)
