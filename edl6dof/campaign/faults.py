@@ -38,6 +38,13 @@ OF_THRUSTERS = THRUSTER_KINDS
 #: attitude control; for instruments all in which the vehicle flies.
 USUAL_ROLES = (TRIM, LIFT, PARACHUTE, POWERED_DECELERATION, HAZARD_AVOIDANCE)
 FLYING_ROLES = (*USUAL_ROLES[:4], HOVER_IMAGING, HAZARD_AVOIDANCE, SLOW_DESCENT)
+#: Those of kinds that happen in one phase only: what saturates all gyros is a parachute that opens.
+OWN_ROLES = {"gyros_saturated": (PARACHUTE,)}
+
+
+def sensor_phases_of(scenario: Scenario, kind: str) -> list[str]:
+    """The usual phases of a kind of fault of instruments."""
+    return phases_of(scenario, OWN_ROLES.get(kind, FLYING_ROLES))
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:
@@ -55,16 +62,21 @@ def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
 
 
 def fault_cases(
-    kinds: Mapping[str, Mapping[Component, Sequence[str]]], phases: Sequence[str], after_s: float
+    kinds: Mapping[str, Mapping[Component, Sequence[str]]],
+    phases: Mapping[str, Sequence[str]],
+    after_s: float,
 ) -> list[Case]:
     """A case for each kind, phase and component; the fault begins ``after_s`` s into the phase.
 
-    ``kinds``: names of what is to fail, by kind of fault and kind of component.
+    Args:
+        kinds: names of what is to fail, by kind of fault and kind of component.
+        phases: those in which it fails, by kind of fault.
+        after_s: s.
     """
     grid = [
         (kind, phase, component, name)
         for kind, components in kinds.items()
-        for phase in phases
+        for phase in phases[kind]
         for component, names in components.items()
         for name in names
     ]

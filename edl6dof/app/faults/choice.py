@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from edl6dof.campaign.faults import FLYING_ROLES, KINDS, OF_INSTRUMENTS, OF_THRUSTERS, may_fail, phases_of
+from edl6dof.campaign.faults import (
+    KINDS,
+    OF_INSTRUMENTS,
+    OF_THRUSTERS,
+    may_fail,
+    phases_of,
+    sensor_phases_of,
+)
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
 from edl6dof.scenario.schema import LoadedScenario, Scenario
@@ -34,16 +41,19 @@ class FaultOptions:
     workers: int | None
 
 
-def choose(options: FaultOptions, loaded: LoadedScenario) -> tuple[Failing, list[str]]:
-    """What is to fail, and the phases in which it fails."""
+def choose(options: FaultOptions, loaded: LoadedScenario) -> tuple[Failing, dict[str, list[str]]]:
+    """What is to fail, and the phases in which it fails, by kind of fault."""
     scenario = loaded.scenario
     if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
         raise _refusal("--after", f"must be a time in s, 0 or more (got {options.after_s:g})")
-    if not (usual := phases_of(scenario, FLYING_ROLES) if options.sensors else phases_of(scenario)):
+    if not (usual := phases_of(scenario)):
         words = "there is no phase in which thrusters may fire"
         raise ConfigError([Problem(options.scenario, 0, 0, "mission.phases", words)])
     failing = _instruments(options, scenario) if options.sensors else _vehicle(options, scenario)
-    return failing, _chosen("--phases", options.phases, scenario.phase_names, usual)
+    asked = _chosen("--phases", options.phases, scenario.phase_names, [])
+    if options.sensors:
+        return failing, {kind: asked or sensor_phases_of(scenario, kind) for kind in failing}
+    return failing, dict.fromkeys(failing, asked or usual)
 
 
 def _vehicle(options: FaultOptions, scenario: Scenario) -> Failing:

@@ -32,10 +32,10 @@ def run_faults(options: FaultOptions) -> int:
                 fly_rows(loaded, cases, workers=options.workers, collect=fault_response, progress=progress)
             )
         pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
-        summary = json_text(summary_of(rows, list(failing), phases))
+        summary = json_text(summary_of(rows, phases))
         (folder / "summary.json").write_text(summary, encoding="utf-8")
     if options.as_json:
         print(summary, end="")
     else:
-        show(Console(highlight=False, soft_wrap=True), rows, list(failing), phases, options.sensors, target)
+        show(Console(highlight=False, soft_wrap=True), rows, phases, options.sensors, target)
     return 0 if all(row["success"] for row in rows) else 1

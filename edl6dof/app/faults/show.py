@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,14 +40,15 @@ _OF_NAVIGATION = (
 
 
 def show(
-    console: Console, rows: list[Row], kinds: list[str], phases: list[str], sensors: bool, target: Path
+    console: Console, rows: list[Row], phases: Mapping[str, Sequence[str]], sensors: bool, target: Path
 ) -> None:
-    """A matrix and an overview for each kind of fault, what was lost, and where the table is; ``sensors``:
-    whether instruments failed.
+    """A matrix and an overview for each kind of fault, what was lost, and where the table is.
+
+    ``phases``: by kind of fault; ``sensors``: whether instruments failed.
     """
-    for kind in kinds:
-        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, phases))
-        console.print(_overview(groups_of(rows, [kind], phases), sensors))
+    for kind, columns in phases.items():
+        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, columns))
+        console.print(_overview(groups_of(rows, kind, columns), sensors))
     console.print(_LEGEND.format(**(_SENSORS if sensors else _THRUSTERS)), style="dim")
     for row in rows:
         if not row["success"]:
@@ -60,7 +62,7 @@ def show(
     console.print(Text(outcome, style="bold red" if lost else "bold green"))
 
 
-def _matrix(rows: list[Row], kind: str, phases: list[str]) -> Table:
+def _matrix(rows: list[Row], kind: str, phases: Sequence[str]) -> Table:
     """Components by phases: green landed and named, yellow landed and not named, red not within limits."""
     table = Table(
         title=kind.replace("_", " "),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from edl6dof.campaign.faults import OF_INSTRUMENTS
@@ -24,22 +24,20 @@ def never_used(row: Row) -> bool:
     return row["kind"] != "stuck_on" and row.get("unused_s") is None
 
 
-def summary_of(rows: Sequence[Row], kinds: Sequence[str], phases: Sequence[str]) -> dict[str, Any]:
-    """Counts of all flights, figures of each group, and the rows themselves."""
+def summary_of(rows: Sequence[Row], phases: Mapping[str, Sequence[str]]) -> dict[str, Any]:
+    """Counts of all flights, figures of each group, and the rows themselves; ``phases``: by kind of fault."""
     return {
         "flights": len(rows),
         "survived": sum(row["success"] for row in rows),
-        "groups": groups_of(rows, kinds, phases),
+        "groups": [group for kind in phases for group in groups_of(rows, kind, phases[kind])],
         "rows": list(rows),
     }
 
 
-def groups_of(rows: Sequence[Row], kinds: Sequence[str], phases: Sequence[str]) -> list[dict[str, Any]]:
-    """Figures of each kind of fault in each phase."""
+def groups_of(rows: Sequence[Row], kind: str, phases: Sequence[str]) -> list[dict[str, Any]]:
+    """Figures of a kind of fault in each phase."""
     return [
-        _group([row for row in rows if row["kind"] == kind and row["phase"] == phase])
-        for kind in kinds
-        for phase in phases
+        _group([row for row in rows if row["kind"] == kind and row["phase"] == phase]) for phase in phases
     ]
 
 

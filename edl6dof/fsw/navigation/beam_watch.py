@@ -25,7 +25,7 @@ class BeamWatchParams(Params):
 
     enabled: bool = param(True, "whether beams are excluded")
     refused_looks: int = param(
-        15, "looks, more than it was taken in, in which a beam must have been refused", ge=1, le=10000
+        30, "looks, more than it was taken in, in which a beam must have been refused", ge=1, le=10000
     )
     silent_looks: int = param(
         30, "looks on end in which it alone must have had no echo", ge=1, le=10000

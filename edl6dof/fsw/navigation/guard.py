@@ -1,8 +1,8 @@
 """Guards: whether what the solution says of height and vertical can be true.
 
 Three verdicts, each with a switch.  The height lies below the ground though no footpad touches it; the height
-jumps by more than its own uncertainty against the velocity; a beam of the radar has an echo although, as the
-attitude has it, it looks above the horizon.  Against the first two a guard tells the last plausible height,
+jumps by more than its own uncertainty against the velocity; beams of the radar have an echo although, as the
+attitude has it, they look above the horizon.  Against the first two a guard tells the last plausible height,
 carried on with the vertical velocity: below the ground for as long as it lasts, after a jump until the new
 height has stood for a while.  Against the third it has the vertical recovered.
 
@@ -91,16 +91,16 @@ def guarded_height(params, height, climb, sigma, contact, dt, memory):
 
 @kernel
 def vertical_is_wrong(params, instruments, radar, q, up):
-    """Whether a beam has an echo though the attitude ``q`` has it look less than the least angle below the
-    horizon; ``up``: unit vector, I.
+    """Whether several beams have an echo though the attitude ``q`` has them look less than the least angle
+    below the horizon; ``up``: unit vector, I.  One alone may have failed.
     """
     if radar.fresh == 0:
         return False
-    least = sin(params.horizon)
+    least, seen = sin(params.horizon), 0
     for i in range(instruments.n_beams):
         if radar.locked[i] != 0 and -dot(from_frame(q, take3(instruments.beam_axis[i], 0)), up) < least:
-            return True
-    return False
+            seen += 1
+    return seen > 1
 
 
 @kernel

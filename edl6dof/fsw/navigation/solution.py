@@ -46,7 +46,7 @@ SOLUTION = np.dtype(
         ("range_innovation", "f8", (MAX_BEAMS,)),  # over its standard deviation; 0 where there was none
         ("speed_innovation", "f8", (MAX_BEAMS,)),
         ("beams_used", whole(0, 2**MAX_BEAMS - 1)),  # a bit for each beam
-        ("beams_refused", whole(0, 2**MAX_BEAMS - 1)),  # of range or speed, excluded beams among them
+        ("beams_refused", whole(0, 2**MAX_BEAMS - 1)),  # likewise of those that are wrong, excluded or not
         ("looked", FLAG),  # whether the filter has looked at the radar in this cycle
     ],
     align=True,

@@ -13,14 +13,14 @@ from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.vector import norm, take3
 
 #: Share of the largest rate at which it must see stars.
-_SLOWLY = 0.5
+_SLOWLY = 0.8
 
 
 class StarWatchParams(Params):
     """Exclusion of the star tracker."""
 
     enabled: bool = param(True, "whether it is excluded")
-    patience_s: float = param(3.0, "time without a fix, though there should be one", gt=0.0, le=1e4)
+    patience_s: float = param(2.0, "time without a fix, though there should be one", gt=0.0, le=1e4)
     margin_m: float = param(
         500.0, "how far above the lowest altitude at which it sees stars it must do so", ge=0.0, le=1e6
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.alignment import align
+from edl6dof.fsw.navigation.alignment import adopt_attitude, align
 from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
 from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
 from edl6dof.fsw.navigation.filters.registry import (
@@ -104,6 +104,9 @@ def navigate(onboard, state, sensed, memory):
             start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
+        if memory.recovery.variance > 0.0 and sensed.stars.valid != 0:
+            adopt_attitude(sensed, motion, solution)
+            memory.recovery.variance = 0.0
         recover(
             params.recovery,
             onboard.planet.rotation_rate,

@@ -206,11 +206,13 @@ def test_without_guards_everything_is_told_but_the_verdict_stays():
 
 
 @pytest.mark.parametrize("tilt, wrong", [(0.0, False), (pi / 4.0, False), (radians(100.0), True), (pi, True)])
-@pytest.mark.parametrize("enabled", [True, False])
-def test_echo_from_above_the_horizon_has_the_vertical_recovered(tilt, wrong, enabled):
+@pytest.mark.parametrize("enabled, beams", [(True, 2), (False, 2), (True, 1)])
+def test_echoes_from_above_the_horizon_have_the_vertical_recovered(tilt, wrong, enabled, beams):
+    """A single beam may have failed itself."""
+    wrong = wrong and beams > 1
     known, radar = believed_unit(), np.zeros(1, RADAR)
-    known["n_beams"], known["beam_axis"][0, 0] = 1, (1.0, 0.0, 0.0)
-    radar["fresh"], radar["locked"][0, 0] = 1, 1
+    known["n_beams"], known["beam_axis"][0, :2] = 2, (1.0, 0.0, 0.0)
+    radar["fresh"], radar["locked"][0, :beams] = 1, 1
     memory, recovery = np.zeros(1, GUARD), np.zeros(1, RECOVERY)
     down = Quaternion(axis=(0, 1, 0), radians=pi / 2 + tilt)  # x of B along -z of I, tilted
     params = in_si(GuardParams(vertical=enabled))

@@ -105,7 +105,7 @@ def test_star_tracker_is_excluded_where_it_should_see_stars_and_does_not(planet)
     assert not stars_after(planet, 3.2, 125e3)
     assert stars_after(planet, 100.0, 125e3, valid=1)
     assert stars_after(planet, 100.0, 118.2e3)
-    assert stars_after(planet, 100.0, 125e3, rate=np.radians(2.0))
+    assert stars_after(planet, 100.0, 125e3, rate=np.radians(2.5))
 
 
 @pytest.mark.parametrize(("reading", "excluded"), [(0.4, True), (0.6, False)])

@@ -110,7 +110,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         speeds = _fit_speeds(params, onboard, health, sensed.radar, q, add(velocity, swing), solution, memory)
         ranges = _buffer_heights(params, onboard, health, sensed.radar, q, up, height, solution, memory)
         solution.beams_used = speeds | ranges
-        solution.beams_refused = locked_beams(sensed.radar, n_beams) & ~(speeds & ranges)
+        solution.beams_refused = locked_beams(sensed.radar, n_beams) & ~speeds
         solution.looked = 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)

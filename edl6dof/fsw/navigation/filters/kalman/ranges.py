@@ -7,6 +7,8 @@ Source: Farrell, Aided Navigation (2008), chapter 12; Busnardo, Aitken, Tolson, 
 
 from __future__ import annotations
 
+from math import sqrt
+
 from edl6dof.fsw.navigation.filters.kalman.antenna import STEEPEST, expected_range
 from edl6dof.fsw.navigation.filters.kalman.beams import usable
 from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again
@@ -21,6 +23,9 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3
+
+#: Gates beyond which no slope of the ground explains a range.
+FAR_OFF = 3.0
 
 
 @kernel
@@ -66,9 +71,9 @@ def common_height_error(onboard, health, radar, q, up, height, memory):
 
 
 @kernel
-def stands_apart(params, instruments, error, common, slope, off, reach, noise, memory):
-    """Whether the height of a beam differs from the median of all by more than noise, bias and attitude
-    explain; then the beam is wrong, however unsure the solution is.
+def apart(instruments, error, common, slope, off, reach, noise, memory):
+    """How far the height of a beam differs from the median of all, over what noise, bias and attitude
+    explain; beyond the gate the beam is wrong, however unsure the solution is.
     """
     covariance = memory.covariance
     level = covariance[ATTITUDE_ERROR, ATTITUDE_ERROR]
@@ -78,12 +83,16 @@ def stands_apart(params, instruments, error, common, slope, off, reach, noise, m
     )
     lasting = instruments.range_bias**2 + (instruments.range_scale * reach) ** 2
     spread = 2.0 * slope * slope * (noise + lasting) + 2.0 * off * off * level
-    return (error - common) ** 2 > params.gate**2 * spread
+    return abs(error - common) / sqrt(spread)
 
 
 @kernel
 def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solution, memory):
-    """Take in the ranges; bits of the beams that were used, and of those that were refused."""
+    """Take in the ranges; bits of the beams that were used, and of those that are far off.
+
+    Ground that slopes puts a sound beam beyond the gate, too, for as long as it does: only what is several
+    gates off counts against the beam.
+    """
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     told, common = common_height_error(onboard, health, radar, q, up, height, memory)
     used, refused, tried, against, least = 0, 0, 0, 0, 0.0
@@ -95,14 +104,16 @@ def look_at_ranges(params, onboard, health, radar, q, lever, up, height, solutio
         reach, slope, off = expected_range(u, up, height, radius)
         innovation = radar.range[beam] - reach
         noise = range_noise(params, instruments, reach, slope, off)
-        if told > 2 and stands_apart(
-            params, instruments, innovation * slope, common, slope, off, reach, noise, memory
-        ):
+        alone = 0.0
+        if told > 2:
+            alone = apart(instruments, innovation * slope, common, slope, off, reach, noise, memory)
+        if alone > FAR_OFF * params.gate:
             refused |= 1 << beam
+        if alone > params.gate:
             continue
         range_row(u, up, lever, slope, reach, radius, beam, memory.row)
         deviation, agrees = take_in(params, noise, innovation, up, trusted, memory.row, memory)
-        if not agrees:
+        if abs(deviation) > FAR_OFF * params.gate:
             refused |= 1 << beam
         if trusted:
             solution.range_innovation[beam] = deviation
