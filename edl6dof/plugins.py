@@ -56,7 +56,8 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "engine_model": (
         "engine model",
         {
-            "rate": ("params", "engine", "t", "thrust", "command", "starting"),
+            "goal": ("params", "engine", "t", "step", "command"),
+            "rate": ("params", "engine", "goal", "thrust", "starting"),
             "specific_impulse": ("params", "engine", "thrust"),
         },
     ),
@@ -70,6 +71,13 @@ FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
     "sensor": (
         "sensor",
         {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
+    ),
+    "navigation_filter": (
+        "navigation filter",
+        {
+            "start": ("params", "onboard", "sensed", "solution", "memory"),
+            "correct": ("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
+        },
     ),
     "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
 }

@@ -1,5 +1,5 @@
 """Print what the fault tolerance promises, measured: ``python tools/fault_figures.py [-n 400] [--seed 1]
-[--matrix]``.
+[--set PATH=VALUE ...] [--matrix]``.
 
 1. n dispersed flights (``tianwen1_mc``) in which one of the eight horizontal thrusters stops working at a
 random time in the first
@@ -111,9 +111,9 @@ def lost(rows: list[Row]) -> list[str]:
     ]
 
 
-def matrix() -> str:
+def matrix(sets: Sequence[str]) -> str:
     """Every thruster, kind and usual phase in the nominal flight."""
-    loaded = edl6dof.load("tianwen1")
+    loaded = edl6dof.load("tianwen1", sets)
     lines = []
     for kind in OF_THRUSTERS:
         thrusters, phases = loaded.scenario.thruster_names, phases_of(loaded.scenario)
@@ -137,10 +137,13 @@ def main() -> None:
     )
     parser.add_argument("-n", type=int, default=400, help="flights with a fault, and as many without")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="PATH=VALUE", help="as edl6dof fly --set"
+    )
     parser.add_argument("--matrix", action="store_true")
     options = parser.parse_args()
     start = time.perf_counter()
-    plan = load_plan("tianwen1_mc", cases=options.n)
+    plan = load_plan("tianwen1_mc", tuple(options.set), cases=options.n)
     for title, kind, thrusters in (
         ("horizontal thruster dead", "stuck_off", HORIZONTAL),
         ("250 N thruster stuck on", "stuck_on", STRONG),
@@ -152,7 +155,7 @@ def main() -> None:
         flush=True,
     )
     if options.matrix:
-        print(matrix())
+        print(matrix(options.set))
     print(f"{time.perf_counter() - start:.0f} s")
 
 

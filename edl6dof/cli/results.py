@@ -33,7 +33,9 @@ def replay(
         str,
         typer.Option(
             metavar="NAME",
-            help=("Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Thrusters."),
+            help=(
+                "Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Navigation, Thrusters."
+            ),
         ),
     ] = "",
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,

@@ -18,10 +18,10 @@ class OrientationParams(Params):
     of 86,400 s and Julian centuries since J2000.
     """
 
-    pole_right_ascension_deg: float = param(REQUIRED, "right ascension of the pole", record=False)
-    pole_right_ascension_rate_deg_century: float = param(0.0, "its drift", record=False)
-    pole_declination_deg: float = param(REQUIRED, "declination of the pole", record=False, ge=-90.0, le=90.0)
-    pole_declination_rate_deg_century: float = param(0.0, "its drift", record=False)
+    pole_ra_deg: float = param(REQUIRED, "right ascension of the pole", record=False)
+    pole_ra_rate_deg_century: float = param(0.0, "its drift", record=False)
+    pole_dec_deg: float = param(REQUIRED, "declination of the pole", record=False, ge=-90.0, le=90.0)
+    pole_dec_rate_deg_century: float = param(0.0, "its drift", record=False)
     prime_meridian_deg: float = param(
         REQUIRED, "prime meridian from the ascending node of the equator", record=False
     )

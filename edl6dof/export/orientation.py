@@ -53,8 +53,8 @@ def icrf_to_fixed(orientation: OrientationParams, utc: datetime) -> np.ndarray:
     """
     o, days = orientation, days_since_j2000(utc)
     centuries = days / CENTURY_D
-    ascension = np.radians(o.pole_right_ascension_deg + o.pole_right_ascension_rate_deg_century * centuries)
-    declination = np.radians(o.pole_declination_deg + o.pole_declination_rate_deg_century * centuries)
+    ascension = np.radians(o.pole_ra_deg + o.pole_ra_rate_deg_century * centuries)
+    declination = np.radians(o.pole_dec_deg + o.pole_dec_rate_deg_century * centuries)
     spin = np.radians(o.prime_meridian_deg + o.prime_meridian_rate_deg_day * days)
     return _about_z(spin) @ _about_x(0.5 * np.pi - declination) @ _about_z(0.5 * np.pi + ascension)
 

@@ -162,7 +162,15 @@ class _Thrusters(Params):
     thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(..., "believed thrusters")
 
 
-CONFIGURATION = np.dtype([("mass", "f8"), ("centre", "f8", (3,)), ("inertia", "f8", (3,))], align=True)
+CONFIGURATION = np.dtype(
+    [
+        ("mass", "f8"),
+        ("centre", "f8", (3,)),
+        ("inertia", "f8", (3,)),
+        ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
+    ],
+    align=True,
+)
 
 ONBOARD = np.dtype(
     [

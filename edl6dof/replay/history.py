@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from edl6dof.telemetry.instruments import columns_of, instruments
 from edl6dof.telemetry.timeline import first_times
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ class History:
         columns: telemetry columns by name at these rows, those that the flight has.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
         jets: names of the thrusters.
+        instruments: what was made of each instrument, at these rows; none where sensors are perfect.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
         diagnosed: what the flight software found out, by thruster.
         when: time (s) of the first event of each key, and of the first phase of each role.
@@ -109,7 +111,8 @@ class History:
         self.when = first_times(flight.events)
         rows = _drawable(table)
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]
-        wanted = dict.fromkeys([*POSES, *names])
+        components = flight.scenario.components if on_instruments(flight) else {}
+        wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])
         self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in wanted if name in table}
         self.t = self.columns["t_s"]
         self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
@@ -117,6 +120,7 @@ class History:
         for k, jet in enumerate(self.jets if len(rows) else ()):
             self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
 
+        self.instruments = instruments(self.columns, components)
         states = {jet: table[f"fault.{jet}"][rows] for jet in self.jets if f"fault.{jet}" in table}
         self.failures = {jet: state for jet, state in states.items() if np.any(state > 0)}
         self.diagnosed = _diagnosed(flight.events, self.jets)
@@ -128,6 +132,11 @@ class History:
         """Mean duty of some thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
         own = self.duty[:, [self.jets.index(name) for name in names]]
         return _mean_between(own, rows)
+
+
+def on_instruments(flight: Flown) -> bool:
+    """Whether the flight computer navigates, and does not take the word of perfect sensors."""
+    return flight.scenario.navigation_filter != "given"
 
 
 def _drawable(table: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -165,9 +174,3 @@ def thin(t: np.ndarray, rate_hz: float) -> np.ndarray:
     step = max(1, round((len(t) - 1) / max(t[-1] - t[0], 1e-9) / rate_hz))
     rows = np.arange(0, len(t), step)
     return rows if rows[-1] == len(t) - 1 else np.append(rows, len(t) - 1)
-
-
-def spans(present: np.ndarray) -> list[tuple[int, int]]:
-    """First and one-past-last row of each run of ``True``."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], present, [False]]).astype(int)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

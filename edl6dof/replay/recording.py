@@ -5,7 +5,8 @@ lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicl
 grows under the
 parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
-planes, ``/phase``, ``/configuration``, ``/engine`` and ``/rcs`` the lanes, ``/events`` the timeline.
+planes, ``/phase``, ``/configuration``, ``/engine``, ``/rcs`` and ``/instruments`` the lanes, ``/events`` the
+timeline.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from edl6dof.replay.history import Flown, History
+from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows
+from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
 from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
 from edl6dof.replay.scene.flames import Flames
@@ -39,6 +41,7 @@ PARTS: tuple[type[Recorder], ...] = (
     Vehicle,
     Flames,
     Arrows,
+    Beams,
     Descent,
     charts.Charts,
     PhasePlanes,
@@ -48,7 +51,8 @@ PARTS: tuple[type[Recorder], ...] = (
 
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
-    return History(flight, (*charts.COLUMNS, *lanes.READOUT))
+    navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
+    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -113,9 +117,10 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if set(plot.series) <= set(first.columns)),
+        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.columns)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
+        instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
         flights=len(flights),
         ensemble=ensemble,
         globe_eye=2.3 * middle,

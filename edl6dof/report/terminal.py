@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.metrics.published import Beside, Published, published_figures
 
 if TYPE_CHECKING:
@@ -18,6 +19,15 @@ if TYPE_CHECKING:
 
 #: What is said of a limit or a requirement.
 VERDICT = {True: "kept", False: "broken"}
+#: Figures of navigation and their formats.
+NAVIGATION = {
+    "parachute_nav_position_m": ",.0f",
+    "ignition_nav_height_m": ",.2f",
+    "ignition_nav_velocity_m_s": ",.3f",
+    "touchdown_nav_height_m": ",.2f",
+    "touchdown_nav_velocity_m_s": ",.3f",
+    "touchdown_nav_vertical_deg": ",.3f",
+}
 
 
 class Compared(NamedTuple):
@@ -40,13 +50,15 @@ class Compared(NamedTuple):
 
 
 def show_flight(console: Console, flight: Flight) -> None:
-    """Print timeline, the table against the published flight, limits, and last, where the eye is, the
-    outcome.
+    """Print timeline, the table against the published flight, errors of navigation, limits, and last, where
+    the eye is, the outcome.
     """
     console.print(timeline_table(flight))
     if flight.scenario.published:
         rows = comparison(flight.metrics, flight.scenario.published)
         console.print(published_table(rows, "Beside the published flight", "this flight"))
+    if any(name in flight.metrics for name in NAVIGATION):
+        console.print(navigation_table(flight))
     if flight.checks:
         console.print(limits_table(flight))
     console.print(headline(flight))
@@ -91,6 +103,16 @@ def comparison(
         _compared(beside, figures.get(beside.figure.name), (deviations or {}).get(beside.figure.name))
         for beside in published_figures(published)
     ]
+
+
+def navigation_table(flight: Flight) -> Table:
+    """How far the estimated state was from the truth, of a flight on instruments."""
+    table = open_table("Navigation", "figure", "unit", "this flight>")
+    for name, form in NAVIGATION.items():
+        if (value := flight.metrics.get(name)) is not None:
+            figure = figure_of_merit(name)
+            table.add_row(figure.meaning, figure.unit.label, f"{value:{form}}")
+    return table
 
 
 def limits_table(flight: Flight) -> Table:

@@ -132,6 +132,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     hung = np.zeros(len(record["pack"]), SUSPENSION)
     fill_suspension(hung, vehicle)
     record["pack"] = hung["pack"]
+    _hang(record["configuration"], hung, vehicle)
     record["n_engines"] = len(vehicle.engines)
     for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
         slot["full_thrust"], slot["specific_impulse"] = engine.full_thrust_n, engine.full_specific_impulse_s
@@ -153,6 +154,16 @@ def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank
         record["mass"], record["centre"], inertia = loaded(mass, parts, tanks, attached)
         record["inertia"] = np.diag(inertia)
     return table
+
+
+def _hang(configurations: np.ndarray, hung: np.ndarray, vehicle: VehicleParams) -> None:
+    """Where the riser pulls, in the configurations in which a pack is gone and what carries it is not."""
+    configurations["hung_at"] = configurations["centre"]
+    gone = np.arange(len(configurations))
+    for chute, slot in zip(vehicle.parachutes, hung, strict=False):
+        if slot["pack"] >= 0:
+            carried = slot["carrier"] < 0 or gone >> max(slot["carrier"], 0) & 1 == 0
+            configurations["hung_at"][(gone >> slot["pack"] & 1 == 1) & carried] = chute.confluence_m
 
 
 def _set_site(record: np.void, scenario: Scenario) -> None:

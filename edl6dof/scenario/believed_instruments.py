@@ -42,6 +42,7 @@ def _believe_radar(record: np.void, radar: np.void) -> None:
     """
     beams = radar["n_beams"]
     record["antenna_position"], record["n_beams"] = radar["position"], beams
+    record["radar_ceiling"] = radar["highest"]
     record["beam_axis"][:beams] = radar["beams"]["axis"][:beams]
     for kind in ("range", "speed"):
         record[f"{kind}_sigma"] = radar[f"{kind}_noise"]

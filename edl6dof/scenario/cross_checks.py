@@ -6,6 +6,7 @@ A case that changes a few sections is checked again where they are read.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
@@ -95,6 +96,26 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     return sensor_problems(scenario.sensors, (*read, "footpad_contact", "wing_open"))
 
 
+def _alignment_problems(scenario: Scenario) -> dict[str, str]:
+    """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
+    reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
+    if "star_tracker" not in scenario.sensors.flown or "stars" not in reads:
+        return {}
+    stars, found = scenario.sensors.star_tracker, {}
+    altitude, rate = scenario.initial_altitude_m, hypot(*scenario.initial.rate_deg_s)
+    if altitude < stars.lowest_m:
+        found["sensors.star_tracker.lowest_m"] = (
+            f"must not exceed the altitude at the start, {altitude:g} m: navigation needs a star fix then to "
+            f"begin with (got {stars.lowest_m:g})"
+        )
+    if rate > stars.rate_deg_s:
+        found["sensors.star_tracker.rate_deg_s"] = (
+            f"must not be below the rate at the start, {rate:g} deg/s: navigation needs a star fix then to "
+            f"begin with (got {stars.rate_deg_s:g})"
+        )
+    return found
+
+
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.dynamics == "six_dof" or scenario.mission.goal != "landing":
         return {}
@@ -123,6 +144,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
+    CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),

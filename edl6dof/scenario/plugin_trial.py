@@ -5,6 +5,7 @@ compiler's page.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
@@ -31,30 +33,42 @@ from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 from edl6dof.vehicle.propulsion.engine import ENGINE
 
-#: What a kernel of each role must return, and whether a value is that.
-_RETURNS = {
-    "entry_law": ("a bank angle (float)", lambda value: isinstance(value, float)),
-    "reversal": ("a side, 1.0 or -1.0", lambda value: isinstance(value, float)),
-    "powered_law": (
-        "four numbers: acceleration north, east, up, and tilt limit",
-        lambda value: isinstance(value, tuple) and len(value) == 4,
-    ),
-    "controller": (
+
+def _number(value: Any) -> bool:
+    return isinstance(value, float)
+
+
+def _numbers(count: int) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, tuple) and len(value) == count
+
+
+def _nothing(value: Any) -> bool:
+    return value is None
+
+
+#: What the kernel of each family and role must return, and whether a value is that.
+_RETURNS: dict[tuple[str, str], tuple[str, Callable[[Any], bool]]] = {
+    ("entry_law", "guide"): ("a bank angle (float)", _number),
+    ("reversal", "side"): ("a side, 1.0 or -1.0", _number),
+    ("powered_law", "guide"): ("four numbers: acceleration north, east, up, and tilt limit", _numbers(4)),
+    ("controller", "control"): (
         "torque and attitude error, three numbers each",
         lambda value: isinstance(value, tuple) and [*map(np.size, value)] == [3, 3],
     ),
-    "engine_model": ("a number (float)", lambda value: isinstance(value, float)),
-    "parachute_model": ("a number (float)", lambda value: isinstance(value, float)),
-    "estimator": ("nothing", lambda value: value is None),
-    "sensor": ("nothing", lambda value: value is None),
-    "atmosphere": (
+    ("engine_model", "goal"): ("two numbers: mean and slope of the thrust striven for", _numbers(2)),
+    ("engine_model", "rate"): ("a number (float)", _number),
+    ("engine_model", "specific_impulse"): ("a number (float)", _number),
+    ("parachute_model", "inflation"): ("a number (float)", _number),
+    ("parachute_model", "efficiency"): ("a number (float)", _number),
+    ("estimator", "estimate"): ("nothing", _nothing),
+    ("sensor", "measure"): ("nothing", _nothing),
+    ("navigation_filter", "start"): ("nothing", _nothing),
+    ("navigation_filter", "correct"): ("nothing", _nothing),
+    ("atmosphere", "air"): (
         "four numbers: density, pressure, temperature and speed of sound",
-        lambda value: isinstance(value, tuple) and len(value) == 4,
+        _numbers(4),
     ),
-    "wind": (
-        "two numbers: wind towards east and north",
-        lambda value: isinstance(value, tuple) and len(value) == 2,
-    ),
+    ("wind", "mean"): ("two numbers: wind towards east and north", _numbers(2)),
 }
 
 
@@ -80,7 +94,7 @@ def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) 
         return f"uses a field that its records do not have: {error}"
     except Exception as error:  # what the user's own code raises
         return f"fails on records of zeros: {type(error).__name__}: {error}"
-    words, fits = _RETURNS[key]
+    words, fits = _RETURNS[key, role]
     return "" if fits(value) else f"must return {words} (got {type(value).__name__})"
 
 
@@ -92,7 +106,7 @@ def _argument(name: str, key: str, member: Member) -> Any:
     scalars = {
         **{"dt": 0.04, "wanted": 1.0, "sign": 1.0, "alt": 1000.0},
         **{"since_line_stretch": 1.0, "mach": 1.5},
-        **{"t": 10.0, "thrust": 1000.0, "command": 2000.0, "starting": False},
+        **{"t": 10.0, "step": 0.02, "thrust": 1000.0, "command": 2000.0, "starting": False},
     }
     records = {
         "params": dtype_of(member.params),
@@ -104,7 +118,7 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "onboard": ONBOARD,
         "vehicle": ONBOARD["vehicle"],
         "nav": NAV,
-        "goal": GUIDE,
+        "goal": np.dtype("f8") if key == "engine_model" else GUIDE,
         "inputs": CONTROL_INPUTS,
         "measured": MEASURED,
         "out": DISTURBANCE if key == "estimator" else GUIDE,
@@ -113,6 +127,9 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "plant": STATE,
         "outputs": OUTPUTS,
         "sensed": SENSED,
+        "health": INSTRUMENT_HEALTH,
+        "motion": MOTION,
+        "solution": SOLUTION,
         "atm": ATMOSPHERE,
         "wind": WIND,
         "gas": GAS,

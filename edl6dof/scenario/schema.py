@@ -215,6 +215,11 @@ class Scenario(Params):
         return [jet.name for jet in self.vehicle.rcs.thrusters]
 
     @property
+    def beam_names(self) -> list[str]:
+        """Names of the radar beams that fly."""
+        return instrument_names(self.sensors).get("beam", [])
+
+    @property
     def navigation_filter(self) -> str:
         """Name of the navigation filter that flies: with perfect sensors none, their word is taken."""
         return "given" if self.sensors.set == "perfect" else self.flight_software.navigation.filter

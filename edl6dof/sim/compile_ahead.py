@@ -69,7 +69,7 @@ def compile_flight_software_and_log() -> None:
     onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
     run.compile((onboard, sensed, numba.int64, memory))
     case, plant, outputs = (numba.from_dtype(layout) for layout in (CASE, STATE, OUTPUTS))
-    write_row.compile((case, plant, outputs, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
+    write_row.compile((case, plant, outputs, sensed, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
 
 
 def _log_of(row: np.dtype) -> numba.types.Array:

@@ -107,7 +107,7 @@ class Flight:
         """Columns by name, each shape (rows,), in the unit of the name's suffix; see
         ``edl6dof.telemetry.channels``.
         """
-        return Telemetry(self.log, self.scenario.thruster_names)
+        return Telemetry(self.log, self.scenario.thruster_names, self.scenario.beam_names)
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""

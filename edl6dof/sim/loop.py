@@ -36,10 +36,10 @@ def take_up(cases, plants, memories):
 
 
 @kernel
-def write_row(case, plant, outputs, fsw, log, brief, row):
+def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
     """Log the present state as row ``row`` of the one of the two logs that is not empty."""
     if len(log) > 0:
-        record(case, plant, outputs, fsw, log[row])
+        record(case, plant, outputs, sensed, fsw, log[row])
     else:
         record_brief(case, plant, outputs, fsw, brief[row])
 
@@ -75,7 +75,7 @@ def fly(
             outcome = outcome_of(case, plant, outputs)
         logged = k % case.simulation.log_every == 0 or outcome != FLYING
         if logged:
-            write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
+            write_row(case, plant, outputs, sensors.sensed, fsw, log, brief, log_first + rows)
             rows += 1
         if outcome != FLYING:
             return outcome, k - first, rows
@@ -85,7 +85,7 @@ def fly(
                 if plant.t > t or not logged:
                     evaluate(case, tables, plant, outputs, work)
                     survey(case, tables, plant, outputs)
-                    write_row(case, plant, outputs, fsw, log, brief, log_first + rows)
+                    write_row(case, plant, outputs, sensors.sensed, fsw, log, brief, log_first + rows)
                     rows += 1
                 retrace(case, tables, plant, outputs, work)
                 return NOT_FINITE, k - first, rows

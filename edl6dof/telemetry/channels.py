@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BEAMS, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
@@ -23,7 +23,7 @@ class Channel(NamedTuple):
 
     @property
     def group(self) -> str:
-        """Part before the dot: truth, nav, guide, estimate, diagnosis, control."""
+        """Part before the dot: truth, sensed, nav, guide, estimate, diagnosis, control."""
         return self.name.partition(".")[0]
 
     @property
@@ -95,6 +95,11 @@ CHANNELS: tuple[Channel, ...] = (
     *_vector("truth.backshell", "m", "east north up", "released backshell relative to the landing site"),
     Channel("truth.trim_wing", "trim-wing opening, 0 to 1"),
     Channel("truth.footpads", "footpads on the ground"),
+    Channel(
+        "sensed.gyros_saturated",
+        "gyros at the end of their range: the sum of 2 to the power of their numbers from 0",
+    ),
+    Channel("sensed.accelerometers_saturated", "accelerometers at the end of their range, likewise"),
     Channel("nav.mach", "navigated Mach number (no wind)"),
     Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
     Channel("nav.beta_deg", "navigated sideslip angle (no wind)"),
@@ -201,6 +206,7 @@ TICK = np.dtype(
         ("duty", "f8", (MAX_THRUSTERS,)),
         ("fault", "i1", (MAX_THRUSTERS,)),
         ("valve", "i1", (MAX_THRUSTERS,)),
+        ("range", "f8", (MAX_BEAMS,)),
     ],
     align=True,
 )

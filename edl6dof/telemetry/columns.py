@@ -15,23 +15,23 @@ from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 class Telemetry(Mapping[str, np.ndarray]):
     """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1),
-    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded); of a brief log ``t_s``
-    and its channels.
+    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded), and for each radar beam
+    ``range.<name>_m`` (0 without an echo); of a brief log ``t_s`` and its channels.
 
     A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of
     it where no unit changes, else a copy.
     """
 
-    def __init__(self, log: np.ndarray, thrusters: Sequence[str]) -> None:
-        self._log = log
-        self._places, self._thrusters = (
-            (_BRIEF_PLACES, ()) if log.dtype == BRIEF else (_PLACES, tuple(thrusters))
+    def __init__(self, log: np.ndarray, thrusters: Sequence[str], beams: Sequence[str] = ()) -> None:
+        self._log, self._thrusters, self._beams = log, tuple(thrusters), tuple(beams)
+        self._places, self._named = (
+            (_BRIEF_PLACES, {}) if log.dtype == BRIEF else (_PLACES, _slots(self._thrusters, self._beams))
         )
 
     def __getitem__(self, name: str) -> np.ndarray:
         place = self._places.get(name)
         if place is None:
-            field, index = _slots(self._thrusters)[name]
+            field, index = self._named[name]
             return self._log[field][:, index]
         group, field, from_si = place
         values = self._log[group][field] if field else self._log[group]
@@ -39,7 +39,7 @@ class Telemetry(Mapping[str, np.ndarray]):
 
     def rows(self, start: int, stop: int | None) -> Telemetry:
         """Some rows of all columns."""
-        return Telemetry(self._log[start:stop], self._thrusters)
+        return Telemetry(self._log[start:stop], self._thrusters, self._beams)
 
     def beside(self, t: float) -> Telemetry:
         """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no
@@ -97,20 +97,25 @@ class Telemetry(Mapping[str, np.ndarray]):
         return fastest_turns(self._log, rates, roll, np.array(angles)) * from_si
 
     def __iter__(self) -> Iterator[str]:
-        return iter((*self._places, *_slots(self._thrusters)))
+        return iter((*self._places, *self._named))
 
     def __len__(self) -> int:
-        return len(self._places) + len(_slots(self._thrusters))
+        return len(self._places) + len(self._named)
 
 
 @lru_cache
-def _slots(thrusters: tuple[str, ...]) -> dict[str, tuple[str, int]]:
-    """Field and index of the columns of each thruster."""
+def _slots(thrusters: tuple[str, ...], beams: tuple[str, ...]) -> dict[str, tuple[str, int]]:
+    """Field and index of the columns of each thruster and of each radar beam."""
     return {
         f"{kind}.{name}": (field, index)
         for index, name in enumerate(thrusters)
         for kind, field in _PER_THRUSTER
-    }
+    } | {range_of(name): ("range", index) for index, name in enumerate(beams)}
+
+
+def range_of(beam: str) -> str:
+    """Name of the column of a radar beam."""
+    return f"range.{beam}_m"
 
 
 def describe(name: str) -> tuple[str, str]:
@@ -126,6 +131,8 @@ def describe(name: str) -> tuple[str, str]:
         return "", f"true state of thruster {name[6:]}: 0 works, {codes}"
     if name.startswith("valve."):
         return "", f"whether thruster {name[6:]} is commanded to fire in the present control cycle"
+    if name.startswith("range."):
+        return "m", f"range that radar beam {name[6:-2]} read last; 0 without an echo"
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 

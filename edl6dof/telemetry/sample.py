@@ -16,7 +16,7 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.quaternion import axes
 from edl6dof.spatial.vector import clamp, norm, scale, take3
-from edl6dof.telemetry.navigation import record_claims, record_errors
+from edl6dof.telemetry.navigation import record_claims, record_errors, record_readings
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.mass import showing
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
@@ -78,7 +78,7 @@ def record_brief(case, plant, outputs, fsw, tick):
 
 
 @kernel
-def record(case, plant, outputs, fsw, tick):
+def record(case, plant, outputs, sensed, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
     c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
@@ -120,6 +120,7 @@ def record(case, plant, outputs, fsw, tick):
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
     truth.trim_wing = out.wing_opening
 
+    record_readings(sensed, tick)
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass

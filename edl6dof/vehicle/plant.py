@@ -145,6 +145,7 @@ INPUTS = np.dtype(
         ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
         ("rcs_moment_slope", "f8", (3,)),  # N m/s
         ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
+        ("rcs_flow_slope", "f8", (MAX_TANKS,)),  # kg/s2
         ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step
         (
             "thrust_goal_slope",

@@ -18,8 +18,8 @@ EPOCH = datetime(2021, 5, 14, tzinfo=UTC)
 MARS = {
     "name": "Mars",
     "orientation": {
-        "pole_right_ascension_deg": 317.7,
-        "pole_declination_deg": 52.9,
+        "pole_ra_deg": 317.7,
+        "pole_dec_deg": 52.9,
         "prime_meridian_deg": 176.6,
         "prime_meridian_rate_deg_day": 350.9,
     },

@@ -14,6 +14,10 @@ from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
 FLIGHTS = 8
+INSTRUMENTS = (
+    "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",
+    "flight_software.navigation.filter=error_state",
+)
 
 
 @pytest.fixture(scope="module")
@@ -55,3 +59,36 @@ def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan, seed):
 def test_no_thruster_is_isolated_without_a_fault(tool, plan):
     rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
     assert [row["isolated"] for row in rows] == [""] * FLIGHTS
+
+
+@pytest.fixture(scope="module")
+def instrumented():
+    return load_plan("tianwen1_mc", INSTRUMENTS, cases=FLIGHTS)
+
+
+@pytest.mark.parametrize(("kind", "which"), [("stuck_off", "HORIZONTAL"), ("stuck_on", "STRONG")])
+def test_thruster_is_named_by_what_real_instruments_read(tool, instrumented, kind, which):
+    """With the noise of the inertial unit, its lever arm, and vibration with the engine."""
+    cases = tool.dispersed(instrumented, 7, kind, getattr(tool, which))
+    rows = list(fly_rows(instrumented.loaded, cases, collect=tool.isolated))
+    begun = [row for row in rows if row.get("fault_s") is not None]
+    assert len(begun) >= FLIGHTS - 1
+    assert [row["named"] for row in begun] == [row["thruster"] for row in begun]
+    assert all(row["outcome"].startswith("landed") and row["false_alarms"] == 0.0 for row in begun)
+    times = sorted(row["time_to_detect_s"] for row in begun)
+    assert times[len(times) // 2] < 1.0
+
+
+def test_real_instruments_feign_no_fault(tool, instrumented):
+    rows = list(fly_rows(instrumented.loaded, tool.dispersed(instrumented, 7, None), collect=tool.isolated))
+    assert [row["isolated"] for row in rows] == [""] * FLIGHTS
+
+
+def test_vibration_too_strong_hides_a_fault_and_feigns_none(tool):
+    """Where diagnosis breaks it falls silent: tools/diagnosis_limits.py."""
+    unit = "sensors.inertial_unit.vibration"
+    strong = (*INSTRUMENTS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
+    plan = load_plan("tianwen1_mc", strong, cases=4)
+    dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
+    assert sum(row["named"] == row["thruster"] for row in dead) <= 1
+    assert all(row["false_alarms"] == 0.0 for row in dead)

@@ -62,8 +62,9 @@ def test_state_is_named(loaded, state, index, value):
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("field", ["rate", "gain"])
 def test_reading_under_way_is_named(loaded, state, field, value):
-    flight = fly(loaded, start=planted(state, "sensors", f"imu.{field}", ..., value))
-    assert flight.outcome.startswith(f"not finite: imu.{field}[")
+    path = f"inertial_unit.under_way.{field}"
+    flight = fly(loaded, start=planted(state, "sensors", path, ..., value))
+    assert flight.outcome.startswith(f"not finite: {path}[")
 
 
 @pytest.mark.parametrize("value", WRONG)

@@ -86,7 +86,7 @@ def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
     assert len(ends) == CORRUPTIONS
     kinds = [kind for kind, _ in ends.values()]
     # both happen often enough for the test to mean something
-    assert kinds.count("refused") > 100 and kinds.count("flown") > 10
+    assert kinds.count("refused") > 100 and kinds.count("flown") > 5
     assert all(words and "flying" not in words for _, words in ends.values())
 
 

@@ -17,9 +17,39 @@ NOT_ENTERED = ("wing_failed",)
 RELEASES = {"canopy": (MORTAR, SHELL), "heat_shield": (SHIELD, END), "backshell": (SHELL, END)}
 
 
-def synthetic_flight() -> SimpleNamespace:
+#: What a flight on instruments is flown with.
+INSTRUMENTS = (
+    "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",
+    "flight_software.navigation.filter=error_state",
+)
+#: From when to when all gyros are saturated, when the third is excluded, from when on the beams have an echo,
+#: and when the filter refuses the second and the fourth is excluded.
+SATURATED, GYRO_EXCLUDED, LOCK, REFUSED, BEAM_EXCLUDED = (6.1, 7.1), 9.5, 11.0, 13.0, 15.0
+
+
+def flight_on_instruments() -> SimpleNamespace:
+    """The made-up flight with an inertial unit of six gyros and accelerometers, and a radar of four beams,
+    down to the last second.
+    """
+    flight = synthetic_flight(INSTRUMENTS)
+    tm, t = flight.telemetry, flight.telemetry["t_s"]
+    tm["sensed.gyros_saturated"] = np.where((t >= SATURATED[0]) & (t < SATURATED[1]), 0b111111, 0)
+    tm["sensed.accelerometers_saturated"] = np.zeros(len(t))
+    tm["nav.gyros_in_use"] = np.where(t < GYRO_EXCLUDED, 0b11111111, 0b11111011)
+    tm["nav.accelerometers_in_use"] = np.full(len(t), 0b11111111)
+    tm["nav.beams_in_use"] = np.where(t < BEAM_EXCLUDED, 0b11111111, 0b11110111)
+    tm["nav.beams_used"] = np.where(t < LOCK, 0, np.where(t < REFUSED, 0b1111, 0b1101))
+    tm["nav.beams_used"] = np.where(t < BEAM_EXCLUDED, tm["nav.beams_used"], 0b0101)
+    excluded = {"t_s": GYRO_EXCLUDED, "key": "exclusion", "name": "gyro g3 excluded", "detail": ""}
+    flight.events.insert(4, excluded)
+    for k, beam in enumerate(flight.scenario.beam_names):
+        tm[f"range.{beam}_m"] = np.where((t >= LOCK) & (t < 19.0), tm["truth.height_m"] + 10.0 * k, 0.0)
+    return flight
+
+
+def synthetic_flight(overrides: tuple[str, ...] = ("sensors.set=perfect",)) -> SimpleNamespace:
     """20 s of made-up telemetry over the Tianwen-1 site, with every separation in it."""
-    scenario = load_scenario("tianwen1").scenario
+    scenario = load_scenario("tianwen1", overrides).scenario
     t = np.arange(0.0, END + 0.01, 0.02)
     rng = np.random.default_rng(3)
     tm = {"t_s": t}

@@ -12,11 +12,12 @@ import pytest
 from made_up import DIAGNOSIS, FAILURE, NOT_ENTERED, SHELL, SHIELD, read, synthetic_flight
 from pyquaternion import Quaternion
 
-from edl6dof.replay.history import spans, thin
+from edl6dof.replay.history import thin
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.site import Site
 from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
+from edl6dof.telemetry.spans import spans
 
 pytest.importorskip("rerun")
 

@@ -1,13 +1,15 @@
 """The rotation of the body while too few gyros read within their range.
 
-Under a parachute or in the air the specific force keeps its direction in I over a second or two, so that
-its change of direction in B tells the rotation about the axes across it.  About x of B, near which it points,
-the last known roll rate is held: an axisymmetric body that only lateral moments act on keeps it.  Where the
-force is too weak or points elsewhere, the whole last rate is held.  Once the gyros read again, half of the
-change of roll rate over the gap is made up for, as if it had changed evenly.
-Left out: the turn of the force direction with the path, gravity / speed, about 0.5 deg/s.
+The accelerometers go on reading, and what they read tells the torque: under a parachute the riser pulls at
+a known place of a body of known mass, centre and inertia.  The rate follows from Euler's equations with the
+pull m f at that place, and without any torque where nothing pulls.  What is read at the unit, l off the
+centre, is f and w' x l + w x (w x l) together: one linear equation for w'.
+Once the gyros read again they show by how much the rate is off.  A torque in proportion to the force, as of
+a pull beside the believed centre of mass, makes an error of the angle in proportion to that of the rate:
+it is taken off.
+Left out: torque of air and thrusters, but for what grows in the same way.
 
-Source: this project; conservation of roll, Euler's equations with Iyy = Izz.
+Source: this project; Euler's equations; a vector and one product: Sherman and Morrison 1950.
 """
 
 from __future__ import annotations
@@ -15,49 +17,65 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.jit import kernel
-from edl6dof.records import FLAG
-from edl6dof.spatial.vector import add, cross, put3, scale, unit
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
 
-#: Least specific force (m/s2) whose direction is followed, and least share of it along x of B.
-_LEAST_FORCE, _LEAST_AXIAL = 2.0, 0.5
+#: Force (m/s2) to which the torque of air and thrusters, which does not go with the pull, is taken to belong.
+_OTHER = 2.0
 
 BRIDGE = np.dtype(
     [
-        ("roll_rate", "f8"),  # rad/s, the last known, held over the gap
-        ("duration", "f8"),  # s, of the gap until now; 0 while the rate is known
-        ("followed", FLAG),  # whether the force direction was followed in this cycle
+        ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
+        ("reach", "f8"),  # m: integral of that
     ],
     align=True,
 )
 
 
 @kernel
-def bridge(gain, last_gain, dt, memory, motion):
-    """Fill angle and rate of ``motion`` (``MOTION``), which holds those of the cycle before, from the
-    velocity gained (m/s, B) in this cycle and the last.
+def acceleration_of(body, lever, force, rate):
+    """Angular acceleration, rad/s2, B.
+
+    Args:
+        body: believed configuration: ``mass``, ``centre``, ``inertia`` (principal) and ``hung_at``.
+        lever: from the centre of mass to the accelerometers, m, B.
+        force: that they read, m/s2, B.
+        rate: rad/s, B.
     """
-    if memory.duration == 0.0:
-        memory.roll_rate = motion.rate[0]
-    memory.duration += dt
-    now, before = unit(gain), unit(last_gain)
-    least = _LEAST_FORCE * dt
-    weak = gain[0] ** 2 + gain[1] ** 2 + gain[2] ** 2 < least**2
-    if weak or abs(now[0]) < _LEAST_AXIAL or motion.force_known == 0:
-        memory.followed = 0
-        for i in range(3):
-            motion.angle[i] = motion.rate[i] * dt
-        return
-    memory.followed = 1
-    across = cross(now, before)
-    along = (memory.roll_rate * dt - across[0]) / now[0]
-    angle = add(across, scale(along, now))
-    put3(motion.angle, 0, angle)
-    put3(motion.rate, 0, scale(1.0 / dt, angle))
+    arm, m = sub(take3(body.hung_at, 0), take3(body.centre, 0)), body.mass
+    a, b, c = take3(body.inertia, 0)
+    felt = sub(force, cross(rate, cross(rate, lever)))
+    spin = (a * rate[0], b * rate[1], c * rate[2])
+    torque = sub(scale(m, cross(arm, felt)), cross(rate, spin))
+    more = m * dot(arm, lever)
+    a, b, c = a + more, b + more, c + more
+    x = (torque[0] / a, torque[1] / b, torque[2] / c)
+    z = (m * lever[0] / a, m * lever[1] / b, m * lever[2] / c)
+    return add(x, scale(dot(arm, x) / (1.0 - dot(arm, z)), z))
 
 
 @kernel
-def bridged_roll(roll_rate, memory):
-    """What the roll angle lacks when the gyros read ``roll_rate`` (rad/s) again after the gap, rad."""
-    lacking = 0.5 * (roll_rate - memory.roll_rate) * memory.duration
-    memory.duration = 0.0
-    return lacking
+def bridge(body, lever, gain, dt, memory, motion):
+    """Fill angle and rate of ``motion`` (``MOTION``), which holds those of the cycle before, from the
+    velocity ``gain`` (m/s, B) that the accelerometers counted in this cycle.
+    """
+    force = scale(1.0 / dt, gain)
+    rate = take3(motion.rate, 0)
+    change = scale(dt, acceleration_of(body, lever, force, rate))
+    put3(motion.angle, 0, scale(dt, add(rate, scale(0.5, change))))
+    put3(motion.rate, 0, add(rate, change))
+    memory.reach += dt * (memory.push + 0.5 * dt * (norm(force) + _OTHER))
+    memory.push += dt * (norm(force) + _OTHER)
+
+
+@kernel
+def arrive(body, lever, gain, dt, rate_before, memory, motion):
+    """Add to the angle of ``motion``, which the gyros read again, what the bridged angle lacks;
+    ``rate_before`` is the last rate that was bridged.
+    """
+    angle, rate = take3(motion.angle, 0), take3(motion.rate, 0)
+    put3(motion.rate, 0, rate_before)
+    bridge(body, lever, gain, dt, memory, motion)
+    off = scale(1.0 / dt, sub(angle, take3(motion.angle, 0)))
+    put3(motion.angle, 0, add(angle, scale(memory.reach / memory.push, off)))
+    put3(motion.rate, 0, rate)
+    memory.push = memory.reach = 0.0

@@ -1,13 +1,15 @@
-"""Guards: whether what the solution says of height and vertical can be true.
+"""Guards: whether what the solution says of height, velocity and vertical can be true.
 
-Three verdicts, each with a switch.  The height lies below the ground though no footpad touches it; the height
-jumps by more than its own uncertainty against the velocity; beams of the radar have an echo although, as the
-attitude has it, they look above the horizon.  Against the first two a guard tells the last plausible height,
-carried on with the vertical velocity: below the ground for as long as it lasts, after a jump until the new
-height has stood for a while.  Against the third it has the vertical recovered.
+Four verdicts, each with a switch.  The height lies below the ground though no footpad touches it; the height
+jumps by more than its own uncertainty against the velocity; the speed is not the one that the beams of the
+radar show; beams have an echo although, as the attitude has it, they look above the horizon.  A height that
+jumps is withheld for a while: told is the last plausible one, carried on with the vertical velocity.  By the
+others the attitude counts as lost until the vertical is found again (:mod:`.recovery`), and the height told
+is what the echoes say with x of B straight down; as long as there is none, no less than that from which the
+radar sees the ground.
 
-Source: Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN: a saturated gyro turned the attitude over, a
-negative height followed, and the parachute was released in 3.7 km.
+Source: T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017): a
+saturated gyro turned the attitude over, a negative height followed, and the parachute was released in 3.7 km.
 """
 
 from __future__ import annotations
@@ -17,38 +19,47 @@ from math import sin
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
+from edl6dof.fsw.navigation.recovery import lose
 from edl6dof.jit import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import COUNT, FLAG, whole
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, take3
+from edl6dof.spatial.vector import dot, norm, take3
 
 #: Verdicts, a bit for each.
-BELOW_GROUND, JUMP, ABOVE_HORIZON = 1, 2, 4
+BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
+#: What each says, in the order of the bits.
+VERDICTS = ("height below ground", "height jumps", "speed against the beams", "echo from above the horizon")
+#: Straight down for a vehicle that hangs upright, B.
+_HANGING = (1.0, 0.0, 0.0)
 
 
 class GuardParams(Params):
-    """Guards of height and vertical: what is told when they cannot be true."""
+    """Guards of height, velocity and vertical: what is done when they cannot be true."""
 
-    below_ground: bool = param(True, "whether a height below the ground is withheld")
-    jump: bool = param(True, "whether a height that contradicts the velocity is withheld")
-    vertical: bool = param(True, "whether an echo from above the horizon has the vertical recovered")
+    below_ground: bool = param(True, "whether a height below the ground has the vertical looked for")
+    jump: bool = param(True, "whether a height that jumps against the velocity is withheld")
+    speed: bool = param(True, "whether a speed that is not that of the beams has the vertical looked for")
+    vertical: bool = param(True, "whether an echo from above the horizon has the vertical looked for")
     margin_m: float = param(10.0, "how far below the ground, or off, may be", gt=0.0, le=1e4)
-    sigmas: float = param(5.0, "how far off it may be besides, in standard deviations", gt=0.0, le=100.0)
+    speed_margin_m_s: float = param(20.0, "how far the speed may be off that of the beams", gt=0.0, le=1e4)
+    sigmas: float = param(5.0, "how far off both may be besides, in standard deviations", gt=0.0, le=100.0)
     patience_s: float = param(3.0, "how long a height off the expected one is withheld", ge=0.0, le=100.0)
+    looks: int = param(5, "looks of the radar on end that must show another speed", ge=1, le=1000)
     horizon_deg: float = param(10.0, "least angle of a beam below the horizon", ge=0.0, le=90.0)
-    lost_deg: float = param(
-        60.0, "standard deviation of an attitude that is found to be wrong", gt=0.0, le=180.0
-    )
 
 
 GUARD = np.dtype(
     [
-        ("verdict", whole(0, BELOW_GROUND + JUMP + ABOVE_HORIZON)),  # what cannot be true in this cycle
+        ("verdict", whole(0, 2 ** len(VERDICTS) - 1)),  # what cannot be true in this cycle
+        ("first_t", "f8", (len(VERDICTS),)),  # s, flight time: when each was given first; 0: never
         ("begun", FLAG),  # whether a height was told
         ("height", "f8"),  # m: told last
         ("sigma", "f8"),  # m: what the filter claimed then
         ("withheld", "f8"),  # s: for how long a height has been withheld
+        ("held", "f8"),  # m: height told while the attitude is lost
+        ("looks", COUNT),  # looks of the radar on end that showed another speed
     ],
     align=True,
 )
@@ -77,16 +88,26 @@ def guarded_height(params, height, climb, sigma, contact, dt, memory):
         memory.verdict |= BELOW_GROUND
     if abs(height - expected) > off:
         memory.verdict |= JUMP
-    below = params.below_ground != 0 and memory.verdict & BELOW_GROUND
-    jumped = params.jump != 0 and memory.verdict & JUMP and memory.withheld < params.patience
-    if below or jumped:
+    if params.jump != 0 and memory.verdict & JUMP and memory.withheld < params.patience:
         memory.withheld += dt
-        height = max(expected, 0.0)
+        height = expected
     else:
         memory.withheld = 0.0
         memory.sigma = sigma
     memory.begun, memory.height = 1, height
     return height
+
+
+@kernel
+def speed_is_wrong(params, instruments, health, radar, speed, sigma, memory):
+    """Whether the beams have shown another speed than ``speed`` (m/s, relative to the planet; ``sigma``: its
+    standard deviation) for several looks on end.
+    """
+    velocity, seen = velocity_by_echoes(instruments, health, radar)
+    if seen:
+        off = abs(norm(velocity) - speed) > params.speed_margin + params.sigmas * sigma
+        memory.looks = memory.looks + 1 if off else 0
+    return memory.looks >= params.looks
 
 
 @kernel
@@ -104,10 +125,41 @@ def vertical_is_wrong(params, instruments, radar, q, up):
 
 
 @kernel
-def guard_vertical(params, instruments, radar, q, up, memory, recovery):
-    """Have ``recovery`` (``RECOVERY``) find the vertical again where it is wrong."""
-    if not vertical_is_wrong(params, instruments, radar, q, up):
+def judge(params, instruments, health, sensed, speed, sigma, q, up, memory, recovery):
+    """Complete the verdict, note when each was given first, and take the attitude for lost where one says so.
+
+    Args:
+        params: ``GuardParams`` record.
+        instruments: ``INSTRUMENTS`` record.
+        health: ``INSTRUMENT_HEALTH`` record.
+        sensed: ``SENSED`` record.
+        speed, sigma: relative to the planet and its standard deviation, m/s.
+        q: attitude ``q_I2B``.
+        up: unit vector, I.
+        memory: ``GUARD`` record, updated.
+        recovery: ``RECOVERY`` record, updated.
+    """
+    if speed_is_wrong(params, instruments, health, sensed.radar, speed, sigma, memory):
+        memory.verdict |= SPEED
+    if vertical_is_wrong(params, instruments, sensed.radar, q, up):
+        memory.verdict |= ABOVE_HORIZON
+    if recovery.lost != 0:
         return
-    memory.verdict |= ABOVE_HORIZON
-    if params.vertical != 0 and recovery.variance == 0.0:
-        recovery.variance = params.lost**2
+    for k in range(len(VERDICTS)):
+        if memory.verdict >> k & 1 and memory.first_t[k] == 0.0:
+            memory.first_t[k] = sensed.t
+    switched_on = BELOW_GROUND * params.below_ground + SPEED * params.speed + ABOVE_HORIZON * params.vertical
+    if memory.verdict & switched_on and instruments.n_beams > 2:
+        lose(recovery)
+        memory.held = max(memory.height, instruments.radar_ceiling)
+
+
+@kernel
+def height_while_lost(instruments, health, radar, memory):
+    """The height to tell (m) while the attitude is lost."""
+    if radar.fresh != 0:
+        seen = height_by_echoes(instruments, health, radar, _HANGING)
+        if seen > 0.0:
+            memory.held = seen
+    memory.height = memory.held
+    return memory.held

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.bridge import BRIDGE, bridge, bridged_roll
+from edl6dof.fsw.navigation.bridge import BRIDGE, arrive, bridge
 from edl6dof.fsw.navigation.parity import NONE, PARITY, look_at_parity, restart
 from edl6dof.fsw.navigation.redundancy import (
     REDUNDANT,
@@ -16,6 +16,7 @@ from edl6dof.fsw.navigation.redundancy import (
     usable,
     without_one,
 )
+from edl6dof.fsw.navigation.saturation import usable_gyros
 from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
@@ -52,13 +53,13 @@ def take_reading(instruments, t, inertial, memory):
 
 
 @kernel
-def read_motion(params, instruments, centre, dt, inertial, solution, health, memory, motion):
+def read_motion(params, instruments, body, dt, inertial, solution, health, memory, motion):
     """Fill ``motion`` (``MOTION``) with the increments of a cycle of ``dt`` seconds.
 
     Args:
         params: ``NavigationParams`` record.
         instruments: ``INSTRUMENTS`` record.
-        centre: believed centre of mass, m, B.
+        body: believed configuration of the vehicle.
         dt: since the last reading, s, positive.
         inertial: ``INERTIAL`` record.
         solution: ``SOLUTION`` record, of which the biases are used.
@@ -72,15 +73,17 @@ def read_motion(params, instruments, centre, dt, inertial, solution, health, mem
     gain = _force(params, instruments, dt, inertial, solution, health, memory, motion)
     known_before = motion.rate_known
     _rotation(params, instruments, dt, inertial, solution, health, memory, motion)
+    lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
+    arrived = known_before == 0 and motion.rate_known != 0
     if motion.rate_known == 0:
-        bridge(gain, take3(motion.last_gain, 0), dt, memory.bridge, motion)
-    elif known_before == 0:
-        motion.angle[0] += bridged_roll(motion.rate[0], memory.bridge)
+        bridge(body, lever, gain, dt, memory.bridge, motion)
+    elif memory.bridge.push > 0.0:
+        arrive(body, lever, gain, dt, rate_before, memory.bridge, motion)
     # from the unit to the centre of mass
-    arm, angle = sub(take3(instruments.unit_position, 0), centre), take3(motion.angle, 0)
-    turned = scale(1.0 / dt, cross(angle, cross(angle, arm)))
-    if known_before != 0 and motion.rate_known != 0:
-        turned = add(turned, cross(sub(take3(motion.rate, 0), rate_before), arm))
+    angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
+    turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))
+    if not arrived:
+        turned = add(turned, cross(sub(take3(motion.rate, 0), rate_before), lever))
     put3(motion.gain, 0, sub(gain, turned))
 
 
@@ -117,7 +120,7 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
     """Angle turned through and rate at the end into ``motion``; both stay while too few gyros read."""
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
-    in_use = usable(number, health.gyro, inertial.gyro_saturated)
+    in_use = usable_gyros(params.saturation, instruments, dt, health.gyro, inertial, redundant)
     _choose(params.parity, axis, number, in_use, redundant, memory.gyro_parity)
     motion.rate_known = redundant.solvable
     if redundant.solvable == 0:

@@ -46,6 +46,7 @@ INSTRUMENTS = np.dtype(
         ("antenna_position", "f8", (3,)),  # m, B
         ("beam_axis", "f8", (MAX_BEAMS, 3)),  # B: unit vectors towards the ground
         ("n_beams", "i8"),
+        ("radar_ceiling", "f8"),  # m: height above the ground above which it sees nothing
         ("range_sigma", "f8"),  # m
         ("range_sigma_relative", "f8"),  # of the range, added to it
         ("speed_sigma", "f8"),  # m/s

@@ -1,12 +1,11 @@
-"""Recovery of the vertical after the attitude was lost, as when all gyros saturate at the parachute opening.
+"""Recovery of the vertical after the attitude was lost: from gravity and the velocity that the radar shows.
 
-Parachute and air pull against the velocity relative to the air.  While the attitude is sound, what the
-direction of the specific force shows of the velocity across it (the wind, and the lift) is remembered.  After
-a gap the attitude is turned until force and velocity, less what is remembered, point the same way again.
-How far it is turned in a cycle follows from the variance of the attitude across the force against that of the
-swinging of the force (a scalar Kalman filter).  A parachute pulls some degrees beside the velocity relative
-to the air: an attitude that is off by less is left as it was bridged.  The rotation about the force cannot be
-seen so: it is held over the gap (:mod:`.bridge`), and turns into azimuth as the path becomes steep.
+The beams show the velocity in B whatever the attitude is.  Turned with the gyros into axes that do not turn,
+which need not be the right ones, it changes by gravity and by the specific force, which the accelerometers
+show in the same axes: what is left of its change over some seconds is gravity.  Wind and swinging are in
+both, and drop out.  The attitude is turned until that gravity points down, and velocity and height become
+those that the radar shows.  The rotation about the vertical stays what it was.  Where the star tracker still
+sees stars its attitude is taken.
 
 Source: this project; gravity direction and velocity as references after a loss of attitude: Li et al., J.
 Astronautics 43(1), 2022.
@@ -19,8 +18,12 @@ from math import atan2
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.navigation.strapdown import turn_by
+from edl6dof.fsw.navigation.alignment import adopt_attitude
+from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
+from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axes
+from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
 
@@ -28,75 +31,107 @@ from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take
 class RecoveryParams(Params):
     """Recovery of the vertical after the attitude was lost."""
 
-    enabled: bool = param(True, "whether the attitude is turned")
-    bridged_rate_deg_s: float = param(
-        5.0, "standard deviation of the rate while it is bridged", status="estimate", gt=0.0, le=1000.0
+    gap_s: float = param(
+        3.0, "gap of the gyros after which the attitude is lost", status="estimate", gt=0.0, le=1000.0
     )
-    slack_deg: float = param(
-        6.0, "how far beside the velocity the force may point", status="estimate", ge=0.0, le=90.0
-    )
-    swing_deg: float = param(
-        3.0, "standard deviation of the direction of the force", status="estimate", gt=0.0, le=90.0
-    )
-    swing_time_s: float = param(0.5, "correlation time of it", status="estimate", gt=0.0, le=100.0)
+    window_s: float = param(10.0, "time over which gravity is looked for", gt=0.0, le=100.0)
     found_deg: float = param(
-        1.5, "standard deviation of the attitude at which it is found again", gt=0.0, le=90.0
+        2.0, "standard deviation of the vertical that is found", status="estimate", gt=0.0, le=90.0
     )
-    window_s: float = param(3.0, "time constant of what is remembered of the velocity", gt=0.0, le=1000.0)
-    force_m_s2: float = param(2.0, "least specific force whose direction is used", gt=0.0, le=1000.0)
 
 
 RECOVERY = np.dtype(
     [
-        ("across_I", "f8", (3,)),  # m/s, I: planet-relative velocity across the force, low-passed
+        ("lost", FLAG),  # whether the attitude is not to be trusted
         ("gap", "f8"),  # s: for how long the rate has been bridged; 0 while it is known
-        ("variance", "f8"),  # rad2: of the attitude about each axis across the force; 0 once it is found
+        ("begun", FLAG),  # whether the radar has shown a velocity since
+        ("since", "f8"),  # s: how long ago
+        ("velocity", "f8", (3,)),  # m/s: which, in the axes that are taken for I
+        ("gained", "f8", (3,)),  # m/s: by the specific force since, in the same axes
+        ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
     ],
     align=True,
 )
 
 
 @kernel
-def recover(params, rotation_rate, ignited, motion, memory, solution):
-    """Remember, or turn the attitude of ``solution`` (``SOLUTION``), after a cycle of ``motion``.
+def lose(memory):
+    """From now on the attitude is not to be trusted."""
+    if memory.lost == 0:
+        memory.lost, memory.begun = 1, 0
+
+
+@kernel
+def recover(params, onboard, health, sensed, motion, memory, solution):
+    """Look for gravity after a cycle of ``motion`` while the attitude is lost, and set ``solution`` upright
+    when it is found.
 
     Args:
         params: ``RecoveryParams`` record.
-        rotation_rate: of the planet, rad/s.
-        ignited: whether an engine burns, so that the force is not that of parachute and air.
+        onboard: ``ONBOARD`` record: planet, site and instruments.
+        health: ``INSTRUMENT_HEALTH`` record.
+        sensed: ``SENSED`` record.
         motion: ``MOTION`` record.
         memory: ``RECOVERY`` record, updated.
-        solution: updated.
+        solution: ``SOLUTION`` record, updated.
     """
-    dt = motion.dt
     if motion.rate_known == 0:
-        memory.variance += params.bridged_rate**2 * dt * (2.0 * memory.gap + dt)
-        memory.gap += dt
+        memory.gap, memory.begun = memory.gap + motion.dt, 0
+        if memory.gap > params.gap:
+            lose(memory)
         return
     memory.gap = 0.0
-    gain = take3(motion.gain, 0)
-    if ignited != 0 or motion.force_known == 0 or norm(gain) < params.force * dt:
+    if memory.lost == 0:
+        return
+    if sensed.stars.valid != 0:
+        adopt_attitude(sensed, motion, solution)
+        memory.lost = 0
         return
     q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
-    force = unit(from_frame(q, gain))
-    r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
-    v_rel = (v[0] + rotation_rate * r[1], v[1] - rotation_rate * r[0], v[2])
-    across = take3(memory.across_I, 0)
-    if memory.variance == 0.0:
-        seen = sub(v_rel, scale(dot(v_rel, force), force))
-        share = min(dt / params.window, 1.0)
-        put3(memory.across_I, 0, add(across, scale(share, sub(seen, across))))
+    memory.since += motion.dt
+    put3(memory.gained, 0, add(take3(memory.gained, 0), from_frame(q, take3(motion.gain, 0))))
+    at_antenna, seen = velocity_by_echoes(onboard.instruments, health, sensed.radar)
+    if not seen:
         return
-    if params.enabled == 0:
-        return
-    wanted = unit(sub(across, v_rel))
-    axis = cross(force, wanted)
-    angle = max(atan2(norm(axis), dot(force, wanted)) - params.slack, 0.0)
-    swing = 2.0 * params.swing**2 * params.swing_time
-    share = memory.variance * dt / (memory.variance * dt + swing)
-    turned = turn_by(q, to_frame(q, scale(share * angle, unit(axis))))
+    arm = sub(take3(onboard.instruments.antenna_position, 0), take3(motion.centre, 0))
+    own = sub(at_antenna, cross(take3(motion.rate, 0), arm))
+    velocity = from_frame(attitude_at(solution, motion, sensed.t), own)
+    if memory.begun == 0:
+        memory.begun, memory.since = 1, 0.0
+        put3(memory.velocity, 0, velocity)
+        put3(memory.gained, 0, (0.0, 0.0, 0.0))
+    elif memory.since >= params.window:
+        gravity = sub(sub(velocity, take3(memory.velocity, 0)), take3(memory.gained, 0))
+        turn = _set_upright(onboard.planet, gravity, solution)
+        _take_over(onboard, health, sensed.radar, from_frame(turn, velocity), solution)
+        solution.turned_anew = params.found**2
+        memory.lost, memory.found_t = 0, sensed.t
+
+
+@kernel
+def _set_upright(planet, gravity, solution):
+    """Turn the attitude until ``gravity`` (any length, the axes taken for I) is that of the planet; returns
+    the rotation.
+    """
+    true = gravity_I(planet, take3(solution.r_I, 0))
+    axis = cross(gravity, true)
+    angle = scale(atan2(norm(axis), dot(gravity, true)), unit(axis))
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    turned = turn_by(q, to_frame(q, angle))
     for i in range(4):
         solution.q_I2B[i] = turned[i]
-    memory.variance *= 1.0 - share
-    if memory.variance < params.found**2:
-        memory.variance = 0.0
+    return turn_by((1.0, 0.0, 0.0, 0.0), angle)
+
+
+@kernel
+def _take_over(onboard, health, radar, velocity, solution):
+    """Make ``velocity`` (m/s, I, relative to the planet) that of the solution, and the height that of the
+    echoes.
+    """
+    r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
+    put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
+    _, _, up, altitude = level_axes(onboard.planet, r, solution.t)
+    q = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    seen = height_by_echoes(onboard.instruments, health, radar, to_frame(q, scale(-1.0, up)))
+    height = altitude - onboard.site.altitude - solution.terrain
+    put3(solution.r_I, 0, add(r, scale(seen - height, up)))

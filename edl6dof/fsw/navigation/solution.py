@@ -36,6 +36,10 @@ SOLUTION = np.dtype(
         ("gyro_bias", "f8", (3,)),  # rad/s, B: what the rate read is too large by
         ("accelerometer_bias", "f8", (3,)),  # m/s2, B
         ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
+        (
+            "turned_anew",
+            "f8",
+        ),  # rad2: variance about each axis of an attitude just found, for the filter to take up
         ("started", FLAG),  # whether ground tracking and star tracker have started it
         # standard deviations that the filter claims
         ("sigma_r", "f8", (3,)),  # m: north, east, down

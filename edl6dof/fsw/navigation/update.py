@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.navigation.alignment import adopt_attitude, align
+from edl6dof.fsw.navigation.alignment import align
 from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
 from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
 from edl6dof.fsw.navigation.filters.registry import (
@@ -13,7 +13,13 @@ from edl6dof.fsw.navigation.filters.registry import (
     correct_solution,
     start_filter,
 )
-from edl6dof.fsw.navigation.guard import GUARD, guard_vertical, guarded_height, height_and_climb
+from edl6dof.fsw.navigation.guard import (
+    GUARD,
+    guarded_height,
+    height_and_climb,
+    height_while_lost,
+    judge,
+)
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
@@ -22,7 +28,7 @@ from edl6dof.fsw.navigation.strapdown import integrate
 from edl6dof.fsw.navigation.tell import tell
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, cross, dot, put3, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, put3, sub, take3
 
 #: Time between two readings (s) below which they are one.
 LEAST_TIME = 1e-9
@@ -87,13 +93,14 @@ def estimate_state(onboard, state, sensed, memory):
 def navigate(onboard, state, sensed, memory):
     """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
-    centre = take3(onboard.vehicle.configuration[state.configuration].centre, 0)
+    body = onboard.vehicle.configuration[state.configuration]
+    centre = take3(body.centre, 0)
     dt = take_reading(onboard.instruments, sensed.t, sensed.inertial, memory.inertial)
     put3(motion.centre, 0, centre)
     if dt > LEAST_TIME:
         follow_centre(centre, motion, solution, memory.centre)
         read_motion(
-            params, onboard.instruments, centre, dt, sensed.inertial, solution,
+            params, onboard.instruments, body, dt, sensed.inertial, solution,
             memory.health, memory.inertial, motion,
         )  # fmt: skip
         put3(memory.estimate.imu_gain_B, 0, add(take3(memory.estimate.imu_gain_B, 0), take3(motion.gain, 0)))
@@ -104,17 +111,7 @@ def navigate(onboard, state, sensed, memory):
             start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
-        if memory.recovery.variance > 0.0 and sensed.stars.valid != 0:
-            adopt_attitude(sensed, motion, solution)
-            memory.recovery.variance = 0.0
-        recover(
-            params.recovery,
-            onboard.planet.rotation_rate,
-            state.ignited,
-            motion,
-            memory.recovery,
-            solution,
-        )
+        recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
         solution.looked = 0
         correct_solution(
             params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
@@ -152,11 +149,19 @@ def follow_centre(centre, motion, solution, before):
 @kernel
 def guard(onboard, sensed, memory, estimate):
     """Tell the height that the guards let pass, and have the vertical looked for where they find it wrong."""
-    params, solution = onboard.navigation.guards, memory.solution
+    params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
     r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
     height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)
-    estimate.height_above_ground = guarded_height(
+    height = guarded_height(
         params, height, climb, solution.sigma_height, sensed.footpad_contact, memory.motion.dt, memory.guard
     )
+    spin = onboard.planet.rotation_rate
+    speed = norm((v[0] + spin * r[1], v[1] - spin * r[0], v[2]))
     q = (estimate.q_I2B[0], estimate.q_I2B[1], estimate.q_I2B[2], estimate.q_I2B[3])
-    guard_vertical(params, onboard.instruments, sensed.radar, q, up, memory.guard, memory.recovery)
+    judge(
+        params, instruments, memory.health, sensed, speed, norm(take3(solution.sigma_v, 0)), q, up,
+        memory.guard, memory.recovery,
+    )  # fmt: skip
+    if memory.recovery.lost != 0:
+        height = height_while_lost(instruments, memory.health, sensed.radar, memory.guard)
+    estimate.height_above_ground = height

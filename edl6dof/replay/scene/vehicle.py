@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.history import spans, thin
+from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.telemetry.spans import spans
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
 SHIELD_COLD, SHIELD_HOT = np.array([104.0, 84.0, 70.0]), np.array([255.0, 150.0, 70.0])

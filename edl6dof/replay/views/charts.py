@@ -8,13 +8,22 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
-from edl6dof.replay.views.panels import GROUPS, PLOTS, SERIES, Plot
+from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, PLOTS, RGB, SERIES, Plot
 
 if TYPE_CHECKING:
     import rerun as rr
 
-#: Telemetry columns that the plots show.
-COLUMNS = tuple(dict.fromkeys(name for plot in PLOTS for name in plot.series))
+#: Telemetry columns that the plots show, of every flight and of one on instruments.
+COLUMNS = tuple(
+    dict.fromkeys(
+        name for page, plots in PAGES.items() if page != NAVIGATION for plot in plots for name in plot.columns
+    )
+)
+NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.columns)
+#: Standard deviations that bounds stand at.
+BOUND = 3.0
+#: Colour of the bounds.
+CLAIMED: RGB = (150, 150, 160)
 
 
 class Charts(Recorder):
@@ -22,19 +31,23 @@ class Charts(Recorder):
 
     def statics(self) -> None:
         """Names and colours of the series."""
-        for plot in PLOTS:
-            self.static(self._entity(plot.entity), self._lines(list(plot.series.values())))
+        for plot in self._plots():
+            self.static(self._entity(plot.entity), self._lines(list(plot.series.values()), bool(plot.sigma)))
         for group, names in self._groups():
             self.static(self._entity(f"thruster_duty/{group}"), self._lines(names))
 
     def motions(self) -> None:
         """The series, where they mean something."""
         rows = thin(self.t, SCALAR_HZ)
-        for plot in PLOTS:
+        for plot in self._plots():
             self._plot(plot, rows)
         rows = thin(self.t, SLOW_HZ)
         for group, names in self._groups():
             self._scalars(f"thruster_duty/{group}", self.t[rows], self.flight.mean_duty(rows, names))
+
+    def _plots(self) -> list[Plot]:
+        """Those that the flight has the telemetry of."""
+        return [plot for plot in PLOTS if set(plot.columns) <= set(self.flight.columns)]
 
     def _entity(self, name: str) -> str:
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
@@ -49,9 +62,12 @@ class Charts(Recorder):
             if names and set(names) <= set(self.flight.jets)
         ]
 
-    def _lines(self, names: list[str]) -> rr.SeriesLines:
-        """Further flights are paler and thinner, and carry their label."""
-        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))])
+    def _lines(self, names: list[str], bounds: bool = False) -> rr.SeriesLines:
+        """Further flights are paler and thinner, and carry their label; ``bounds``: two more lines are those
+        that are claimed.
+        """
+        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))] + [CLAIMED] * 2 * bounds)
+        names = names + [f"{sign} {BOUND:.0f} sigma claimed" for sign in "+-"] * bounds
         if self.number:
             colours = (0.45 * colours + 0.55 * np.array([235, 235, 235])).astype(int)
         shown = [f"{name} ({self.label})" if self.label else name for name in names]
@@ -62,9 +78,11 @@ class Charts(Recorder):
     def _plot(self, plot: Plot, rows: np.ndarray) -> None:
         t = self.t[rows]
         keep = (t >= self.when.get(plot.since, -np.inf)) & (t <= self.when.get(plot.until, np.inf))
-        if keep.any() and set(plot.series) <= set(self.flight.columns):
-            values = np.stack([self.flight[name][rows[keep]] for name in plot.series], axis=-1)
-            self._scalars(plot.entity, t[keep], values * plot.scale)
+        if keep.any():
+            values = [self.flight[name][rows[keep]] for name in plot.series]
+            if plot.sigma:
+                values += [sign * BOUND * self.flight[plot.sigma][rows[keep]] for sign in (1.0, -1.0)]
+            self._scalars(plot.entity, t[keep], np.stack(values, axis=-1) * plot.scale)
 
     def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
         columns = self.rr.Scalars.columns(scalars=values.ravel())

@@ -9,7 +9,9 @@ import numpy as np
 
 from edl6dof.replay.history import POSE_HZ, thin
 from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.beams import RAYS
 from edl6dof.replay.views.panels import SERIES
+from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
 
 READOUT_HZ = 2.0
 #: Telemetry column: label, format, unit.
@@ -31,13 +33,17 @@ READOUT = {
 }
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
+#: Colours of what is made of an inertial instrument.
+HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
+#: Keys of events that are warnings.
+TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 #: A thruster counts as firing from this duty on.
 FIRING = 0.02
 
 
 class Lanes(Recorder):
-    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/events`` and ``/readout``; of the
-    first flight only.
+    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/instruments``, ``/events`` and
+    ``/readout``; of the first flight only.
     """
 
     def motions(self) -> None:
@@ -46,6 +52,7 @@ class Lanes(Recorder):
             return
         self._states()
         self._thrusters()
+        self._instruments()
         self._events()
         self._readout()
 
@@ -84,6 +91,14 @@ class Lanes(Recorder):
             firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
             self._switched(
                 f"rcs/{jet}", {"firing": firing, "failed": failed}, {"firing": FIRE, "failed": RED}
+            )
+
+    def _instruments(self) -> None:
+        """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
+        for one in self.flight.instruments:
+            colours = RAYS if one.kind == "beam" else HEALTH
+            self._switched(
+                f"instruments/{one.kind}/{one.name}", {state: one.holds(state) for state in colours}, colours
             )
 
     def _switched(
@@ -130,7 +145,7 @@ class Lanes(Recorder):
                 f"{event['name']}: {event['detail']}" if event["detail"] else event["name"]
                 for event in events
             ]
-            level = ["WARN" if event["key"] in ("fault", "diagnosis") else "INFO" for event in events]
+            level = ["WARN" if event["key"] in TROUBLES else "INFO" for event in events]
             level[-1] = "INFO" if self.flight.success else "ERROR"
             self.columns(
                 "events",
@@ -159,10 +174,9 @@ class Lanes(Recorder):
     def _troubles(self, row: int) -> str:
         failed = [jet for jet, state in self.flight.failures.items() if state[row] > 0]
         known = [jet for jet, found in self.flight.diagnosed.items() if found.t_s <= self.t[row]]
-        words = [f"**failed:** {', '.join(failed)}"] * bool(failed) + [
-            f"**diagnosed:** {', '.join(known)}"
-        ] * bool(known)
-        return "  \n".join(words)
+        excluded = [one.name for one in self.flight.instruments if one.holds(EXCLUDED)[row]]
+        told = {"failed": failed, "diagnosed": known, "excluded": excluded}
+        return "  \n".join(f"**{word}:** {', '.join(names)}" for word, names in told.items() if names)
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from edl6dof.replay.views.panels import GROUPS, PAGES, RGB, Plot
+from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, RGB, Plot
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
@@ -27,6 +27,9 @@ FLIGHTS: tuple[RGB, ...] = (
     (210, 140, 255),
 )
 SPACE: RGB = (10, 9, 12)
+#: The page of powered descent, and the titles of the lanes of instruments by kind.
+POWERED = "Powered descent"
+INSTRUMENTS = {"gyro": "Gyros", "accelerometer": "Accelerometers", "beam": "Radar beams"}
 #: What only other views show.
 _NOT_CHASE = (
     "campaign",
@@ -53,6 +56,7 @@ class Shown(NamedTuple):
         plots: entities of the plots that have data.
         groups: thruster groups.
         jets: names of the thrusters.
+        instruments: kinds of instruments that navigation has, by which their lanes are sorted.
         flights: number of flights in the recording.
         ensemble: whether a campaign's trajectories are in it.
         globe_eye, globe_target: whence and whither the globe is seen, km in F.
@@ -66,6 +70,7 @@ class Shown(NamedTuple):
     plots: frozenset[str]
     groups: tuple[str, ...]
     jets: tuple[str, ...]
+    instruments: tuple[str, ...]
     flights: int
     ensemble: bool
     globe_eye: np.ndarray
@@ -86,7 +91,7 @@ class Layout:
             "Entry": (first, min(mortar + 3.0, last)),
             "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
         }
-        self._spans["Powered descent"] = (min(shell - 5.0, last - 1.0), last)
+        self._spans[POWERED] = (min(shell - 5.0, last - 1.0), last)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
         """All pages, that named ``active`` in front."""
@@ -97,6 +102,7 @@ class Layout:
             self._parachute(),
             self._powered(),
             self._control(),
+            self._navigation(),
             self._thrusters(),
         )
         pages = [page for page in possible if page is not None]
@@ -145,9 +151,7 @@ class Layout:
         left = rrb.Vertical(
             self._chase(), rrb.Tabs(self._landing(), self._site(), active_tab=0), row_shares=[3, 2]
         )
-        return rrb.Horizontal(
-            left, self._grid("Powered descent"), column_shares=[5, 8], name="Powered descent"
-        )
+        return rrb.Horizontal(left, self._grid(POWERED), column_shares=[5, 8], name=POWERED)
 
     def _control(self) -> rrb.Container:
         rrb = self.rrb
@@ -166,6 +170,19 @@ class Layout:
         return rrb.Vertical(
             rrb.Horizontal(*planes), self._grid("Control", 4), row_shares=[1, 1], name="Control"
         )
+
+    def _navigation(self) -> rrb.Container | None:
+        if not self.flown.instruments:
+            return None
+        rrb = self.rrb
+        lanes = [
+            rrb.StateTimelineView(
+                origin=f"/instruments/{kind}", name=INSTRUMENTS[kind], time_view=self._axis("Flight")
+            )
+            for kind in self.flown.instruments
+        ]
+        left = rrb.Vertical(self._chase(), rrb.Tabs(*reversed(lanes), active_tab=0), row_shares=[3, 2])
+        return rrb.Horizontal(left, self._grid(NAVIGATION), column_shares=[5, 8], name=NAVIGATION)
 
     def _thrusters(self) -> rrb.Container | None:
         if not self.flown.jets:
@@ -216,8 +233,17 @@ class Layout:
 
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         plots: Sequence[Plot] = [plot for plot in PAGES[page] if plot.entity in self.flown.plots]
-        views = [self._plot(plot.entity, plot.title, page, len(plot.series) > 1) for plot in plots]
+        views = [
+            self._plot(plot.entity, plot.title, self._time_of(page, plot), len(plot.columns) > 1)
+            for plot in plots
+        ]
         return self.rrb.Grid(*views, grid_columns=columns, name=f"{page} plots")
+
+    def _time_of(self, page: str, plot: Plot) -> str:
+        """The page whose time a plot shows: that of powered descent where it means nothing before, though its
+        own page is of the whole flight.
+        """
+        return POWERED if plot.since == "backshell" and page not in self._spans else page
 
     def _lanes(self) -> rrb.StateTimelineView:
         contents = ["/phase", "/configuration", "/engine"]

@@ -20,6 +20,9 @@ SERIES: tuple[RGB, ...] = (
 class Plot(NamedTuple):
     """One plot: its entity, title with unit, telemetry columns with their names, and the events between which
     it means something.
+
+    Attributes:
+        sigma: column of a standard deviation, three of which are drawn on both sides of zero.
     """
 
     entity: str
@@ -28,6 +31,12 @@ class Plot(NamedTuple):
     scale: float = 1.0
     until: str = ""
     since: str = ""
+    sigma: str = ""
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Telemetry columns that it shows."""
+        return (*self.series, *[self.sigma] * bool(self.sigma))
 
 
 def _axes(stem: str, suffix: str, axes: str, name: str = "{}") -> dict[str, str]:
@@ -138,6 +147,46 @@ FORCE = Plot(
     until="mortar",
 )
 
+#: The errors of an estimate far from the ground are a thousand times those at touchdown: each has its plot.
+POSITION_ERROR = Plot(
+    "nav_position_m", "Position, estimated less true (m)", _axes("nav.error", "m", "north east down")
+)
+VELOCITY_ERROR = Plot(
+    "nav_velocity_m_s", "Velocity, estimated less true (m/s)", _axes("nav.error_v", "m_s", "north east down")
+)
+ATTITUDE_ERROR = Plot(
+    "nav_attitude_deg",
+    "Attitude, estimated less true (deg)",
+    _axes("nav.error_attitude", "deg", "north east down"),
+)
+HEIGHT_ERROR = Plot(
+    "nav_height_m",
+    "Height, estimated less true (m)",
+    {"nav.error_height_m": "error"},
+    since="backshell",
+    sigma="nav.sigma_height_m",
+)
+INNOVATION = Plot(
+    "nav_innovation",
+    "Largest innovation of a beam (sigma)",
+    {"nav.range_innovation": "range", "nav.speed_innovation": "speed"},
+    since="heat_shield",
+)
+
+
+def _velocity_error(axis: str) -> Plot:
+    return Plot(
+        f"nav_velocity_{axis}_m_s",
+        f"Velocity {axis}, estimated less true (m/s)",
+        {f"nav.error_v_{axis}_m_s": "error"},
+        since="backshell",
+        sigma=f"nav.sigma_v_{axis}_m_s",
+    )
+
+
+#: Of flights that navigate with instruments.
+NAVIGATION = "Navigation"
+
 #: Plots by page.
 PAGES: dict[str, tuple[Plot, ...]] = {
     "Flight": (ALTITUDE, SPEED, MACH, PRESSURE, LOAD, PROPELLANT),
@@ -145,6 +194,10 @@ PAGES: dict[str, tuple[Plot, ...]] = {
     "Parachute": (ALTITUDE, MACH, TENSION, PRESSURE, TOTAL_ALPHA, RATES),
     "Powered descent": (HEIGHT, VELOCITY, THRUST, TILT, OFFSET, PROPELLANT, TO_GO, MASS),
     "Control": (ERROR, RATES, *TORQUES, FORCE, DEMAND, UNALLOCATED),
+    NAVIGATION: (
+        *(POSITION_ERROR, VELOCITY_ERROR, ATTITUDE_ERROR, INNOVATION, HEIGHT_ERROR),
+        *(_velocity_error(axis) for axis in ("down", "north", "east")),
+    ),
     "Thrusters": (DIAGNOSIS, PROPELLANT),
 }
 PLOTS = tuple({plot.entity: plot for page in PAGES.values() for plot in page}.values())

@@ -18,6 +18,8 @@ TIME = "time since entry (s)"
 EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",
+    "exclusion": "excluded",
+    "guard": "guard",
     "trim_wing": "trim wing",
     "mortar": "parachute",
     "heat_shield": "heat shield",

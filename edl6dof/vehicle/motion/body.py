@@ -254,7 +254,7 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces are linear in time over the current step, less what the flow takes
+    Thruster forces and flows are linear in time over the current step, forces less what the air takes
     (:mod:`edl6dof.vehicle.propulsion.rcs`), and after it their mean.
     """
     out, inputs = outputs, plant.inputs
@@ -285,7 +285,7 @@ def motion(case, plant, t, y, outputs, dy):
         dy[ATTITUDE + k] = q_dot[k]
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     for k in range(MAX_TANKS):
-        dy[PROPELLANT + k] -= inputs.rcs_flow[k]
+        dy[PROPELLANT + k] -= inputs.rcs_flow[k] + since * inputs.rcs_flow_slope[k]
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, add(take3(out.canopy_acceleration_I, 0), scale(out.canopy_weight, g)))

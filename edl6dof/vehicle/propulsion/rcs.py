@@ -114,16 +114,18 @@ def efficiency(rcs, dynamic_pressure):
 
 @kernel
 def fire(rcs, loads, valves, t, step, inputs):
-    """Force and moment of all thrusters in vacuum, linear over a step, and their mean propellant flow; what
-    the flow takes of it (:func:`efficiency`) changes within the step.
+    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: the flow
+    goes with the thrust, or a speed would not follow from the propellant used.  What the air takes of the
+    force (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
     as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
-    ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s) and ``rcs_flow`` (kg/s out of each tank) of
-    ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are the thrusters' ``FEEDS``.
+    ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s), ``rcs_flow`` (mean, kg/s out of each tank) and
+    ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are
+    the thrusters' ``FEEDS``.
     """
     for k in range(MAX_TANKS):
-        inputs.rcs_flow[k] = 0.0
+        inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
     force = moment = force_slope = moment_slope = (0.0, 0.0, 0.0)
     for i in range(rcs.n_thrusters):
         if valves.level[i] == 0.0 and (valves.closes[i] <= t or valves.opens[i] >= t + step):
@@ -140,8 +142,9 @@ def fire(rcs, loads, valves, t, step, inputs):
         valves.mean[i] = mean if within > 0.0 else 0.0
         if valves.mean[i] == 0.0:
             continue
-        flow = mean * jet.thrust / (jet.specific_impulse * G0)
-        draw(loads, i, inputs.filled, within, flow, inputs.rcs_flow, 0)
+        full_flow = jet.thrust / (jet.specific_impulse * G0)
+        draw(loads, i, inputs.filled, within, mean * full_flow, inputs.rcs_flow, 0)
+        draw(loads, i, inputs.filled, within, slope * full_flow, inputs.rcs_flow_slope, 0)
         full = scale(jet.thrust, take3(jet.direction, 0))
         arm = cross(take3(jet.position, 0), full)
         force, moment = add(force, scale(mean, full)), add(moment, scale(mean, arm))

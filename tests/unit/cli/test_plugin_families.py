@@ -16,7 +16,13 @@ AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200
 
 #: FAMILY, the file of a member, its name there and as a plugin, the lines of a scenario that choose it.
 FAMILIES = [
-    ("sensor", "sensors/imu.py", '"imu"', '"imu_b"', "sensors: {carried: [perfect, imu, imu_b]}"),
+    (
+        "sensor",
+        "sensors/imu.py",
+        '"imu"',
+        '"imu_b"',
+        "sensors: {carried: [perfect, imu, imu_b]}\nflight_software: {navigation: {filter: given}}",
+    ),
     (
         *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
         f"atmosphere: {{model: isothermal, {AIR}}}",
@@ -32,6 +38,10 @@ FAMILIES = [
     (
         *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
         "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
+    ),
+    (
+        *("navigation_filter", "fsw/navigation/filters/dead_reckoning.py", '"dead_reckoning"', '"unaided"'),
+        "flight_software: {navigation: {filter: unaided, unaided: {every_s: 2.0}}}",
     ),
     (
         *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
@@ -53,6 +63,17 @@ def test_member_outside_the_package_is_chosen_by_its_name(tmp_path, family, memb
     status, out, error = checked(tmp_path, family, member, old, new, lines)
     assert (status, error) == (0, "")
     assert "mine.yaml: ok" in out
+
+
+def test_goal_of_an_engine_that_is_no_line_is_refused_in_one_line(tmp_path):
+    family, member, old, new, lines = next(row for row in FAMILIES if row[0] == "engine_model")
+    text = (PACKAGE / member).read_text(encoding="utf-8")
+    line = "return line_in_step(engine.full_thrust * first, engine.full_thrust * second, step)"
+    wrong = text.replace(old, new).replace(line, "return engine.full_thrust * first / step")
+    assert line in text
+    status, _, error = checked(tmp_path, family, member, text, wrong, lines)
+    assert status == 2
+    assert "goal: must return two numbers: mean and slope" in error and len(error.strip().splitlines()) == 1
 
 
 def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path):

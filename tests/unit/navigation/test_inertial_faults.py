@@ -8,6 +8,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.onboard import CONFIGURATION
 from edl6dof.interface.sensed import INERTIAL
 
 RATE, FORCE = np.array([0.2, -0.1, 0.05]), np.array([-30.0, 1.0, -4.0])
@@ -22,6 +23,9 @@ class Bench:
         fill(self.params[0], NavigationParams())
         self.known, self.rng = believed_unit(), np.random.default_rng(seed)
         self.known["unit_position"] = CENTRE
+        self.body = np.zeros(1, CONFIGURATION)
+        self.body["mass"], self.body["inertia"] = 1000.0, 900.0
+        self.body["centre"] = self.body["hung_at"] = CENTRE
         self.reading, self.memory = np.zeros(1, INERTIAL), np.zeros(1, INERTIAL_MEMORY)
         self.health, self.motion = np.zeros(1, INSTRUMENT_HEALTH), np.zeros(1, MOTION)
         self.solution = np.zeros(1, SOLUTION)
@@ -44,7 +48,7 @@ class Bench:
             self.reading["gain"][0, :6] += f * DT + self.known["accelerometer_noise"] * white[1]
             dt = take_reading(self.known[0], self.t, self.reading[0], self.memory[0])
             read_motion(
-                self.params[0], self.known[0], CENTRE, dt, self.reading[0], self.solution[0],
+                self.params[0], self.known[0], self.body[0], dt, self.reading[0], self.solution[0],
                 self.health[0], self.memory[0], self.motion[0],
             )  # fmt: skip
 

@@ -8,11 +8,18 @@ from pyquaternion import Quaternion
 
 import edl6dof
 from edl6dof.fsw.navigation.update import NAVIGATION
+from edl6dof.interface.sensed import SENSED
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.telemetry.channels import TICK
-from edl6dof.telemetry.columns import Telemetry
-from edl6dof.telemetry.navigation import farthest, mask, record_claims, record_errors
+from edl6dof.telemetry.columns import Telemetry, describe
+from edl6dof.telemetry.navigation import (
+    farthest,
+    mask,
+    record_claims,
+    record_errors,
+    record_readings,
+)
 from edl6dof.vehicle.plant import OUTPUTS
 
 SPIN = 7.08821807e-05
@@ -70,6 +77,19 @@ def test_claims_and_masks_are_those_of_navigation():
     assert (row["sigma_height"], row["beams_used"], row["range_innovation"]) == (0.5, 5, 2.5)
     assert row["gyros_in_use"] == 0b111011 == mask(navigation["health"]["gyro"])
     assert farthest(np.array([0.0, -3.0, 2.0])) == 3.0
+
+
+def test_readings_name_what_is_saturated_and_the_range_of_beams_with_an_echo():
+    sensed, log = np.zeros(1, SENSED)[0], np.zeros(1, TICK)
+    sensed["inertial"]["gyro_saturated"][[0, 2]] = 1
+    sensed["inertial"]["accelerometer_saturated"][1] = 1
+    sensed["radar"]["range"][:3], sensed["radar"]["locked"][:3] = (900.0, 800.0, 700.0), (1, 0, 1)
+    record_readings(sensed, log[0])
+    telemetry = Telemetry(log, ["D1"], ["left", "mid", "right"])
+    assert (telemetry["sensed.gyros_saturated"], telemetry["sensed.accelerometers_saturated"]) == (5, 2)
+    assert [telemetry[f"range.{beam}_m"][0] for beam in ("left", "mid", "right")] == [900.0, 0.0, 700.0]
+    assert list(telemetry.rows(0, 1)) == list(telemetry) and len(telemetry) == len(list(telemetry))
+    assert describe("range.left_m")[0] == "m" and "beam left" in describe("range.left_m")[1]
 
 
 def test_figures_are_lengths_of_the_errors_at_the_moments_that_count():

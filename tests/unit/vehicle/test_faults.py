@@ -219,7 +219,7 @@ def without_wing(event):
 # ---- all kinds ---------------------------------------------------------------------------------
 
 
-INSTRUMENTS = "sensors.carried=[perfect, imu, inertial_unit, star_tracker, radar]"
+INSTRUMENTS = "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar]"
 NAMED = {"thruster": "thruster: D7, ", "gyro": "gyro: g2, ", "beam": "beam: b3, "}
 
 
@@ -280,7 +280,10 @@ def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
             "{gyro: g1, accelerometer: a1, kind: hardover, at: {time_s: 1}}",
             "and nothing else (got gyro 'g1', accelerometer 'a1')",
         ),
-        ("{kind: false_lock, at: {time_s: 1}}", "faults.0: false_lock must name its beam; names: none"),
+        (
+            "{kind: false_lock, at: {time_s: 1}}",
+            "faults.0: false_lock must name its beam; names: b1, b2, b3, b4",
+        ),
         (
             "{thruster: D7, kind: wing_lost, at: {time_s: 1}}",
             "faults.0: wing_lost is about one surface and nothing else (got thruster 'D7')",

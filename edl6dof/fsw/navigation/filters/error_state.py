@@ -70,7 +70,7 @@ class ErrorStateParams(Params):
         60.0, "time over which that stays the same", status="estimate", ge=0.0, le=10e3
     )
     unknown_rate_deg_s: float = param(
-        60.0, "rate, one sigma, taken for what gyros at the end of their range miss", ge=0.0, le=1000.0
+        2.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
         50.0, "specific force, one sigma, that accelerometers at the end of theirs miss", ge=0.0, le=1000.0

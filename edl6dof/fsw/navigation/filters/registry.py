@@ -19,6 +19,7 @@ from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, t
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
+from edl6dof.fsw.navigation.saturation import SaturationParams
 from edl6dof.fsw.navigation.star_watch import StarWatchParams
 from edl6dof.registry import Family
 
@@ -38,6 +39,7 @@ class NavigationParams(_Filters):
     parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
     beam_watch: BeamWatchParams = group(BeamWatchParams, "exclusion of beams of the radar")
     star_watch: StarWatchParams = group(StarWatchParams, "exclusion of the star tracker")
+    saturation: SaturationParams = group(SaturationParams, "gyros at the end of their range")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
 

@@ -76,7 +76,7 @@ def predict(onboard, nav, out, shift, lateral):
     least, most = cos(entry.bank_max), cos(entry.bank_min)
     steered_above = max(entry.align_speed, entry.heading.speed)
     t, dt = 0.0, 0.0
-    r_old, speed, speed_old, end_speed = r, norm(v), norm(v), 0.0
+    r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
     for _ in range(MAX_STEPS):
         cos_bank, sin_bank = 1.0, 0.0
         if speed >= steered_above:
@@ -86,7 +86,8 @@ def predict(onboard, nav, out, shift, lateral):
         end_speed = (
             entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         )
-        if speed <= end_speed or height_above_ellipsoid(planet, r) < -5000.0:
+        excess = speed - end_speed
+        if excess <= 0.0 or height_above_ellipsoid(planet, r) < -5000.0:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
         v2 = add(v, scale(0.5 * dt, a1))
@@ -95,13 +96,13 @@ def predict(onboard, nav, out, shift, lateral):
         a3, _, _ = accelerations(onboard, add(r, scale(0.5 * dt, v2)), v3, out, cos_bank, sin_bank)
         v4 = add(v, scale(dt, a3))
         a4, _, _ = accelerations(onboard, add(r, scale(dt, v3)), v4, out, cos_bank, sin_bank)
-        r_old, speed_old = r, speed
+        r_old, excess_old = r, excess
         r = add(r, scale(dt / 6.0, add(add(v, v4), scale(2.0, add(v2, v3)))))
         v = add(v, scale(dt / 6.0, add(add(a1, a4), scale(2.0, add(a2, a3)))))
         speed = norm(v)
         t += dt
-    if speed < end_speed < speed_old:
-        back = (end_speed - speed) / (speed_old - speed)
+    if excess < 0.0 < excess_old:
+        back = excess / (excess - excess_old)
         r = add(scale(1.0 - back, r), scale(back, r_old))
         t -= back * dt
     there = unit(r)
