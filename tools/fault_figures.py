@@ -116,7 +116,8 @@ def matrix(sets: Sequence[str]) -> str:
     loaded = edl6dof.load("tianwen1", sets)
     lines = []
     for kind in OF_THRUSTERS:
-        cases = fault_cases({kind: loaded.scenario.thruster_names}, phases_of(loaded.scenario), 1.0)
+        thrusters, phases = loaded.scenario.thruster_names, phases_of(loaded.scenario)
+        cases = fault_cases({kind: {"thruster": thrusters}}, {kind: phases}, 1.0)
         rows = list(fly_rows(loaded, cases, collect=fault_response))
         wrong = sum(int(row.get("false_alarms", 0.0)) for row in rows)
         lines.append(

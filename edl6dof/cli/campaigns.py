@@ -107,17 +107,24 @@ def faults(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
     ] = "tianwen1",
+    sensors: Annotated[
+        bool, typer.Option("--sensors", help="Fail instruments instead: every axis, beam and star tracker.")
+    ] = False,
     kinds: Annotated[
         str,
         typer.Option(
             metavar="LIST",
-            help="Kinds of fault, with commas, or all: those of thrusters.",
+            help=(
+                "Kinds of fault, with commas, or all: those of thrusters; stuck_off if not given, with "
+                "--sensors all of instruments."
+            ),
         ),
-    ] = "stuck_off",
+    ] = "",
     phases: Annotated[
         str,
         typer.Option(
-            metavar="LIST", help=("Phases, with commas; if not given, one of each kind of control.")
+            metavar="LIST",
+            help="Phases, with commas; if not given, one of each kind of control, with --sensors every one.",
         ),
     ] = "",
     thrusters: Annotated[
@@ -141,16 +148,18 @@ def faults(
 ) -> None:
     """Fail every thruster in every phase, one flight each.
 
-    Kinds of fault of engines, surfaces and parachutes fail each of these.
+    Kinds of fault of engines, surfaces and parachutes fail each of these; --sensors fails every instrument.
 
-    The matrix tells which flights survive, which faults are found out, and how fast.
+    The matrix tells which flights survive, which faults are found out, and how fast; of instruments also how
+    far navigation is off at touchdown.
 
     Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
     """
     load_plugins(scenario, trust=trust)
-    from edl6dof.app.faults import FaultOptions, run_faults
+    from edl6dof.app.faults.choice import FaultOptions
+    from edl6dof.app.faults.matrix import run_faults
 
     options = FaultOptions(
-        scenario, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers
+        scenario, sensors, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers
     )
     raise typer.Exit(run_faults(options))

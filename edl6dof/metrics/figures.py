@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 from edl6dof.config.units import Unit, split_unit
 
 #: What a figure is formed from.
-Source = Literal["events", "telemetry", "peaks", "contact", "diagnosis"]
+Source = Literal["events", "telemetry", "peaks", "contact", "diagnosis", "exclusions"]
 
 
 class FigureOfMerit(NamedTuple):
@@ -22,7 +22,8 @@ class FigureOfMerit(NamedTuple):
         meaning: what it is, in the words of reports.
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
-            ground contact, ``diagnosis`` for fault isolation.
+            ground contact, ``diagnosis`` for fault isolation, ``exclusions`` for instruments out of
+            use.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
 
@@ -132,6 +133,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("touchdown_nav_vertical_deg", "error of the estimated vertical at touchdown", "events"),
     FigureOfMerit("false_alarms", "healthy thrusters isolated", "diagnosis"),
     FigureOfMerit("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
+    FigureOfMerit("instrument_false_alarms", "sound instruments excluded", "exclusions"),
+    FigureOfMerit("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
 )
 _BY_NAME = {figure.name: figure for figure in FIGURES}
 

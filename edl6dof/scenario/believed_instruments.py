@@ -26,6 +26,7 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         stars = in_si(sensors.star_tracker)
         square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
         record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
+        record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)

@@ -16,6 +16,7 @@ from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
+from edl6dof.metrics.exclusions import Exclusion, exclusion_figures, exclusions
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
@@ -125,6 +126,11 @@ class Flight:
         """Thrusters the flight computer took out of use, and why."""
         return isolated_faults(self.fsw[0], self.scenario.thruster_names)
 
+    @cached_property
+    def exclusions(self) -> list[Exclusion]:
+        """Instruments that the flight computer took out of use and back."""
+        return exclusions(self.fsw[0], self.scenario.components)
+
     @property
     def _wing(self) -> list[Moment]:
         """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
@@ -150,6 +156,11 @@ class Flight:
             moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
             for one in self.isolated_faults
         ]
+        found += [
+            moment(one.t_s, "exclusion", one.label, component=one.component, instrument=one.instrument,
+                   back=one.back)
+            for one in self.exclusions
+        ]  # fmt: skip
         return rows + found
 
     @cached_property
@@ -169,6 +180,7 @@ class Flight:
             figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.components, self.plant[0])
             if self.scenario.navigation_filter != "given":
                 figures |= navigation_figures(self.telemetry, when)
+                figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])
             return figures | self._deployment(figures)
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:

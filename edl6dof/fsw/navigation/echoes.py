@@ -14,10 +14,11 @@ _SPANS, _AGREE = 1e-3, 3.0
 @kernel
 def velocity_by_echoes(instruments, health, radar):
     """Velocity (m/s, B) of the antenna relative to the ground by least squares over the speeds of all beams
-    with an echo, and whether they tell it: that takes three, which agree.
+    with an echo, and whether they tell it: that takes four, which agree: of
+    three nobody can tell that one is wrong.
     """
     xx = yy = zz = xy = xz = yz = 0.0
-    seen = (0.0, 0.0, 0.0)
+    seen, count = (0.0, 0.0, 0.0), 0
     if radar.fresh == 0:
         return seen, False
     for i in range(instruments.n_beams):
@@ -25,8 +26,8 @@ def velocity_by_echoes(instruments, health, radar):
             x, y, z = take3(instruments.beam_axis[i], 0)
             xx, yy, zz = xx + x * x, yy + y * y, zz + z * z
             xy, xz, yz = xy + x * y, xz + x * z, yz + y * z
-            seen = add(seen, scale(radar.speed[i], (x, y, z)))
-    if dot((xx, xy, xz), cross((xy, yy, yz), (xz, yz, zz))) < _SPANS:
+            seen, count = add(seen, scale(radar.speed[i], (x, y, z))), count + 1
+    if count < 4 or dot((xx, xy, xz), cross((xy, yy, yz), (xz, yz, zz))) < _SPANS:
         return seen, False
     velocity = inertia_solve((xx, yy, zz, xy, xz, yz), seen)
     for i in range(instruments.n_beams):

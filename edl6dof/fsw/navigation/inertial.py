@@ -17,6 +17,7 @@ from edl6dof.fsw.navigation.redundancy import (
     without_one,
 )
 from edl6dof.fsw.navigation.saturation import usable_gyros
+from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
@@ -107,7 +108,11 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
         memory.accelerometer_parity,
     )  # fmt: skip
     if failed != NONE:
-        health.accelerometer[failed], health.accelerometer_excluded[failed] = 0, memory.t
+        health.accelerometer[failed] = 0
+    exclude_stale_flags(
+        params.parity.flag_patience, axis, number, instruments.accelerometer_range,
+        inertial.accelerometer_saturated, gain, dt, health.accelerometer, redundant.flagged,
+    )  # fmt: skip
     return sub(gain, scale(dt, take3(solution.accelerometer_bias, 0)))
 
 
@@ -127,7 +132,11 @@ def _rotation(params, instruments, dt, inertial, solution, health, memory, motio
         params.parity, axis, number, new, lasting, instruments.gyro_scale, dt, redundant, memory.gyro_parity
     )
     if failed != NONE:
-        health.gyro[failed], health.gyro_excluded[failed] = 0, memory.t
+        health.gyro[failed] = 0
+    exclude_stale_flags(
+        params.parity.flag_patience, axis, number, instruments.gyro_range,
+        inertial.gyro_saturated, angle, dt, health.gyro, redundant.flagged,
+    )  # fmt: skip
     rate = least_squares(redundant, number, inertial.rate)
     if left_out != NONE:
         rate = without_one(axis, redundant, left_out, inertial.rate, rate)

@@ -33,6 +33,8 @@ INSTRUMENTS = np.dtype(
         # star tracker
         ("star_sigma", "f8"),  # rad, about each axis: noise of a fix
         ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
+        ("star_lowest", "f8"),  # m: altitude below which it sees no stars
+        ("star_rate", "f8"),  # rad/s: largest rate at which it sees them
         # ground tracking
         (
             "tracking_position_sigma",

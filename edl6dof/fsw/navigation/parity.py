@@ -43,6 +43,9 @@ class ParityParams(Params):
     slow_persistence_cycles: int = param(
         25, "looks on end at the low-passed one that must accuse the same instrument", ge=1, le=10000
     )
+    flag_patience_s: float = param(
+        2.0, "time for which one may say that it is saturated while the others do not", ge=0.0, le=1000.0
+    )
 
 
 #: One look: whom it accuses, and for how many cycles on end.

@@ -36,6 +36,7 @@ REDUNDANT = np.dtype(
         ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; likewise
         ("count", "f8", (MAX_AXES,)),  # what each had counted when it was last read
         ("increment", "f8", (MAX_AXES,)),  # how much it has counted since the time before
+        ("flagged", "f8", (MAX_AXES,)),  # s: for how long it has said, without need, that it is saturated
     ],
     align=True,
 )

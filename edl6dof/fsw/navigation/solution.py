@@ -50,6 +50,8 @@ SOLUTION = np.dtype(
         ("range_innovation", "f8", (MAX_BEAMS,)),  # over its standard deviation; 0 where there was none
         ("speed_innovation", "f8", (MAX_BEAMS,)),
         ("beams_used", whole(0, 2**MAX_BEAMS - 1)),  # a bit for each beam
+        ("beams_refused", whole(0, 2**MAX_BEAMS - 1)),  # likewise of those that are wrong, excluded or not
+        ("looked", FLAG),  # whether the filter has looked at the radar in this cycle
     ],
     align=True,
 )
@@ -61,8 +63,6 @@ INSTRUMENT_HEALTH = np.dtype(
         ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),
         ("beam", FLAG, (MAX_BEAMS,)),
         ("star_tracker", FLAG),
-        ("gyro_excluded", "f8", (MAX_GYROS,)),  # s, flight time: since when; 0 while it is in use
-        ("accelerometer_excluded", "f8", (MAX_ACCELEROMETERS,)),  # likewise
     ],
     align=True,
 )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.navigation.alignment import align
+from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, watch_beams
+from edl6dof.fsw.navigation.exclusions import EXCLUSIONS, note_changes
 from edl6dof.fsw.navigation.filters.registry import (
     GIVEN,
     NAVIGATION_FILTERS,
@@ -21,6 +23,7 @@ from edl6dof.fsw.navigation.guard import (
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.star_watch import STAR_WATCH, watch_stars
 from edl6dof.fsw.navigation.strapdown import integrate
 from edl6dof.fsw.navigation.tell import tell
 from edl6dof.jit import kernel
@@ -41,6 +44,9 @@ NAVIGATION = np.dtype(
         ("guard", GUARD),
         ("centre", "f8", (3,)),  # m, B: centre of mass that the solution is of
         ("health", INSTRUMENT_HEALTH),
+        ("beam_watch", BEAM_WATCH),
+        ("star_watch", STAR_WATCH),
+        ("exclusions", EXCLUSIONS),
         ("filter", NAVIGATION_FILTERS.memory),
     ],
     align=True,
@@ -106,9 +112,24 @@ def navigate(onboard, state, sensed, memory):
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
         recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
+        solution.looked = 0
         correct_solution(
             params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
         )
+        watch(onboard, sensed, memory)
+
+
+@kernel
+def watch(onboard, sensed, memory):
+    """Exclude beams and star tracker where they have failed, and note what is out of use."""
+    params, motion, solution = onboard.navigation, memory.motion, memory.solution
+    health, instruments = memory.health, onboard.instruments
+    watch_beams(params.beam_watch, instruments.n_beams, sensed.radar, solution, health, memory.beam_watch)
+    watch_stars(
+        params.star_watch,
+        *(onboard.planet, instruments, sensed.stars, motion, solution, health, memory.star_watch),
+    )
+    note_changes(instruments, sensed.t, health, motion, memory.exclusions)
 
 
 @kernel

@@ -21,6 +21,8 @@ Component = Literal[
     "star_tracker",
 ]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
+#: Those that measure.
+INSTRUMENTS: tuple[Component, ...] = ("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker")
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
 Components = Mapping[Component, Sequence[str]]
 

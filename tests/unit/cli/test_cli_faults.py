@@ -79,6 +79,83 @@ def test_a_kind_of_which_the_vehicle_has_no_component_is_refused(capsys, monkeyp
     assert code == 2 and "there is no engine that could fail" in err and not (tmp_path / "x").exists()
 
 
+SENSORS = (
+    "--sensors",
+    *("--set", "sensors.carried=[inertial_unit,star_tracker,ground_tracking,radar,switches]"),
+    *("--set", "flight_software.navigation.filter=error_state"),
+)
+
+
+@pytest.fixture(scope="module")
+def sensors_flown(tmp_path_factory):
+    target = tmp_path_factory.mktemp("faults") / "matrix"
+    words = ["faults", "tianwen1", *SENSORS, "--phases", "parachute", "--kinds", "false_lock,stars_lost"]
+    program = spawn([*words, "--out", str(target)], target.parent)
+    out, err = program.communicate(timeout=600)
+    return program.returncode, out, err, target
+
+
+def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
+    code, out, err, target = sensors_flown
+    assert code == 0, err
+    assert "5 flights landed within limits" in out and "another instrument was named" in out
+    rows = pq.read_table(target / "faults.parquet").to_pylist()
+    beams = [row for row in rows if row["kind"] == "false_lock"]
+    assert [row["component"] for row in beams] == ["b1", "b2", "b3", "b4"]
+    for row in beams:
+        assert row["named"] == row["excluded"] == row["component"]
+        assert row["instrument_false_alarms"] == 0.0
+        assert row["unused_s"] < row["time_to_exclude_s"] < row["unused_s"] + 5.0
+        assert abs(row["touchdown_nav_height_m"]) < 0.5
+
+
+def test_instrument_that_is_not_used_any_more_is_not_named(sensors_flown):
+    """Below the air no stars are looked for."""
+    _, out, _, target = sensors_flown
+    (row,) = (
+        row for row in pq.read_table(target / "faults.parquet").to_pylist() if row["kind"] == "stars_lost"
+    )
+    assert row["named"] is None and row["unused_s"] is None and row["success"]
+    summary = json.loads((target / "summary.json").read_text(encoding="utf-8"))
+    beams, stars = summary["groups"]
+    assert (beams["named_right"], stars["named_right"], stars["never_used"]) == (4, 0, 1)
+    assert 0.0 < beams["worst_nav_velocity_m_s"] < 0.3
+
+
+def test_sensor_matrix_as_json(tmp_path, capsys, monkeypatch):
+    words = (
+        *SENSORS,
+        "--phases",
+        "trim_aoa",
+        "--kinds",
+        "stars_lost",
+        "--json",
+        "--out",
+        str(tmp_path / "x"),
+    )
+    code, out, err = run(capsys, monkeypatch, "faults", "tianwen1", *words)
+    assert code == 0, err
+    (row,) = json.loads(out)["rows"]
+    assert row["named"] == "star_tracker" and 2.0 < row["time_to_exclude_s"] < 8.0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((*SENSORS, "--kinds", "stuck_off"), "--kinds: no 'stuck_off'"),
+        ((*SENSORS, "--kinds", "false_locks"), "did you mean 'false_lock'?"),
+        ((*SENSORS, "--thrusters", "D7"), "--thrusters: instruments fail with --sensors"),
+        (("--sensors", "--set", "sensors.set=perfect"), "--sensors: navigation takes the word of ideal"),
+        (("--kinds", "hardover"), "--kinds: no 'hardover'"),
+    ],
+)
+def test_faults_of_instruments_and_of_the_vehicle_are_kept_apart(
+    words, message, tmp_path, capsys, monkeypatch
+):
+    code, _, err = run(capsys, monkeypatch, "faults", "tianwen1", *words, "--out", str(tmp_path / "x"))
+    assert code == 2 and message in err and "Traceback" not in err and not (tmp_path / "x").exists()
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -12,7 +12,8 @@ from edl6dof.fsw.navigation.filters.error_state import correct, start
 from edl6dof.fsw.navigation.filters.kalman.antenna import expected_range, level_axes, place_antenna
 from edl6dof.fsw.navigation.filters.kalman.gate import median, refused_again, weighted_noise
 from edl6dof.fsw.navigation.filters.kalman.process_noise import spread_of
-from edl6dof.fsw.navigation.filters.kalman.radar import range_row, speed_row
+from edl6dof.fsw.navigation.filters.kalman.ranges import range_row
+from edl6dof.fsw.navigation.filters.kalman.speeds import speed_row
 from edl6dof.fsw.navigation.filters.kalman.states import MOVING, STATES, WIDTH
 from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
 

@@ -28,6 +28,11 @@ from edl6dof.scenario.schema import LimitParams
 
 DECLARED = {figure.name for figure in FIGURES}
 FAULT = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 2}}]"
+GYRO = [
+    "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",
+    "flight_software.navigation.filter=error_state",
+    "faults=[{gyro: g3, kind: hardover, at: {phase: lift}}]",
+]
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +45,7 @@ def test_no_figure_is_declared_twice():
 
 
 def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(nominal, faulty):
-    produced = nominal.metrics.keys() | faulty.metrics.keys()
+    produced = nominal.metrics.keys() | faulty.metrics.keys() | edl6dof.fly("tianwen1", GYRO).metrics.keys()
     for name in ("msl", "wu2013", "yan2016", "zheng2015", "nesc/case06"):
         produced |= edl6dof.fly(name).metrics.keys()
     assert produced == DECLARED

@@ -13,9 +13,10 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
+from edl6dof.fsw.navigation.filters.kalman.beams import count_usable
 from edl6dof.fsw.navigation.filters.kalman.claim import apply_correction, claim
 from edl6dof.fsw.navigation.filters.kalman.process_noise import add_process_noise, mind_exclusions
-from edl6dof.fsw.navigation.filters.kalman.radar import count_usable, look_at_radar
+from edl6dof.fsw.navigation.filters.kalman.radar import look_at_radar
 from edl6dof.fsw.navigation.filters.kalman.stars import look_at_stars
 from edl6dof.fsw.navigation.filters.kalman.start import begin
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE

@@ -4,7 +4,8 @@ A member has two kernels.  ``start(params, onboard, sensed, solution, memory)`` 
 tracking and star tracker have started the ``solution`` (``SOLUTION``).  ``correct(params, onboard, health,
 sensed, motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
 (``MOTION``), and corrects it by what ``sensed`` (``SENSED``) says of stars and radar, as far as ``health``
-(``INSTRUMENT_HEALTH``) trusts them; it also says how sure it is.  ``params`` and ``memory`` are its own.
+(``INSTRUMENT_HEALTH``) trusts them; it also says how sure it is, and which
+beams it refused.  ``params`` and ``memory`` are its own.
 ``reads`` names the fields of the sensed record that a member cannot do without.
 """
 
@@ -13,11 +14,13 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
+from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
 from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, two_filter
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.saturation import SaturationParams
+from edl6dof.fsw.navigation.star_watch import StarWatchParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
@@ -34,6 +37,8 @@ class NavigationParams(_Filters):
     """Navigation: the filter, and what all share."""
 
     parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
+    beam_watch: BeamWatchParams = group(BeamWatchParams, "exclusion of beams of the radar")
+    star_watch: StarWatchParams = group(StarWatchParams, "exclusion of the star tracker")
     saturation: SaturationParams = group(SaturationParams, "gyros at the end of their range")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")

@@ -22,9 +22,9 @@ from edl6dof.fsw.navigation.filters.kalman.antenna import (
     level_axes,
     place_antenna,
 )
+from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_beams, usable
 from edl6dof.fsw.navigation.filters.kalman.claim import deviation
 from edl6dof.fsw.navigation.filters.kalman.gate import median
-from edl6dof.fsw.navigation.filters.kalman.radar import count_usable, usable
 from edl6dof.fsw.navigation.filters.kalman.scalar_update import (
     expected_by,
     fold_in,
@@ -103,12 +103,15 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     """Take a look at the radar where it is time to, and correct what has converged."""
     memory.age += motion.dt
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
-    if due and count_usable(health, sensed.radar, onboard.instruments.n_beams) > 0:
+    n_beams = onboard.instruments.n_beams
+    if due and count_usable(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
         q, _, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
         speeds = _fit_speeds(params, onboard, health, sensed.radar, q, add(velocity, swing), solution, memory)
         ranges = _buffer_heights(params, onboard, health, sensed.radar, q, up, height, solution, memory)
         solution.beams_used = speeds | ranges
+        solution.beams_refused = locked_beams(sensed.radar, n_beams) & ~speeds
+        solution.looked = 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)
         _claim(params, onboard, solution, memory)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at
 from edl6dof.fsw.navigation.filters.kalman.gate import refused_again
-from edl6dof.fsw.navigation.filters.kalman.radar import clear, take_in
+from edl6dof.fsw.navigation.filters.kalman.reading import clear, take_in
 from edl6dof.fsw.navigation.filters.kalman.states import ATTITUDE_ERROR, STAR_BIAS
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import axes, conjugate, multiply, rotation_vector
@@ -27,7 +27,7 @@ def look_at_stars(params, onboard, sensed, motion, solution, memory):
         clear(row)
         row[ATTITUDE_ERROR + i] = 1.0
         row[STAR_BIAS], row[STAR_BIAS + 1], row[STAR_BIAS + 2] = x[i], y[i], z[i]
-        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], up, memory)
+        _, taken = take_in(params, onboard.instruments.star_sigma**2, turn[i], up, True, row, memory)
         refused += not taken
     memory.fixes_refused = refused_again(memory.fixes_refused, refused, 1)
     if memory.fixes_refused >= params.patience:

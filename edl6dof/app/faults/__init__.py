@@ -1,0 +1,1 @@
+"""``edl6dof faults``: the matrix of single faults."""

@@ -1,0 +1,29 @@
+"""Which beams of the radar there are to look at."""
+
+from __future__ import annotations
+
+from edl6dof.jit import kernel
+
+
+@kernel
+def usable(health, radar, beam):
+    """Whether a beam has an echo and is trusted."""
+    return health.beam[beam] != 0 and radar.locked[beam] != 0
+
+
+@kernel
+def count_usable(health, radar, n_beams):
+    """How many beams there are to look at."""
+    count = 0
+    for beam in range(n_beams):
+        count += usable(health, radar, beam)
+    return count
+
+
+@kernel
+def locked_beams(radar, n_beams):
+    """Bits of the beams that have an echo."""
+    bits = 0
+    for beam in range(n_beams):
+        bits |= radar.locked[beam] << beam
+    return bits

@@ -1,0 +1,145 @@
+"""Beams, star tracker and flags of saturation that are watched: who goes, who stays, who comes back."""
+
+import numpy as np
+import pytest
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.navigation.beam_watch import BEAM_WATCH, BeamWatchParams, watch_beams
+from edl6dof.fsw.navigation.exclusions import BEAMS, EXCLUSIONS, INERTIAL_UNIT, MAX_CHANGES, note_changes
+from edl6dof.fsw.navigation.instruments import INSTRUMENTS
+from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
+from edl6dof.fsw.navigation.star_watch import STAR_WATCH, StarWatchParams, watch_stars
+from edl6dof.interface.sensed import RADAR, STARS
+from edl6dof.scenario.records import build_onboard
+from edl6dof.scenario.schema import load_scenario
+
+
+def filled(model):
+    record = np.zeros(1, dtype_of(type(model)))
+    fill(record[0], model)
+    return record[0]
+
+
+def healthy():
+    health = np.zeros(1, INSTRUMENT_HEALTH)
+    for name in INSTRUMENT_HEALTH.names:
+        health[name] = 1
+    return health
+
+
+class Beams:
+    """Four beams and the filter's verdicts on them."""
+
+    def __init__(self, **changed):
+        self.params = filled(BeamWatchParams(refused_looks=10, silent_looks=20, agreed_looks=30, **changed))
+        self.radar, self.solution = np.zeros(1, RADAR), np.zeros(1, SOLUTION)
+        self.health, self.memory = healthy(), np.zeros(1, BEAM_WATCH)
+
+    def look(self, times, refused=(), silent=(), looked=1):
+        self.solution["looked"] = looked
+        self.solution["beams_refused"] = sum(1 << i for i in refused)
+        self.radar["locked"][0, :4] = [i not in silent for i in range(4)]
+        for _ in range(times):
+            watch_beams(self.params, 4, self.radar[0], self.solution[0], self.health[0], self.memory[0])
+        return [i for i in range(4) if not self.health["beam"][0, i]]
+
+
+def test_a_beam_refused_again_and_again_is_excluded_and_given_back_when_it_agrees_for_long():
+    beams = Beams()
+    assert beams.look(9, refused=[2]) == []
+    assert beams.look(1, refused=[2]) == [2]
+    assert beams.look(29) == [2]
+    assert beams.look(1) == []
+
+
+def test_a_beam_refused_every_other_look_keeps_its_place():
+    beams = Beams()
+    for _ in range(100):
+        assert beams.look(1, refused=[1]) == beams.look(1) == []
+
+
+@pytest.mark.parametrize("refused", [(0, 1, 2), (0, 1, 2, 3)])
+def test_most_beams_at_once_are_not_wrong(refused):
+    assert Beams().look(1000, refused=refused) == []
+
+
+def test_of_two_beams_with_an_echo_none_can_be_told_wrong():
+    beams = Beams()
+    assert 0 not in beams.look(15, refused=[0], silent=[2, 3])
+
+
+def test_a_beam_without_echo_is_excluded_unless_most_have_none():
+    beams = Beams()
+    assert beams.look(19, silent=[3]) == beams.look(1) == []
+    assert beams.look(20, silent=[3]) == [3]
+    assert Beams().look(1000, silent=[1, 2, 3]) == []
+
+
+def test_beams_are_left_alone_where_nobody_looked_or_nobody_asks():
+    assert Beams().look(1000, refused=[0], looked=0) == []
+    assert Beams(enabled=False).look(1000, refused=[0]) == []
+
+
+@pytest.fixture(scope="module")
+def planet():
+    return build_onboard(load_scenario("tianwen1", ()).scenario)["planet"][0]
+
+
+def stars_after(planet, seconds, altitude, rate=0.0, valid=0):
+    """Health of the star tracker after some seconds without, or with, a fix."""
+    known, motion, solution = np.zeros(1, INSTRUMENTS), np.zeros(1, MOTION), np.zeros(1, SOLUTION)
+    known["star_sigma"], known["star_lowest"], known["star_rate"] = 1e-4, 118e3, np.radians(3.0)
+    motion["dt"], motion["rate"][0, 0] = 0.1, rate
+    solution["r_I"][0, 0] = planet["equatorial_radius"] + altitude
+    stars, health, memory = np.zeros(1, STARS), healthy(), np.zeros(1, STAR_WATCH)
+    stars["valid"] = valid
+    params = filled(StarWatchParams(patience_s=3.0))
+    for _ in range(round(seconds / 0.1)):
+        watch_stars(params, planet, known[0], stars[0], motion[0], solution[0], health[0], memory[0])
+    return bool(health["star_tracker"][0])
+
+
+def test_star_tracker_is_excluded_where_it_should_see_stars_and_does_not(planet):
+    assert stars_after(planet, 2.9, 125e3)
+    assert not stars_after(planet, 3.2, 125e3)
+    assert stars_after(planet, 100.0, 125e3, valid=1)
+    assert stars_after(planet, 100.0, 118.2e3)
+    assert stars_after(planet, 100.0, 125e3, rate=np.radians(2.5))
+
+
+@pytest.mark.parametrize(("reading", "excluded"), [(0.4, True), (0.6, False)])
+def test_flag_of_saturation_is_believed_as_long_as_the_motion_is_large(reading, excluded):
+    """Range 1 rad/s; half of it is where a flag becomes doubtful."""
+    health, flagged = np.ones(3, int), np.zeros(3)
+    for k in range(21):
+        assert health.all() or k == 20
+        exclude_stale_flags(
+            1.95, np.eye(3), 3, 1.0, np.array([0, 1, 0]), (0.0, 0.1 * reading, 0.0), 0.1, health, flagged
+        )
+    assert list(health) == [1, 0 if excluded else 1, 1]
+
+
+def test_log_notes_each_change_once_and_is_full_in_the_end():
+    known, health, motion, log = (
+        np.zeros(1, INSTRUMENTS),
+        healthy(),
+        np.zeros(1, MOTION),
+        np.zeros(1, EXCLUSIONS),
+    )
+    known["n_beams"], motion["rate_known"] = 4, 1
+    note_changes(known[0], 1.0, health[0], motion[0], log[0])
+    assert log["n_changes"][0] == 0
+    health["beam"][0, 2], motion["rate_known"] = 0, 0
+    for t in (2.0, 3.0):
+        note_changes(known[0], t, health[0], motion[0], log[0])
+    motion["rate_known"] = 1
+    note_changes(known[0], 4.0, health[0], motion[0], log[0])
+    changes = log["changes"][0, : log["n_changes"][0]]
+    assert [tuple(one) for one in changes] == [
+        (2.0, BEAMS + 2, 0), (2.0, INERTIAL_UNIT, 0), (4.0, INERTIAL_UNIT, 1),
+    ]  # fmt: skip
+    for k in range(100):
+        motion["rate_known"] = k % 2
+        note_changes(known[0], 5.0 + k, health[0], motion[0], log[0])
+    assert log["n_changes"][0] == MAX_CHANGES

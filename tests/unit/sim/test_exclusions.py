@@ -1,0 +1,81 @@
+"""What the log of navigation says of instruments: words, and figures beside the true faults."""
+
+import numpy as np
+import pytest
+
+from edl6dof.fsw.navigation.exclusions import ACCELEROMETERS, BEAMS, GYROS, INERTIAL_UNIT, STAR_TRACKER
+from edl6dof.fsw.onboard import FSW
+from edl6dof.metrics.exclusions import exclusion_figures, exclusions
+from edl6dof.metrics.figures import FIGURES
+from edl6dof.vehicle.faults.fault import FaultParams
+from edl6dof.vehicle.plant import NOT_BEGUN, STATE
+
+COMPONENTS = {
+    "gyro": ["g1", "g2", "g3"],
+    "accelerometer": ["a1"],
+    "beam": ["b1", "b2"],
+    "star_tracker": ["star_tracker"],
+    "inertial_unit": ["inertial_unit"],
+}
+
+
+def log(*changes):
+    fsw = np.zeros(1, FSW)
+    record = fsw["navigation"]["exclusions"][0]
+    record["n_changes"] = len(changes)
+    record["changes"][: len(changes)] = list(changes)
+    return exclusions(fsw[0], COMPONENTS)
+
+
+def figures(found, *faults):
+    """``faults``: kind, component, name, and when it began."""
+    plant = np.zeros(1, STATE)
+    plant["fault_since"] = NOT_BEGUN
+    plant["fault_since"][0, : len(faults)] = [since for *_, since in faults]
+    params = [
+        FaultParams.model_validate({"kind": kind, component: name, "at": {"time_s": 1.0}})
+        for kind, component, name, _ in faults
+    ]
+    return exclusion_figures(found, params, COMPONENTS, plant[0])
+
+
+def test_each_change_in_words():
+    found = log(
+        (1.0, GYROS + 2, 0), (2.0, ACCELEROMETERS, 0), (3.0, BEAMS + 1, 0), (4.0, BEAMS + 1, 1),
+        (5.0, STAR_TRACKER, 0), (6.0, INERTIAL_UNIT, 0), (7.0, INERTIAL_UNIT, 1),
+    )  # fmt: skip
+    assert [one.label for one in found] == [
+        "gyro g3 excluded", "accelerometer a1 excluded", "beam b2 excluded", "beam b2 back in use",
+        "star tracker excluded", "gyros saturated", "gyros read again",
+    ]  # fmt: skip
+    assert [one.t_s for one in found] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+
+
+def test_right_exclusion_has_a_time_and_wrong_ones_count():
+    found = log((10.0, GYROS + 1, 0), (12.0, BEAMS, 0), (14.0, BEAMS, 1))
+    assert figures(found, ("hardover", "gyro", "g2", 9.5)) == {
+        "instrument_false_alarms": 1.0, "time_to_exclude_s": pytest.approx(0.5),
+    }  # fmt: skip
+    assert figures(found, ("false_lock", "beam", "b1", 11.0))["time_to_exclude_s"] == pytest.approx(1.0)
+    assert figures(found, ("hardover", "gyro", "g1", 9.5)) == {"instrument_false_alarms": 2.0}
+    assert figures(found) == {"instrument_false_alarms": 2.0}
+
+
+def test_exclusion_before_the_fault_is_a_false_alarm():
+    found = log((10.0, GYROS + 1, 0))
+    assert figures(found, ("hardover", "gyro", "g2", 10.5)) == {"instrument_false_alarms": 1.0}
+    assert figures(found, ("hardover", "gyro", "g2", NOT_BEGUN)) == {"instrument_false_alarms": 1.0}
+
+
+def test_saturated_gyros_accuse_none_of_them():
+    found = log((10.0, INERTIAL_UNIT, 0), (11.0, INERTIAL_UNIT, 1))
+    assert figures(found) == {"instrument_false_alarms": 0.0}
+    assert figures(found, ("gyros_saturated", "inertial_unit", "inertial_unit", 9.98)) == {
+        "instrument_false_alarms": 0.0, "time_to_exclude_s": pytest.approx(0.02),
+    }  # fmt: skip
+
+
+def test_figures_are_declared():
+    found = log((10.0, GYROS + 1, 0))
+    declared = {figure.name for figure in FIGURES if figure.source == "exclusions"}
+    assert figures(found, ("hardover", "gyro", "g2", 9.5)).keys() == declared
