@@ -59,7 +59,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
         fill(record[name], getattr(software, name))
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
-    sensors = scenario.sensors
+    sensors = scenario.sensors_in_flight
     unit = sensors.inertial_unit if "inertial_unit" in sensors.flown else sensors.imu
     record["imu_delay"] = unit.delay_cycles / software.rates.base_hz
     believe_instruments(record["instruments"], scenario)

@@ -15,7 +15,7 @@ from edl6dof.spatial.frames import ned_to_fixed
 
 def believe_instruments(record: np.void, scenario: Scenario) -> None:
     """Fill an ``INSTRUMENTS`` record of zeros; what does not fly stays zero."""
-    sensors = scenario.sensors
+    sensors = scenario.sensors_in_flight
     if "inertial_unit" in sensors.flown:
         unit = in_si(sensors.inertial_unit)
         record["unit_position"] = unit["position"]

@@ -116,7 +116,7 @@ def _fill_wind(case: np.void, s: Scenario, tables: np.void) -> None:
 
 
 def _fill_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_sensors(case["sensors"], s.sensors, s.seed, s.profile)
+    fill_sensors(case["sensors"], s.sensors_in_flight, s.seed, s.profile)
 
 
 def _fill_ground(case: np.void, s: Scenario, tables: np.void) -> None:
@@ -159,7 +159,7 @@ CASE_PARTS = (
     CasePart(("initial",), frozenset({"initial", "planet"}), _fill_initial),
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
-    CasePart(("sensors",), frozenset({"sensors", "seed", "profile"}), _fill_sensors),
+    CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile"}), _fill_sensors),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),
     CasePart(("vehicle", "lander", "feeds", "suspension", "carrier"), frozenset({"vehicle"}), _fill_vehicle),
     CasePart(("events",), frozenset({"mission", "vehicle"}), _fill_events),

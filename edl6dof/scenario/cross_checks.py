@@ -84,7 +84,7 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
     oldest, found = scenario.flight_software.rates.control_every, {}
     for name in ("imu", "inertial_unit"):
         delay = getattr(scenario.sensors, name).delay_cycles
-        if name in scenario.sensors.flown and delay > oldest:
+        if name in scenario.sensors_in_flight.flown and delay > oldest:
             message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
             found[f"sensors.{name}.delay_cycles"] = message
     return found
@@ -93,13 +93,13 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
 def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
     read = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
-    return sensor_problems(scenario.sensors, (*read, "footpad_contact", "wing_open"))
+    return sensor_problems(scenario.sensors_in_flight, (*read, "footpad_contact", "wing_open"))
 
 
 def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
     reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
-    if "star_tracker" not in scenario.sensors.flown or "stars" not in reads:
+    if "star_tracker" not in scenario.sensors_in_flight.flown or "stars" not in reads:
         return {}
     stars, found = scenario.sensors.star_tracker, {}
     altitude, rate = scenario.initial_altitude_m, hypot(*scenario.initial.rate_deg_s)

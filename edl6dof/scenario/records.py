@@ -98,7 +98,10 @@ def _tables(inputs: TableInputs) -> np.ndarray:
 
 #: Sections of a scenario that the flight computer's belief follows from.
 BELIEVED = frozenset(
-    ("planet", "atmosphere", "terrain", "vehicle", "initial", "sensors", "flight_software", "mission")
+    (
+        *("planet", "atmosphere", "terrain", "vehicle", "initial", "dynamics", "sensors"),
+        *("flight_software", "mission"),
+    )
 )
 
 

@@ -222,7 +222,15 @@ class Scenario(Params):
     @property
     def navigation_filter(self) -> str:
         """Name of the navigation filter that flies: with perfect sensors none, their word is taken."""
-        return "given" if self.sensors.set == "perfect" else self.flight_software.navigation.filter
+        perfect = self.sensors_in_flight.set == "perfect"
+        return "given" if perfect else self.flight_software.navigation.filter
+
+    @property
+    def sensors_in_flight(self) -> SensorParams:
+        """The sensors as they fly: those of a point mass, which has no body to carry any, are perfect."""
+        if self.dynamics == "six_dof":
+            return self.sensors
+        return self.sensors.model_copy(update={"set": "perfect"})
 
     @property
     def components(self) -> dict[Component, list[str]]:

@@ -31,7 +31,7 @@ _FAULTY, _WALK = 8, 24
 _PAUSE = 8
 
 
-class Axis(Params):
+class SenseAxis(Params):
     """One gyro or accelerometer."""
 
     name: Key = param(REQUIRED, "name, unique in the unit", record=False, min_length=1)
@@ -43,14 +43,14 @@ class Axis(Params):
         return unit_vector(value)
 
 
-def cone(letter: str) -> list[Axis]:
+def cone(letter: str) -> list[SenseAxis]:
     """Six axes evenly on a cone of half angle acos(1/sqrt(3)) = 54.74 deg about x of B, named ``letter``1..6:
     they measure every direction equally well (H'H = 2 I).
     """
     half = acos(1.0 / sqrt(3.0))
     turns = [k * pi / 3.0 for k in range(6)]
     return [
-        Axis(name=f"{letter}{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
+        SenseAxis(name=f"{letter}{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
         for k, turn in enumerate(turns)
     ]
 

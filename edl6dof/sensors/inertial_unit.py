@@ -26,7 +26,7 @@ from edl6dof.interface.sensed import INERTIAL
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import Axis, cone, copy_layout, count, counter_layout, draw_copies, rates
+from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counter_layout, draw_copies, rates
 from edl6dof.sensors.thrust_share import thrust_share
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
@@ -42,7 +42,7 @@ class GyroParams(Params):
     bandwidth_hz: float = param(
         100.0, "first-order bandwidth of the rate reading; 0: no lag", status="estimate", ge=0.0
     )
-    axes: Annotated[list[Axis], Capacity(MAX_GYROS)] = param(
+    axes: Annotated[list[SenseAxis], Capacity(MAX_GYROS)] = param(
         None, "the gyros and their axes", factory=lambda: cone("g"), min_length=1, max_length=MAX_GYROS
     )
     bias_deg_h: float = param(0.03, "bias at the start", status="estimate", ge=0.0)
@@ -60,14 +60,14 @@ class GyroParams(Params):
 
     @field_validator("axes")
     @classmethod
-    def _names_differ(cls, value: list[Axis]) -> list[Axis]:
+    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
         return unique_names(value)
 
 
 class AccelerometerParams(Params):
     """Accelerometers of the unit; errors as standard deviations, drawn for each case."""
 
-    axes: Annotated[list[Axis], Capacity(MAX_ACCELEROMETERS)] = param(
+    axes: Annotated[list[SenseAxis], Capacity(MAX_ACCELEROMETERS)] = param(
         None,
         "the accelerometers and their axes",
         factory=lambda: cone("a"),
@@ -87,7 +87,7 @@ class AccelerometerParams(Params):
 
     @field_validator("axes")
     @classmethod
-    def _names_differ(cls, value: list[Axis]) -> list[Axis]:
+    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
         return unique_names(value)
 
 

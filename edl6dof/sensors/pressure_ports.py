@@ -21,20 +21,20 @@ from edl6dof.interface.capacities import MAX_PORTS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import Axis
+from edl6dof.sensors.counters import SenseAxis
 from edl6dof.spatial.noise import normal_pair
 from edl6dof.spatial.vector import dot, take3
 from edl6dof.spatial.vector import unit as direction
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
 
 
-def cross_of_ports() -> list[Axis]:
+def cross_of_ports() -> list[SenseAxis]:
     """Seven ports, one at the nose and six on the cone of 70 deg, in the planes of pitch and yaw."""
     off = 20.0 * pi / 180.0
     places = [(0.0, 0.0), (off, 0.0), (off, pi / 2.0), (off, pi), (off, 1.5 * pi), (0.5 * off, 0.5 * pi)]
     places.append((0.5 * off, 1.5 * pi))
     return [
-        Axis(name=f"p{k + 1}", axis=(cos(lean), sin(lean) * cos(turn), sin(lean) * sin(turn)))
+        SenseAxis(name=f"p{k + 1}", axis=(cos(lean), sin(lean) * cos(turn), sin(lean) * sin(turn)))
         for k, (lean, turn) in enumerate(places)
     ]
 
@@ -42,7 +42,7 @@ def cross_of_ports() -> list[Axis]:
 class PressurePortsParams(Params):
     """Pressure ports; errors as standard deviations."""
 
-    ports: Annotated[list[Axis], Capacity(MAX_PORTS)] = param(
+    ports: Annotated[list[SenseAxis], Capacity(MAX_PORTS)] = param(
         None, "the ports and the outward normals of the heat shield there", factory=cross_of_ports,
         min_length=1, max_length=MAX_PORTS,
     )  # fmt: skip
@@ -57,7 +57,7 @@ class PressurePortsParams(Params):
 
     @field_validator("ports")
     @classmethod
-    def _names_differ(cls, value: list[Axis]) -> list[Axis]:
+    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
         return unique_names(value)
 
 

@@ -24,7 +24,7 @@ from edl6dof.interface.capacities import MAX_BEAMS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.counters import Axis, turned
+from edl6dof.sensors.counters import SenseAxis, turned
 from edl6dof.sensors.echo import antenna, ground_echo, over_ground, part_echo
 from edl6dof.sensors.thrust_share import thrust_share
 from edl6dof.spatial.frames import rotate_z
@@ -40,11 +40,11 @@ from edl6dof.vehicle.surroundings import planet_rotation
 _DRAWS = 4
 
 
-def four_beams() -> list[Axis]:
+def four_beams() -> list[SenseAxis]:
     """Four beams evenly on a cone of half angle 25 deg about x of B, named b1..b4."""
     half, turns = 25.0 * pi / 180.0, [pi / 4.0 + k * pi / 2.0 for k in range(4)]
     return [
-        Axis(name=f"b{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
+        SenseAxis(name=f"b{k + 1}", axis=(cos(half), sin(half) * cos(turn), sin(half) * sin(turn)))
         for k, turn in enumerate(turns)
     ]
 
@@ -80,7 +80,7 @@ class RadarParams(Hardware):
 
     largest = {"m": 1e6}
 
-    beams: Annotated[list[Axis], Capacity(MAX_BEAMS)] = param(
+    beams: Annotated[list[SenseAxis], Capacity(MAX_BEAMS)] = param(
         None, "the beams and their directions", factory=four_beams, min_length=1, max_length=MAX_BEAMS
     )
     position_m: Vec3 = param((-0.5, 0.0, 0.6), "where the antenna sits, B", status="estimate", min_length=3)
@@ -133,7 +133,7 @@ class RadarParams(Hardware):
 
     @field_validator("beams")
     @classmethod
-    def _names_differ(cls, value: list[Axis]) -> list[Axis]:
+    def _names_differ(cls, value: list[SenseAxis]) -> list[SenseAxis]:
         return unique_names(value)
 
 

@@ -58,7 +58,7 @@ class SensorParams(_Sections):
 
     set: Literal["carried", "perfect"] = param(
         "carried",
-        "carried: the sensors named below; perfect: ideal ones instead, whose word navigation takes",
+        "carried: the sensors named below; perfect: ideal ones instead, as of any point mass",
         record=False,
     )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(

@@ -19,6 +19,7 @@ from edl6dof.sim.outcome import OUTCOMES
 SCENARIO = "tianwen1"
 #: No flight software, wind, ground, rotation of the planet.
 BARE = (
+    "sensors.set=perfect",
     "mission.phases=[]",
     "wind.model=none",
     "terrain.model=none",

@@ -174,7 +174,8 @@ def test_sensor_writes_its_part_of_the_record_finite_and_repeatable(loaded, inde
     assert measured(loaded, index, 2).tobytes() != rows.tobytes()
 
 
-def test_sensors_fly_at_once_each_with_its_memory_and_a_later_one_writes_over(loaded):
+def test_sensors_fly_at_once_each_with_its_memory_and_a_later_one_writes_over():
+    loaded = edl6dof.load("tianwen1", ["sensors.set=perfect"])
     records = build_records(loaded)
     plant, outputs = initial_plant(loaded.truth, records.case)[0], np.zeros(1, OUTPUTS)[0]
     sensors = initial_sensors()[0]

@@ -78,8 +78,10 @@ class Entry:
 
 
 def nominal(changes: Sequence[str] = ()) -> LoadedScenario:
-    """The Tianwen-1 scenario, with ``PATH=VALUE`` changes."""
-    return load_scenario(SCENARIO, changes)
+    """The Tianwen-1 scenario with ``PATH=VALUE`` changes, on perfect sensors: what is examined is control,
+    and the flight computer has to know of a state that is set up.
+    """
+    return load_scenario(SCENARIO, ("sensors.set=perfect", *changes))
 
 
 def state_at(time_s: float) -> State:

@@ -282,7 +282,8 @@ def test_example_law_has_thirty_lines_and_flies_to_the_parachute(tmp_path):
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     figures = summary.get("metrics", summary.get("figures"))
     assert figures["parachute_miss_m"] < 10e3
-    assert figures["parachute_mach"] == pytest.approx(1.8, abs=0.05)
+    # triggered at navigated Mach 1.8, in air colder than believed
+    assert figures["parachute_mach"] == pytest.approx(1.8, abs=0.1)
     again, _, error = cli(
         "fly", tmp_path / "run" / "scenario.yaml", "--out", tmp_path / "again", "--no-replay", "--quiet"
     )

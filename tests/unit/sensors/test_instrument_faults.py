@@ -14,7 +14,7 @@ from edl6dof.vehicle.faults.fault import inflict
 
 H = 0.02
 DEG = np.pi / 180.0
-CARRIED = ["sensors.carried=[perfect, imu, inertial_unit, star_tracker, radar]"]
+CARRIED = ["sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar]"]
 #: Names of the axes of the bench's unit and of the radar's beams, as the scenario has them.
 NAMES = [
     *(f"sensors.inertial_unit.{kind}.axes=[{{name: x, axis: [1, 0, 0]}}, {{name: y, axis: [0, 1, 0]}}]"

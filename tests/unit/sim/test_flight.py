@@ -14,7 +14,8 @@ def test_telemetry_has_every_channel_and_thruster(nominal):
     per_thruster = {
         f"{kind}.{name}" for kind in ("rcs", "fault", "valve") for name in nominal.scenario.thruster_names
     }
-    names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster
+    per_beam = {f"range.{name}_m" for name in nominal.scenario.beam_names}
+    names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster | per_beam
     assert set(nominal.telemetry) == names
     assert all(len(column) == len(nominal.log) for column in nominal.telemetry.values())
 
