@@ -217,7 +217,7 @@ class Scenario(Params):
     @property
     def beam_names(self) -> list[str]:
         """Names of the radar beams that fly."""
-        return instrument_names(self.sensors).get("beam", [])
+        return instrument_names(self.sensors_in_flight).get("beam", [])
 
     @property
     def navigation_filter(self) -> str:
@@ -235,7 +235,7 @@ class Scenario(Params):
     @property
     def components(self) -> dict[Component, list[str]]:
         """Names of all that may fail, by kind of component."""
-        return {**vehicle_components(self.vehicle), **instrument_names(self.sensors)}
+        return {**vehicle_components(self.vehicle), **instrument_names(self.sensors_in_flight)}
 
     @property
     def phase_names(self) -> list[str]:
