@@ -22,7 +22,26 @@ def json_schema(model: type[BaseModel], includes: Mapping[str, str] = INCLUDES) 
         if (own := schema.get("properties", {}).get(key)) is not None:
             by_name = {"type": "string", "description": f"name or path of a file of {kind}"}
             schema["properties"][key] = {"description": own.get("description", ""), "anyOf": [by_name, own]}
+    definitions = schema.get("$defs", {})
+    for part in (schema, *definitions.values()):
+        for name, field in part.get("properties", {}).items():
+            if _has_names(field, definitions):
+                part["properties"][name] = {
+                    "description": field.get("description", ""),
+                    "anyOf": [field, _BY_NAME],
+                }
     return {"$schema": DRAFT, "title": schema.pop("title", model.__name__), **schema}
+
+
+#: A file that extends another may change the items of a list by their names.
+_BY_NAME = {"type": "object", "description": "changes to items of what this file extends, by their names"}
+
+
+def _has_names(field: Mapping[str, Any], definitions: Mapping[str, Any]) -> bool:
+    """Whether a property is a list of things that have names."""
+    items = field.get("items")
+    item = items.get("$ref", "").rsplit("/", 1)[-1] if isinstance(items, dict) else ""
+    return "name" in definitions.get(item, {}).get("properties", {})
 
 
 def _draft7(node: Any) -> Any:
