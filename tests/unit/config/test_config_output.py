@@ -99,7 +99,8 @@ def test_the_json_schema_serves_an_editor():
     assert len(mass["cg_m"]["items"]) == 3
     assert "record" not in mass["cg_m"]
     assert schema["additionalProperties"] is False
-    assert schema["$defs"]["Rcs"]["properties"]["thrusters"]["maxItems"] == 3
+    listed, by_name = schema["$defs"]["Rcs"]["properties"]["thrusters"]["anyOf"]
+    assert listed["maxItems"] == 3 and by_name["type"] == "object"
 
 
 def test_a_default_outside_its_own_bounds_is_refused():
