@@ -37,6 +37,7 @@ def test_runge_kutta_is_of_fourth_order(quantity, part):
     is smooth.
     """
     smooth = [
+        "sensors.set=perfect",
         "mission.phases=[]",
         "flight_software.rates.base_hz=5",
         "atmosphere.model=exponential",

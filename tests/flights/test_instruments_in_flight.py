@@ -11,7 +11,10 @@ from edl6dof.sim.flight import fly
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
 
-CARRIED = "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, switches, radar]"
+CARRIED = (
+    "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, switches, radar]",
+    "flight_software.navigation.filter=given",
+)
 IDEAL = [
     *(f"sensors.inertial_unit.gyros.{name}=0" for name in
       ("bias_deg_h", "bias_walk_deg_h_sqrt_h", "noise_deg_sqrt_h", "scale_ppm", "misalignment_arcsec",
@@ -27,7 +30,7 @@ IDEAL = [
 @pytest.fixture(scope="module")
 def carried():
     """A flight with all instruments beside the ideal ones, and a state of it under the parachute."""
-    loaded = edl6dof.load("tianwen1", [CARRIED])
+    loaded = edl6dof.load("tianwen1", [*CARRIED])
     return loaded, fly(loaded, save_at_s=276.0)
 
 
@@ -62,7 +65,7 @@ def test_another_seed_has_other_errors_and_the_same_flight_the_same(carried):
     loaded, whole = carried
     again = fly(loaded, save_at_s=276.0)
     assert again.saved.sensors.tobytes() == whole.saved.sensors.tobytes()
-    other = records.build_records(edl6dof.load("tianwen1", [CARRIED, "seed=2"])).case["sensors"]["unit"]
+    other = records.build_records(edl6dof.load("tianwen1", [*CARRIED, "seed=2"])).case["sensors"]["unit"]
     same = records.build_records(loaded).case["sensors"]["unit"]
     for name in ("inertial_unit", "star_tracker", "ground_tracking", "radar"):
         assert other[name].tobytes() != same[name].tobytes()
@@ -73,7 +76,7 @@ def test_counts_of_an_ideal_unit_carry_the_state_over_mortar_and_heat_shield(car
     separations, the snatch of the lines and the swinging lever arm are all in the counts.
     """
     _, whole = carried
-    loaded = edl6dof.load("tianwen1", [CARRIED, *IDEAL])
+    loaded = edl6dof.load("tianwen1", [*CARRIED, *IDEAL])
     axes = np.array([one.axis for one in loaded.scenario.sensors.inertial_unit.gyros.axes])
     solve = np.linalg.pinv(axes)
     place = np.array(loaded.scenario.sensors.inertial_unit.position_m)
@@ -111,7 +114,7 @@ def test_fault_of_an_instrument_is_an_event_and_breaks_no_more_than_its_reading(
     """With ideal instruments beside it, whose word is taken, the flight stays what it was."""
     _, whole = carried
     fault = "faults=[{gyro: g3, kind: hardover, at: {phase: parachute, plus_s: 5}}]"
-    broken = fly(edl6dof.load("tianwen1", [CARRIED, fault]), save_at_s=400.0)
+    broken = fly(edl6dof.load("tianwen1", [*CARRIED, fault]), save_at_s=400.0)
     said = [event["name"] for event in broken.events if event["key"] == "fault"]
     assert said == ["fault: g3 hardover"]
     assert broken.plant["y"].tobytes() == whole.plant["y"].tobytes()

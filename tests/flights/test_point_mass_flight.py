@@ -14,7 +14,8 @@ DEPLOYMENT = "mission.goal=deployment"
 @pytest.fixture(scope="module")
 def both():
     """The entry of Tianwen-1 as a point mass and as a rigid body."""
-    return edl6dof.fly("tianwen1", ["dynamics=point_mass", DEPLOYMENT]), edl6dof.fly("tianwen1", [DEPLOYMENT])
+    rigid = edl6dof.fly("tianwen1", ["sensors.set=perfect", DEPLOYMENT])  # as the sensors of a point mass are
+    return edl6dof.fly("tianwen1", ["dynamics=point_mass", DEPLOYMENT]), rigid
 
 
 def test_point_mass_and_rigid_body_deploy_at_nearly_the_same_place_and_time(both):
