@@ -1,4 +1,4 @@
-"""The first flight ever: a second process compiles the flight software and the log, this one the plant.
+"""The first flight ever: a second process compiles the flight software, this one all else.
 
 numba compiles on one core.  Both halves are independent until the loop joins them, and it finds both in the
 cache of machine code.
@@ -20,16 +20,15 @@ from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
-from edl6dof.scenario.case import CASE
+from edl6dof.sensors.registry import SENSORS, sense
 from edl6dof.sim.loop import fly, write_row
 from edl6dof.sim.outcome import outcome_of
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import retrace
-from edl6dof.vehicle.plant import OUTPUTS, STATE
 
-_COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software_and_log as work; work()"
+_COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software as work; work()"
 
 
 @contextmanager
@@ -56,20 +55,23 @@ def flight_software_beside() -> Iterator[bool]:
 
 
 def compile_plant(*records: np.ndarray) -> None:
-    """Compile the plant for its records (arrays of one): case, tables, state, outputs and workspace."""
+    """Compile the plant for its records (arrays of one), case, tables, state, outputs and workspace; and then
+    the sensors and what writes a row of the log, so that both processes take the same time.
+    """
     case, tables, plant, outputs, work = (numba.typeof(array[0]) for array in records)
     retrace.compile((case, tables, plant, outputs, work))
     advance.compile((case, tables, plant, outputs, work, numba.float64))
     actuate.compile((case, numba.from_dtype(COMMAND), plant))
     outcome_of.compile((case, plant, outputs))
+    sensors, sensed, memory = (numba.from_dtype(layout) for layout in (SENSORS, SENSED, FSW))
+    sense.compile((case, tables, plant, outputs, sensors))
+    write_row.compile((case, plant, outputs, sensed, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
 
 
-def compile_flight_software_and_log() -> None:
-    """Compile the flight software's cycle into the cache, and then what writes a row of the log."""
+def compile_flight_software() -> None:
+    """Compile the flight software's cycle into the cache."""
     onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
     run.compile((onboard, sensed, numba.int64, memory))
-    case, plant, outputs = (numba.from_dtype(layout) for layout in (CASE, STATE, OUTPUTS))
-    write_row.compile((case, plant, outputs, sensed, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
 
 
 def _log_of(row: np.dtype) -> numba.types.Array:

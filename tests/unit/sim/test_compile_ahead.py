@@ -3,10 +3,13 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from edl6dof import jit
+from edl6dof.scenario import records
 from edl6dof.sim import compile_ahead
+from edl6dof.vehicle.plant import WORKSPACE
 
 
 @pytest.fixture
@@ -53,8 +56,10 @@ def test_no_process_is_started_where_it_is_of_no_use(started, monkeypatch, reaso
     assert started[0] == []
 
 
-@pytest.mark.parametrize("name", ["run", "write_row"])
+@pytest.mark.parametrize("name", ["run", "sense", "write_row"])
 def test_what_is_compiled_ahead_is_for_the_records_that_fly(nominal, name):
     """Another layout would leave code in the cache that no flight ever asks for."""
-    compile_ahead.compile_flight_software_and_log()
+    case, tables, _ = records.build_records(nominal.loaded)
+    compile_ahead.compile_flight_software()
+    compile_ahead.compile_plant(case, tables, nominal.plant, nominal.outputs, np.zeros(1, WORKSPACE))
     assert sum(getattr(compile_ahead, name).stats.cache_misses.values()) == 0
