@@ -50,6 +50,7 @@ def scene(latitude, longitude, azimuth, bank, beta, p, r, east, side=1.0, spin=7
         f"initial.bank_deg={side * bank}",
         f"initial.beta_deg={side * beta}",
         f"initial.rate_deg_s=[{side * p}, 2, {side * r}]",
+        "sensors.set=perfect",
         "initial.altitude_m=9000",
         "initial.speed_m_s=420",
         "initial.flight_path_angle_deg=-20",
