@@ -21,6 +21,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.alignment import adopt_attitude
+from edl6dof.fsw.navigation.filters.kalman.claim import deviation
 from edl6dof.fsw.navigation.strapdown import gravity_I, turn_by
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -194,20 +195,10 @@ def tell_sigmas(planet, P, solution):
             c_lon,
             (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0),
         )
-        solution.sigma_r[i] = _sigma_along(P, R, direction)
-        solution.sigma_v[i] = _sigma_along(P, V, direction)
-        solution.sigma_attitude[i] = _sigma_along(P, TURN, direction)
+        solution.sigma_r[i] = deviation(P, R, direction)
+        solution.sigma_v[i] = deviation(P, V, direction)
+        solution.sigma_attitude[i] = deviation(P, TURN, direction)
     solution.sigma_height = solution.sigma_r[2]
-
-
-@kernel
-def _sigma_along(P, first, direction):
-    """Standard deviation of three errors along a direction."""
-    variance = 0.0
-    for i in range(3):
-        for j in range(3):
-            variance += direction[i] * P[first + i, first + j] * direction[j]
-    return sqrt(max(variance, 0.0))
 
 
 MEMBER = Member(
