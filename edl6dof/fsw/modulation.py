@@ -81,10 +81,14 @@ def open_alone(thruster, on, count, t, opens, closes):
 
 
 @kernel
-def open_pair(i, j, t, cycle, opens, closes):
-    """Open two valves for a whole cycle: a test pulse whose impulses cancel, so that no residual changes."""
-    opens[i] = opens[j] = t
-    closes[i] = closes[j] = t + cycle
+def open_for_test(i, vehicle, t, cycle, memory, opens, closes):
+    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for
+    it.
+    """
+    end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
+    opens[i], closes[i] = t, t + cycle
+    memory.busy_until[i] = end
+    memory.residual[i] = end - closes[i]
 
 
 @kernel

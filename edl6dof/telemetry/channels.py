@@ -144,7 +144,7 @@ CHANNELS: tuple[Channel, ...] = (
         "estimated disturbance force in B; the axial one contains engine and drag",
     ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
-    Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
+    Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
     Channel(
         "diagnosis.in_use",

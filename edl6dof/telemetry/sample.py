@@ -145,7 +145,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
-    tick.diagnosis.suspect, tick.diagnosis.isolated = diagnosis.probe.suspect, diagnosis.n_isolated
+    tick.diagnosis.leaking, tick.diagnosis.isolated = diagnosis.leak.branch, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
         if fsw.health.thruster[i] != 0:

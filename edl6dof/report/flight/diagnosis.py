@@ -26,7 +26,7 @@ def figures(run: Run) -> Iterator[Figure]:
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Residual torque, confidence of the best hypothesis, thruster under probe, and thrusters isolated, for
+    """Residual torque, confidence of the best hypothesis, branch looked into, and thrusters isolated, for
     some rows (bool).
     """
     t = run.t[rows]
@@ -51,7 +51,7 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         Panel(
             confidence.x, confidence.y, confidence.traces, marks=[*marks, Mark("y", threshold, "needed", BAD)]
         ),
-        probes(run, rows),
+        leaks(run, rows),
         Panel(
             Axis(TIME),
             Axis("isolated (1)", (-0.1, max(float(isolated.y.max()), 1.0) + 0.1)),
@@ -66,18 +66,19 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
     return stacked(key, title, panels, caption, 150)
 
 
-def probes(run: Run, rows: np.ndarray) -> Panel:
-    """When which thruster was shut off to see whether it is the one: a lane for each that was."""
-    suspect = run["diagnosis.suspect"][rows]
-    lanes = sorted({int(number) for number in suspect if number >= 0.0})
-    names = [str(run.scenario["vehicle"]["rcs"]["thrusters"][number]["name"]) for number in lanes]
+def leaks(run: Run, rows: np.ndarray) -> Panel:
+    """When which branch was shut to look into its leak: a lane for each that was."""
+    leaking = run["diagnosis.leaking"][rows]
+    lanes = sorted({int(number) for number in leaking if number >= 0.0})
+    rcs = run.scenario["vehicle"]["rcs"]
+    names = [str((rcs.get("branches") or rcs["thrusters"])[number]["name"]) for number in lanes]
     traces = [
-        Trace(run.t[rows], np.where(suspect == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
+        Trace(run.t[rows], np.where(leaking == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)
     ]
     return Panel(
         Axis(TIME),
-        Axis("under probe", names=names),
+        Axis("leak in branch", names=names),
         traces,
         marks=event_marks(run, run.t[rows]),
         weight=0.25 + 0.15 * len(lanes),
