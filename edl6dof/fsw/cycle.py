@@ -99,6 +99,7 @@ def run(onboard, sensed, k, fsw):
     diagnose(
         onboard.diagnosis,
         count,
+        vehicle.branches.of,
         effectiveness,
         fsw.estimation.activity,
         axial_load(disturbance.unexplained, goal, state),
@@ -107,7 +108,7 @@ def run(onboard, sensed, k, fsw):
         control_dt,
         fsw.diagnosis,
         healthy,
-        command.isolate,
+        command.shut,
     )
 
     if under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out):

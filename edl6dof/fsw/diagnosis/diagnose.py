@@ -2,8 +2,8 @@
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
 whose prior is the price of a false alarm; it is wanted in several cycles on end.  Then the thruster is taken
-out of the allocation and its isolation valve shut: that costs nothing with a dead one, and it stops one that
-had been stuck on for so long that it looks dead.
+out of the allocation; one stuck on is stopped by the latch valve of its branch, and the others behind that
+valve go with it.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
@@ -130,18 +130,25 @@ def restart(memory):
 
 
 @kernel
-def isolate(i, kind, loss, confidence, t, memory, healthy, shut):
-    """Take a thruster out of use for good, and note why."""
+def isolate(i, kind, loss, confidence, t, count, branch, memory, healthy, shut):
+    """Take a thruster out of use for good, and note why; one stuck on only stops with its branch."""
     one = memory.isolated[memory.n_isolated]
     one.thruster, one.kind, one.loss = i, kind, loss
     one.confidence, one.t = confidence, t
     memory.n_isolated += 1
-    healthy[i], shut[i] = 0, 1
+    healthy[i] = 0
+    if kind == STUCK_ON:
+        shut[branch[i]] = 1
+        for j in range(count):
+            if branch[j] == branch[i]:
+                healthy[j] = 0
     restart(memory)
 
 
 @kernel
-def follow_suspect(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
+def follow_suspect(
+    params, count, branch, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
+):
     """Go on with a probe, and end it when it has decided."""
     i = memory.probe.suspect
     state, confidence = follow_probe(
@@ -149,21 +156,22 @@ def follow_suspect(params, count, effectiveness, activity, load, unexplained, t,
     )
     if state == FAILED:
         memory.probe.suspect = NONE
-        isolate(i, STUCK_ON, 0.0, confidence, t, memory, healthy, shut)
+        isolate(i, STUCK_ON, 0.0, confidence, t, count, branch, memory, healthy, shut)
     elif state == SOUND:
         memory.probe.trusted_until[memory.probe.suspect] = t + params.trust
-        close_probe(memory.probe, healthy, shut)
+        close_probe(count, branch, memory.probe, healthy, shut)
     elif state == UNDECIDED:
-        close_probe(memory.probe, healthy, shut)
+        close_probe(count, branch, memory.probe, healthy, shut)
 
 
 @kernel
-def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
+def diagnose(params, count, branch, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
     """One control cycle of diagnosis.
 
     Args:
         params: diagnosis record.
         count: number of thrusters.
+        branch: propellant branch of each.
         effectiveness: force and torque of each at full thrust, rows of 6 (N, N m).
         activity: what they should have done in the measured cycle.
         load: axial force of air and riser, N.
@@ -172,14 +180,25 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
         dt: control cycle, s.
         memory: ``DIAGNOSIS`` record.
         healthy: written, 0 for a thruster that is not to be used.
-        shut: written, 1 for a thruster whose isolation valve is to be shut.
+        shut: written, 1 for a propellant branch whose latch valve is to be shut.
     """
     if memory.probe.suspect != NONE:
         if memory.residual.taken == 0:
-            close_probe(memory.probe, healthy, shut)
+            close_probe(count, branch, memory.probe, healthy, shut)
         else:
             follow_suspect(
-                params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
+                params,
+                count,
+                branch,
+                effectiveness,
+                activity,
+                load,
+                unexplained,
+                t,
+                dt,
+                memory,
+                healthy,
+                shut,
             )
         return
     known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
@@ -194,10 +213,10 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
     else:
         memory.streak = 0
     if memory.streak >= params.streak:
-        isolate(best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, shut)
+        isolate(best.thruster, best.kind, best.loss, best.confidence, t, count, branch, memory, healthy, shut)
         return
     candidate = next_suspect(
         params, count, effectiveness, memory.residual, known, best, healthy, t, memory.probe
     )
     if candidate != NONE and memory.streak == 0:
-        open_probe(params, candidate, t, memory.residual, best, memory.probe, healthy, shut)
+        open_probe(params, candidate, t, count, branch, memory.residual, best, memory.probe, healthy, shut)

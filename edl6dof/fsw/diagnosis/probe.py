@@ -23,7 +23,7 @@ from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, for_loss, 
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
-from edl6dof.records import whole
+from edl6dof.records import FLAG, whole
 
 NONE = -1
 UNDER_WAY, SOUND, FAILED, UNDECIDED = range(4)
@@ -40,6 +40,7 @@ SUSPICIOUS = 2.5  # square of a slow disturbance in these units from which a thr
 PROBE = np.dtype(
     [
         ("suspect", whole(NONE, MAX_THRUSTERS - 1, of="thrusters")),
+        ("rested", FLAG, (MAX_THRUSTERS,)),  # thrusters in use but for the probe
         ("since", "f8"),
         ("before", "f8", (6,)),
         ("share_before", "f8", (MAX_THRUSTERS,)),
@@ -103,8 +104,8 @@ def next_suspect(params, count, effectiveness, residual, known, hypotheses, heal
 
 
 @kernel
-def open_probe(params, i, t, residual, hypotheses, memory, healthy, shut):
-    """Shut thruster ``i`` off, and note force, torque and evidence before."""
+def open_probe(params, i, t, count, branch, residual, hypotheses, memory, healthy, shut):
+    """Shut the branch of thruster ``i``, and note force, torque and evidence before."""
     suspected = for_stuck_on(hypotheses.on[i], 0.0)
     for j in range(6):
         memory.before[j] = 0.0
@@ -118,14 +119,20 @@ def open_probe(params, i, t, residual, hypotheses, memory, healthy, shut):
         memory.head_start[j] = for_loss(params, hypotheses.off[j], 0.0, False)[1] - suspected
     memory.suspect, memory.since = i, t
     forget(memory.sums)
-    healthy[i], shut[i] = 0, 1
+    shut[branch[i]] = 1
+    for j in range(count):
+        memory.rested[j] = 1 if branch[j] == branch[i] and healthy[j] != 0 else 0
+        if memory.rested[j] != 0:
+            healthy[j] = 0
 
 
 @kernel
-def close_probe(memory, healthy, shut):
-    """Put the suspect back into use."""
-    i = memory.suspect
-    healthy[i], shut[i] = 1, 0
+def close_probe(count, branch, memory, healthy, shut):
+    """Put the suspect, and what lies behind the same latch valve, back into use."""
+    shut[branch[memory.suspect]] = 0
+    for j in range(count):
+        if memory.rested[j] != 0:
+            healthy[j] = 1
     memory.suspect = NONE
 
 
