@@ -276,7 +276,7 @@ TRUE_SECTIONS = (
 )
 #: Parameters in them that no flight depends on.
 _LABELS = re.compile(
-    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|terrain\.ellipse_\w+"
+    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
 
 

@@ -21,6 +21,7 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
 from edl6dof.sensors import (
+    flow_meters,
     ground_tracking,
     imu,
     inertial_unit,
@@ -36,7 +37,7 @@ SENSOR_FAMILY = Family(
     "sensor",
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
-        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER),
+        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER),
     ),
 )
 

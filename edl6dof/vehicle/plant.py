@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import (
+    MAX_BRANCHES,
     MAX_ENGINES,
     MAX_EVENTS,
     MAX_FAULTS,
@@ -197,6 +198,7 @@ STATE = np.dtype(
         ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
+        ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, propellant that went through each branch
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
@@ -215,6 +217,7 @@ WORKSPACE = np.dtype(
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
         ("velocity_gain0", "f8", (3,)),
+        ("branch_used0", "f8", (MAX_BRANCHES,)),
         ("t_failed", "f8"),  # end of a step that failed
     ],
     align=True,

@@ -71,6 +71,7 @@ class Watch:
         arguments = (
             self.params[0],
             len(NAMES),
+            np.arange(32),
             self.effectiveness,
             self.activity[0],
             load,
@@ -108,7 +109,8 @@ def test_every_thruster_is_named_with_its_fault(effectiveness, name, kind, loss)
     assert [who for who, _ in watch.found] == [name]
     if not name.startswith("F"):  # the loss of 25 N is measured to a tenth or two: it may pass for degraded
         assert watch.found == [(name, kind)]
-    assert watch.healthy[NAMES.index(name)] == 0 and watch.shut[NAMES.index(name)] == 1
+    assert watch.healthy[NAMES.index(name)] == 0
+    assert watch.shut[NAMES.index(name)] == (watch.found[0][1] == "stuck on")
     assert watch.healthy[: len(NAMES)].sum() == len(NAMES) - 1
 
 

@@ -51,7 +51,8 @@ def impulse(case, plant, command, cycles, pulse=None):
         actuate(case, command, plant)
         inputs, loads = plant["inputs"], case["feeds"]["thrusters"]
         inputs["filled"] = 1
-        fire(case["vehicle"]["rcs"], loads, plant["valves"], plant["t"], CYCLE, inputs)
+        branch, counts = case["branches"]["of"], plant["branch_used"]
+        fire(case["vehicle"]["rcs"], loads, branch, plant["valves"], plant["t"], CYCLE, inputs, counts)
         total += inputs["rcs_force"] * CYCLE
         used += inputs["rcs_flow"].sum() * CYCLE
     return total, used
@@ -68,11 +69,11 @@ def test_thruster_that_dies_within_a_pulse_has_given_the_part_before(tables):
     assert impulse(case, plant, command, 40, (D7, 0.1, 0.5))[0][2] == pytest.approx(-250.0 * 0.2)
 
 
-def test_stuck_thruster_burns_from_its_time_on_until_it_is_isolated(tables):
+def test_stuck_thruster_burns_from_its_time_on_until_its_branch_is_shut(tables):
     case, plant, command = broken(tables, "{thruster: D7, kind: stuck_on, at: {time_s: 0.2}}")
     # 12 ms rise, no decay yet
     assert impulse(case, plant, command, 25)[0][2] == pytest.approx(-250.0 * (0.3 - 0.006))
-    command["isolate"][D7] = 1
+    command["shut"][case["branches"]["of"][D7]] = 1
     plant["valves"]["level"][:] = 0.0
     assert impulse(case, plant, command, 25)[0] == pytest.approx((0.0, 0.0, 0.0))
 
