@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, read_meters, weigh_flow
+from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, forget_loss, read_meters, weigh_flow
 from edl6dof.fsw.diagnosis.hypotheses import (
     DEGRADED,
     HYPOTHESES,
@@ -147,9 +147,10 @@ def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy, shut
     if kind == STUCK_ON:
         shut_branch(vehicle.branches, vehicle.n_thrusters, vehicle.branches.of[i], healthy, shut)
     elif kind == DEGRADED and loss < params.loss_least:
-        memory.hypotheses.weak[i] = 1
+        memory.flow.known_loss[i] = loss
     else:
         healthy[i] = 0
+    forget_loss(memory.flow.off[i])
     restart(memory)
 
 
@@ -160,6 +161,7 @@ def isolate_dead(params, i, loss, t, memory, healthy):
     """
     note(i, kind_of(params, loss), loss, params.confidence, t, memory)
     healthy[i] = 0
+    forget_loss(memory.flow.off[i])
     restart(memory)
 
 

@@ -4,15 +4,19 @@ nothing turns or moves sideways unless one of them fails.
 A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
 long rest.  In hazard avoidance, where a fault must be known within half a second, whichever thruster it is,
 and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
-turn. A thruster that one test makes suspect is tested again at once, alone where its opposite number is as
-suspect. A test of two 250 N thrusters costs 8 g of propellant. Beyond Hu et al. 2022, who wait for the
-thruster to be used."""
+turn.  A thruster that one test makes suspect is tested again at once, alone where its opposite number is as
+suspect; where a loss may be the propellant's, the others are.  A test of two 250 N thrusters costs 8 g of
+propellant.
+
+Source: none; Hu et al. 2022 wait for the thruster to be used.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.diagnosis.flow import is_waiting
 from edl6dof.fsw.diagnosis.hypotheses import NONE, NOTHING, STUCK_ON
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
@@ -74,12 +78,24 @@ def retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, 
 
 @kernel
 def longest_rested(
-    params, thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways, start, t, memory
+    params,
+    thrusters,
+    count,
+    effectiveness,
+    healthy,
+    busy_until,
+    opens,
+    closes,
+    sideways,
+    waiting,
+    start,
+    t,
+    memory,
 ):
     """The pair that is due and has rested longest, or twice ``NONE``."""
     first, second, oldest = NONE, NONE, t
     for i in range(count):
-        often = sideways and thrusters[i].group == HORIZONTAL
+        often = waiting or sideways and thrusters[i].group == HORIZONTAL
         due = t - params.rest if often else max(start, t - params.every)
         if memory.used[i] < min(due, oldest):
             j = opposite(effectiveness, count, i)
@@ -132,12 +148,13 @@ def pair_to_test(
             memory.used[i] = t
     i, j = retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t)
     if i == NONE:
-        pause = params.spacing if sideways else params.pause
-        if t < memory.tested + pause - 1e-9 or t < start + params.settled and not sideways:
+        waiting = is_waiting(vehicle.branches, diagnosis.flow)
+        pause = params.spacing if sideways or waiting else params.pause
+        if t < memory.tested + pause - 1e-9 or t < start + params.settled and not (sideways or waiting):
             return NONE, NONE
         i, j = longest_rested(
             params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
-            start, t, memory,
+            waiting, start, t, memory,
         )  # fmt: skip
     if i != NONE:
         memory.tested = memory.used[i] = t

@@ -11,7 +11,9 @@ are known, so the evidence is the plain log likelihood ratio against "sound": a 
 below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss.  A
 cycle that tells another loss than those before it starts afresh: the fault is younger than they are.
 
-A loss that all branches show is the propellant's and no thruster's: it is taken off first.
+A loss that all branches show is the propellant's and no thruster's: it is taken off first.  So before a
+thruster is called degraded, other branches have to be seen in use since the first sign of it; one that lets
+nothing through is dead, whatever the others do.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -33,7 +35,7 @@ LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
 MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone never tells it
 STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
-POOLED = 0.98  # what a cycle of use leaves of those before it in the loss of a branch
+POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
 LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
 LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
 
@@ -69,8 +71,15 @@ FLOW = np.dtype(
         ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
         ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
         ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        ("pool", LOSS, (MAX_BRANCHES,)),
+        (
+            "pool",
+            LOSS,
+            (MAX_BRANCHES,),
+        ),  # loss of each branch, since the first sign of a loss if there is one
+        ("seen", COUNT),  # branches in use since then
+        ("suspecting", FLAG),  # whether there is one
         ("common", "f8"),  # loss of all branches
+        ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
         ("meter_failed", FLAG, (MAX_BRANCHES,)),
         ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
         ("off", LOSS, (MAX_THRUSTERS,)),
@@ -114,7 +123,9 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
         memory.used[b] = used[b]
         memory.expected[b] = 0.0
     for i in range(vehicle.n_thrusters):
-        memory.expected[branches.of[i]] += share[i] * full_flow(vehicle.thrusters[i])
+        memory.expected[branches.of[i]] += (
+            share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+        )
     for b in range(branches.count):
         expected, full = memory.expected[b], branches.full_flow[b]
         memory.weight[b] = 1.0 / (idle * full * full + running * expected * expected)
@@ -127,7 +138,7 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 @kernel
 def take_off_common_loss(params, branches, memory):
     """Find the loss that all branches in use show, and take it off their residuals."""
-    seen, least = 0, 1.0
+    memory.seen, least = 0, 1.0
     for b in range(branches.count):
         pool, expected = memory.pool[b], memory.expected[b]
         if memory.meter_failed[b] == 0 and expected > 0.0:
@@ -135,11 +146,31 @@ def take_off_common_loss(params, branches, memory):
             pool.own = POOLED * pool.own + expected * expected * memory.weight[b]
             pool.cycles += 1
         if pool.cycles > 0:
-            seen += 1
+            memory.seen += 1
             least = min(least, pool.cross / pool.own)
-    memory.common = least if seen >= LEAST_BRANCHES and least > params.common_least else 0.0
+    if memory.seen >= min(LEAST_BRANCHES, branches.count):
+        memory.common = least if least > params.common_least else 0.0
     for b in range(branches.count):
         memory.residual[b] += memory.common * memory.expected[b]
+
+
+@kernel
+def look_out(count, branches, memory):
+    """With the first sign of a loss, begin to see afresh what the branches lose."""
+    signs = 0
+    for i in range(count):
+        signs += memory.off[i].cycles
+    if signs > 0 and memory.suspecting == 0:
+        for b in range(branches.count):
+            forget_loss(memory.pool[b])
+        memory.seen = 0
+    memory.suspecting = 1 if signs > 0 else 0
+
+
+@kernel
+def is_waiting(branches, memory):
+    """Whether a loss is suspected and too few branches have been seen in use to tell whose it is."""
+    return memory.suspecting != 0 and memory.seen < min(LEAST_BRANCHES, branches.count)
 
 
 @kernel
@@ -179,10 +210,12 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
             continue
         residual, weight, flow = memory.residual[b], memory.weight[b], full_flow(vehicle.thrusters[i])
         if share[i] > LEAST_USE:
-            weigh_loss(params, residual, -share[i] * flow, weight, keep, memory.off[i])
+            given = share[i] * (1.0 - memory.known_loss[i]) * flow
+            weigh_loss(params, residual, -given, weight, keep, memory.off[i])
         idle = (1.0 - share[i]) * flow
         told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
         memory.on[i] = min(max(memory.on[i] + told, 0.0), LARGEST)
+    look_out(vehicle.n_thrusters, vehicle.branches, memory)
 
 
 @kernel

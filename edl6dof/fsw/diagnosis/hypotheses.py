@@ -29,11 +29,11 @@ from math import exp, log
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, loss_told
+from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, is_waiting, loss_told
 from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
-from edl6dof.records import FLAG, whole
+from edl6dof.records import whole
 
 COMPONENTS = 2.0
 NONE = -1
@@ -57,8 +57,6 @@ HYPOTHESES = np.dtype(
         ("confidence", "f8"),
         # the meter that most likely has failed, NONE while a thruster is likelier
         ("meter", whole(NONE, MAX_BRANCHES - 1)),
-        # thrusters with a loss that is known and too small to do without them
-        ("weak", FLAG, (MAX_THRUSTERS,)),
     ],
     align=True,
 )
@@ -149,15 +147,16 @@ def weigh(params, count, effectiveness, activity, load, residual, memory):
 
 
 @kernel
-def for_loss(params, sums, least):
+def for_loss(params, sums, least, afresh):
     """Fraction of thrust lost that fits force and torque best and the evidence for it, or zeros.
 
-    Too little a loss counts as none and starts afresh; evidence below ``least`` counts as none.
+    Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
     """
     if sums.own <= 0.0:
         return 0.0, 0.0
     if sums.cross < params.loss_least * sums.own:
-        forget(sums)
+        if afresh:
+            forget(sums)
         return 0.0, 0.0
     loss = min(sums.cross / sums.own, 1.0)
     if not may_reach(least, sums, loss):
@@ -174,9 +173,9 @@ def for_stuck_on(sums, least):
 
 
 @kernel
-def by_thrust(params, sums_off, sums_on, least):
+def by_thrust(params, sums_off, sums_on, least, afresh):
     """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
-    loss, off = for_loss(params, sums_off, least)
+    loss, off = for_loss(params, sums_off, least, afresh)
     on = for_stuck_on(sums_on, least)
     if on > off:
         return STUCK_ON, 0.0, on
@@ -190,12 +189,12 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_flow(params, i, flow, memory):
+def by_flow(params, branches, i, flow, memory):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
     torque.
     """
     loss, told = loss_told(flow.off[i])
-    if memory.weak[i] != 0 and loss < params.loss_least:
+    if loss < params.loss_dead and is_waiting(branches, flow):
         told = 0.0
     felt = evidence(memory.off[i], loss) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
     return kind_of(params, loss), loss, told + felt, told
@@ -218,10 +217,11 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         if healthy[i] == 0:
             continue
         b = vehicle.branches.of[i]
-        kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
+        afresh = flow.off[i].cycles == 0  # else force and torque are to say what they think of that loss
+        kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least, afresh)
         if metered and flow.meter_failed[b] == 0:
             most -= params.prior
-            told_kind, told_loss, together, told = by_flow(params, i, flow, memory)
+            told_kind, told_loss, together, told = by_flow(params, vehicle.branches, i, flow, memory)
             if together > most:
                 kind, loss, most = told_kind, told_loss, together
             if told - params.flow.meter_prior > suspected_meter:
