@@ -323,7 +323,7 @@ def _checked(document: Document) -> Scenario:
 
 #: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
 #: the one that says what is uncertain in it.
-CAMPAIGN_SECTIONS = ("campaign", "sweep")
+CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
 CALIBRATION = "calibration"
 
 

@@ -15,7 +15,6 @@ from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
-    "edl6dof.app.faults.show": {"landed"},  # heading of a count
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},

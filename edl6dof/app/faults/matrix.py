@@ -1,41 +1,52 @@
-"""Fly the matrix of single faults, write its table, show it."""
+"""``edl6dof faults``: a matrix of faults is flown as a campaign, and its folder is that of one."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from os.path import lexists
 from pathlib import Path
 
-import pyarrow.parquet as pq
-from rich.console import Console
-
-from edl6dof.app.faults.choice import FaultOptions, choose
-from edl6dof.app.faults.progress import progress_bar
-from edl6dof.app.faults.show import show
-from edl6dof.app.faults.summary import summary_of
-from edl6dof.campaign.executor import fly_rows
-from edl6dof.campaign.faults import fault_cases, fault_response
-from edl6dof.campaign.rows import table_of
-from edl6dof.config.document.jsontext import json_text
-from edl6dof.runs.folder import atomic_folder
+from edl6dof.app.campaign import CampaignOptions, go_on_later
+from edl6dof.app.campaign_flight import fly_plan, go_on, require_plan
+from edl6dof.app.compiling import announce_compiling
+from edl6dof.app.faults.choice import Wanted, matrix_of
+from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.faults import matrix_plan
+from edl6dof.campaign.storage.files import refused
+from edl6dof.campaign.storage.store import Store
+from edl6dof.config.base import stated
 from edl6dof.scenario.schema import load_scenario
 
 
-def run_faults(options: FaultOptions) -> int:
-    """Fly the matrix, write its table, show it; returns the exit status."""
-    loaded = load_scenario(options.scenario, options.sets)
-    failing, phases = choose(options, loaded)
-    what = "sensor-faults" if options.sensors else "faults"
-    target = options.out or Path("runs") / f"{what}-{loaded.scenario.name}"
-    cases = fault_cases(failing, phases, options.after_s)
-    with atomic_folder(target, "faults", options.force) as folder:
-        with progress_bar(len(cases), quiet=options.as_json) as progress:
-            rows = list(
-                fly_rows(loaded, cases, workers=options.workers, collect=fault_response, progress=progress)
-            )
-        pq.write_table(table_of(rows), folder / "faults.parquet", compression="zstd")
-        summary = json_text(summary_of(rows, phases))
-        (folder / "summary.json").write_text(summary, encoding="utf-8")
-    if options.as_json:
-        print(summary, end="")
-    else:
-        show(Console(highlight=False, soft_wrap=True), rows, phases, options.sensors, target)
-    return 0 if all(row["success"] for row in rows) else 1
+def run_faults(wanted: Wanted, options: CampaignOptions) -> int:
+    """Fly a matrix of faults, or go on with one; returns the exit status."""
+    if not options.resume:
+        plan, store = _plan(wanted, options)
+        return fly_plan(plan, store, options)
+    try:
+        return _go_on(wanted, options)
+    except KeyboardInterrupt:
+        return go_on_later(options)
+
+
+def _plan(wanted: Wanted, options: CampaignOptions) -> tuple[Plan, Store]:
+    """The plan of what is wanted, and its folder."""
+    scenario = stated(options.scenario)
+    loaded = load_scenario(scenario, options.sets)
+    announce_compiling(not options.as_json)
+    matrix = matrix_of(wanted, loaded)
+    plan = matrix_plan(scenario, matrix, options.sets, options.cases, options.seed)
+    what = "sensor-faults" if wanted.sensors else "faults"
+    return plan, Store(options.out or Path("runs") / f"{what}-{plan.name}")
+
+
+def _go_on(wanted: Wanted, options: CampaignOptions) -> int:
+    """Fly what is missing of a matrix, which its folder or the same words name."""
+    folder = Path(stated(options.scenario))
+    if lexists(folder / "campaign.json"):
+        if wanted != Wanted():
+            raise refused(folder, "has its plan; it takes no other values when it goes on")
+        return go_on(options)
+    plan, store = _plan(wanted, options)
+    require_plan(store, plan, options)
+    return go_on(replace(options, scenario=str(store.folder), sets=(), cases=None, seed=None))
