@@ -122,7 +122,7 @@ def run(onboard, sensed, k, fsw):
             onboard.check_out, effectiveness, inertia, nav.t, rate, control_dt, fsw.check_out
         )
         if loss > 0.0 and healthy[thruster] != 0:
-            isolate_dead(onboard.diagnosis, thruster, loss, nav.t, fsw.diagnosis, healthy)
+            isolate_dead(onboard.diagnosis, vehicle, thruster, loss, nav.t, fsw.diagnosis, healthy)
         open_alone(thruster, on, count, nav.t, opens, closes)
     else:
         # attitude control

@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
-from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, forget_loss, read_meters, weigh_flow
+from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, forget_branch, read_meters, weigh_flow
 from edl6dof.fsw.diagnosis.hypotheses import (
     DEGRADED,
     HYPOTHESES,
@@ -131,38 +131,36 @@ def restart(memory):
 
 
 @kernel
-def note(i, kind, loss, confidence, t, memory):
-    """Name a thruster that has failed."""
+def note(vehicle, i, kind, loss, confidence, t, memory):
+    """Name a thruster that has failed; what follows is looked at afresh."""
     if memory.n_isolated < MAX_ISOLATED:
         one = memory.isolated[memory.n_isolated]
         one.thruster, one.kind, one.loss = i, kind, loss
         one.confidence, one.t = confidence, t
         memory.n_isolated += 1
+    forget_branch(vehicle, vehicle.branches.of[i], memory.flow)
+    restart(memory)
 
 
 @kernel
 def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy, shut):
     """Name a thruster, and do without it for good, unless what it has lost is little."""
-    note(i, kind, loss, confidence, t, memory)
+    note(vehicle, i, kind, loss, confidence, t, memory)
     if kind == STUCK_ON:
         shut_branch(vehicle.branches, vehicle.n_thrusters, vehicle.branches.of[i], healthy, shut)
     elif kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
         healthy[i] = 0
-    forget_loss(memory.flow.off[i])
-    restart(memory)
 
 
 @kernel
-def isolate_dead(params, i, loss, t, memory, healthy):
+def isolate_dead(params, vehicle, i, loss, t, memory, healthy):
     """Do without a thruster that did not respond when it was tried alone; its confidence is the least that is
     asked for.
     """
-    note(i, kind_of(params, loss), loss, params.confidence, t, memory)
+    note(vehicle, i, kind_of(params, loss), loss, params.confidence, t, memory)
     healthy[i] = 0
-    forget_loss(memory.flow.off[i])
-    restart(memory)
 
 
 @kernel
@@ -180,8 +178,7 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
         params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, leak, shut
     )
     if found == NAMED:
-        note(leak.best, STUCK_ON, 0.0, confidence, t, memory)
-        restart(memory)
+        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t, memory)
         leak.branch = NONE
     elif found == METER_FAILED:
         give_back(vehicle.n_thrusters, leak, healthy, shut)

@@ -219,6 +219,15 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
 
 
 @kernel
+def forget_branch(vehicle, b, memory):
+    """Forget what the flow of branch ``b`` said of its thrusters: it was about the one now named."""
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            memory.on[i] = 0.0
+            forget_loss(memory.off[i])
+
+
+@kernel
 def loss_told(loss):
     """Fraction of flow lost and the evidence for it; zeros before it is told by enough cycles."""
     if loss.cycles < LEAST_CYCLES:

@@ -239,6 +239,17 @@ def test_a_leak_older_than_the_slow_disturbance_is_found_all_the_same(watch_of):
         assert watch.found == [(NAMES[i], "stuck on")]
 
 
+def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
+    """The meter of their branch cannot tell them apart; force and torque do."""
+    for i in range(len(NAMES)):
+        watch, pair = watch_of(i), watch_of().mates(i)
+        for k in range(150):
+            watch.cycle(
+                (i, "stuck off", 1.0) if k > 30 else None, use=0.0, against=pair if k % 25 < 3 else ()
+            )
+        assert watch.found == [(NAMES[i], "stuck off")] and watch.healthy[pair].sum() == 1
+
+
 def test_dead_thruster_is_named_after_a_few_cycles_of_use(watch_of):
     """Its use between fault and isolation, in cycles at full thrust, for all thrusters."""
     for i in range(len(NAMES)):
