@@ -134,7 +134,7 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
     as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
     ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s), ``rcs_flow`` (mean, kg/s out of each tank) and
     ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are
-    the thrusters' ``FEEDS``, ``branch`` is the one that feeds each, and ``used`` (kg) counts on for each branch.
+    the thrusters' ``FEEDS``, ``branch`` says on which each lies, and ``used`` (kg) counts on for each branch.
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
