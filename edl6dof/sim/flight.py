@@ -177,7 +177,9 @@ class Flight:
                 self.case, self.plant
             )
             truth = self.loaded.truth
-            figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.components, self.plant[0])
+            figures |= diagnosis_figures(
+                self.isolated_faults, truth.faults, truth.components, truth.branches, self.plant[0]
+            )
             if self.scenario.navigation_filter != "given":
                 figures |= navigation_figures(self.telemetry, when)
                 figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])
