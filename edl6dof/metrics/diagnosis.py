@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,20 +51,32 @@ def isolated_faults(fsw: np.void, thrusters: Sequence[str]) -> list[IsolatedFaul
     ]
 
 
+def failed_thrusters(
+    fault: FaultParams, components: Components, branches: Mapping[str, Sequence[str]]
+) -> Sequence[str]:
+    """Names of the thrusters that a fault makes fail: one, those of a branch, all, or none."""
+    if fault.component == "branch":
+        return branches[fault.acts_on(components)]
+    if fault.component == "rcs":
+        return components["thruster"]
+    return [fault.acts_on(components)] if fault.component == "thruster" else []
+
+
 def diagnosis_figures(
     isolated: Sequence[IsolatedFault],
     faults: Sequence[FaultParams],
     components: Components,
+    branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
     """Number of healthy thrusters isolated, and time from the first thruster fault to its isolation if there
-    was one.
+    was one; ``branches``: thrusters of each propellant branch.
     """
-    since = {
-        fault.acts_on(components): float(begun)
-        for fault, begun in zip(faults, plant["fault_since"], strict=False)
-        if fault.component == "thruster" and begun != NOT_BEGUN
-    }
+    since: dict[str, float] = {}
+    for fault, begun in zip(faults, plant["fault_since"], strict=False):
+        if begun != NOT_BEGUN:
+            for name in failed_thrusters(fault, components, branches):
+                since[name] = min(float(begun), since.get(name, np.inf))
     right = [one for one in isolated if one.t_s >= since.get(one.thruster, np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}
     if right:

@@ -146,7 +146,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
         slot["specific_impulse"] = jet.specific_impulse_s
         slot["group"] = THRUSTER_GROUPS.index(jet.group)
-    fill_branches(record["branches"], vehicle.rcs.branches, vehicle.rcs.thrusters)
+    fill_branches(record["branches"], vehicle.rcs.laid_branches, vehicle.rcs.thrusters)
 
 
 @lru_cache(maxsize=16)

@@ -133,7 +133,7 @@ def _fill_vehicle(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts), tuple(tanks))
     fill_feeds(case["feeds"]["engines"], [engine.draws_from for engine in engines], tanks)
     fill_feeds(case["feeds"]["thrusters"], [jet.draws_from for jet in jets], tanks)
-    fill_branches(case["branches"], s.vehicle.rcs.branches, jets)
+    fill_branches(case["branches"], s.vehicle.rcs.laid_branches, jets)
     fill_suspension(case["suspension"], s.vehicle)
     case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
 

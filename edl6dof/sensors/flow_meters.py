@@ -23,11 +23,15 @@ from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
+from edl6dof.sensors.counters import broken
 from edl6dof.spatial.lookups import wrapped
 from edl6dof.spatial.noise import normal_pair
+from edl6dof.vehicle.instruments import WORKING
 
 #: Readings that can be under way.
 DEPTH = 8
+#: Normals that the meters may use in a cycle; of them, these and the following are for the noise of faults.
+_NORMALS, _FAULTY = 64, 32
 
 
 class FlowMetersParams(Params):
@@ -71,6 +75,7 @@ MEMORY = np.dtype(
         ("t", "f8"),  # s
         ("flowed", "f8", (MAX_BRANCHES,)),  # kg
         ("count", "f8", (MAX_BRANCHES,)),  # kg
+        ("last", "f8", (MAX_BRANCHES,)),  # kg, counted in the last cycle
         ("under_way", "f8", (DEPTH, MAX_BRANCHES)),  # kg
     ],
     align=True,
@@ -87,13 +92,18 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     walk, second = params.noise * sqrt(dt), 0.0
     for k in range(case.branches.count):
         if k % 2 == 0:
-            white, second = normal_pair(unit.key, MAX_BRANCHES * cycle + k)
+            white, second = normal_pair(unit.key, _NORMALS * cycle + k)
         else:
             white = second
-        flowed = plant.branch_used[k] - memory.flowed[k]
-        error = (unit.bias[k] * dt + walk * white) * case.branches.full_flow[k]
-        memory.count[k] += (1.0 + unit.scale[k]) * flowed + error
-        memory.flowed[k] = plant.branch_used[k]
+        full, fault = case.branches.full_flow[k], plant.instruments.flow[k]
+        error = (unit.bias[k] * dt + walk * white) * full + fault.offset * dt
+        if fault.noise > 0.0:
+            error += fault.noise * dt * normal_pair(unit.key, _NORMALS * cycle + _FAULTY + k)[0]
+        counted = (1.0 + unit.scale[k]) * (plant.branch_used[k] - memory.flowed[k]) + error
+        if fault.mode != WORKING:
+            counted = broken(fault.mode, memory.last[k], counted, full * dt)
+        memory.last[k], memory.flowed[k] = counted, plant.branch_used[k]
+        memory.count[k] += counted
         total = memory.count[k]
         memory.under_way[now, k] = total - wrapped(total, params.quantum) if params.quantum > 0.0 else total
         sensed.branch_used[k] = memory.under_way[old, k]

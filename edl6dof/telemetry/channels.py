@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.interface.capacities import MAX_BEAMS, MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
@@ -207,6 +207,8 @@ TICK = np.dtype(
         ("fault", "i1", (MAX_THRUSTERS,)),
         ("valve", "i1", (MAX_THRUSTERS,)),
         ("range", "f8", (MAX_BEAMS,)),
+        ("used", "f8", (MAX_BRANCHES,)),
+        ("metered", "f8", (MAX_BRANCHES,)),
     ],
     align=True,
 )

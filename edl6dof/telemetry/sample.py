@@ -120,7 +120,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
     truth.trim_wing = out.wing_opening
 
-    record_readings(sensed, tick)
+    record_readings(sensed, case.branches.count, tick)
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
@@ -154,3 +154,5 @@ def record(case, plant, outputs, sensed, fsw, tick):
         tick.fault[i] = plant.valves.fault[i]
         tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0
     tick.diagnosis.in_use = in_use
+    for k in range(case.branches.count):
+        tick.used[k] = plant.branch_used[k]

@@ -60,6 +60,8 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
+        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
+        ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
         # which fault each thruster has, 0 for none
         ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),
     ],

@@ -158,6 +158,23 @@ def test_diagnosis_shows_the_torque_that_never_came(faulty):
     assert found.x[np.argmax(found.y > 0.0)] == pytest.approx(faulty.when["diagnosis"], abs=0.05)
 
 
+def test_flow_of_a_valve_that_stays_open_is_shown_also_where_nobody_diagnoses_it(tmp_path):
+    """D2 at 270 s draws 250 N / (270 s x 9.80665 m/s2) = 94.4 g/s."""
+    fault = "faults=[{thruster: D2, kind: stuck_on, at: {time_s: 40}}]"
+    others = ("simulation.time_limit_s=42", "flight_software.diagnosis.enabled=false")
+    flight = edl6dof.fly(edl6dof.load("tianwen1", [fault, *others]))
+    write_run(flight, tmp_path)
+    seal(tmp_path, "flight")
+    figures = {figure.key: figure for figure in flight_report(Run(tmp_path)).figures()}
+    (panel,) = figures["flows"].panels
+    assert "diagnosis" not in figures and "D25: D2, D5" in panel.y.title
+    true, metered = panel.traces
+    open_ = true.x > 40.15
+    assert true.y[open_].min() == pytest.approx(94.4, abs=0.1)
+    assert metered.y[open_] == pytest.approx(true.y[open_], abs=8.0)
+    assert true.y[true.x < 40.0].max() < 50.0
+
+
 def test_subtitle_names_what_was_made_to_fail(faulty):
     assert "D2 stuck off at 110.0 s" in flight_report(faulty).subtitle
 

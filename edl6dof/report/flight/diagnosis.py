@@ -7,22 +7,27 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.report.figure import BAD, BLUE, GREEN, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.flows import branch_flows
 from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
 from edl6dof.runs.run import Run
 
-#: Time, s, shown before a fault and after its diagnosis.
+#: Time, s, shown before a fault and after its diagnosis, or after the fault without one.
 BEFORE_S, AFTER_S = 2.0, 3.0
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none where the flight computer diagnosed nothing at all."""
-    if not has_signal(run, "diagnosis.confidence"):
-        return
+    """Figures of the section; none where nothing failed and the flight computer diagnosed nothing at all."""
     flown = run.between(until="touchdown")
-    yield history(run, flown, "diagnosis", "Fault diagnosis")
-    if "fault" in run.when and "diagnosis" in run.when:
-        near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < run.when["diagnosis"] + AFTER_S)
+    if has_signal(run, "diagnosis.confidence"):
+        yield history(run, flown, "diagnosis", "Fault diagnosis")
+    if "fault" not in run.when:
+        return
+    end = run.when.get("diagnosis", run.when["fault"]) + AFTER_S
+    near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < end)
+    if "diagnosis" in run.when:
         yield history(run, near, "diagnosis_close", "Fault diagnosis, from the fault to its name")
+    if (flows := branch_flows(run, near)) is not None:
+        yield flows
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:

@@ -1,7 +1,4 @@
-"""Propellant branches: thrusters behind one latch valve, which shuts them all.
-
-A vehicle that names no branches has every thruster on one of its own, named as the thruster.
-"""
+"""Propellant branches: thrusters behind one latch valve, which shuts them all."""
 
 from __future__ import annotations
 
@@ -44,16 +41,10 @@ def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dic
     return problems
 
 
-def branches_of(branches: Sequence[Branch], thrusters: Sequence[Thruster]) -> list[Branch]:
-    """The branches of a vehicle: those given, or one for every thruster."""
-    return [*branches] or [Branch(name=jet.name, thrusters=[jet.name]) for jet in thrusters]
-
-
 def fill_branches(record: np.void, branches: Sequence[Branch], thrusters: Sequence[Thruster]) -> None:
-    """Fill a ``BRANCHES`` record of zeros."""
-    laid = branches_of(branches, thrusters)
-    record["count"] = len(laid)
+    """Fill a ``BRANCHES`` record of zeros; each thruster lies on one of the ``branches``."""
+    record["count"] = len(branches)
     for i, jet in enumerate(thrusters):
-        own = next(k for k, branch in enumerate(laid) if jet.name in branch.thrusters)
+        own = next(k for k, branch in enumerate(branches) if jet.name in branch.thrusters)
         record["of"][i] = own
         record["full_flow"][own] += jet.full_flow_kg_s

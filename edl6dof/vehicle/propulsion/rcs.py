@@ -81,6 +81,11 @@ class RcsParams(Hardware):
     def _unique_names(cls, value: list[Any]) -> list[Any]:
         return unique_names(value)
 
+    @property
+    def laid_branches(self) -> list[Branch]:
+        """The branches: those given, or one for every thruster, named as it."""
+        return self.branches or [Branch(name=jet.name, thrusters=[jet.name]) for jet in self.thrusters]
+
 
 RCS = dtype_of(RcsParams)
 
@@ -126,15 +131,15 @@ def efficiency(rcs, dynamic_pressure):
 
 @kernel
 def fire(rcs, loads, branch, valves, t, step, inputs, used):
-    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: the flow
-    goes with the thrust, or a speed would not follow from the propellant used.  What the air takes of the
-    force (:func:`efficiency`) changes within the step.
+    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: unless a
+    fault parts them, the flow goes with the thrust, or a speed would not follow from the propellant used.
+    What the air takes of the force (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
     as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
     ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s), ``rcs_flow`` (mean, kg/s out of each tank) and
     ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are
-    the thrusters' ``FEEDS``, ``branch`` is the one that feeds each, and ``used`` (kg) counts on for each branch.
+    the thrusters' ``FEEDS``, ``branch`` says on which each lies, and ``used`` (kg) counts on for each branch.
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
@@ -149,15 +154,18 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
-        mean *= 1.0 - valves.lost[i]
-        slope *= 1.0 - valves.lost[i]
-        valves.mean[i] = mean if within > 0.0 else 0.0
-        if valves.mean[i] == 0.0:
+        if mean == 0.0 or within == 0.0:
+            valves.mean[i] = 0.0
             continue
         full_flow = jet.thrust / (jet.specific_impulse * G0)
-        draw(loads, i, inputs.filled, within, mean * full_flow, inputs.rcs_flow, 0)
-        draw(loads, i, inputs.filled, within, slope * full_flow, inputs.rcs_flow_slope, 0)
-        used[branch[i]] += mean * full_flow * step
+        drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
+        draw(loads, i, inputs.filled, within, mean * drawn * full_flow, inputs.rcs_flow, 0)
+        draw(loads, i, inputs.filled, within, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
+        used[branch[i]] += mean * drawn * full_flow * step
+        kept = (1.0 - valves.lost[i]) * (1.0 - valves.feed_lost)
+        mean *= kept
+        slope *= kept
+        valves.mean[i] = mean
         full = scale(jet.thrust, take3(jet.direction, 0))
         arm = cross(take3(jet.position, 0), full)
         force, moment = add(force, scale(mean, full)), add(moment, scale(mean, arm))

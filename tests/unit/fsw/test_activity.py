@@ -7,6 +7,7 @@ import pytest
 
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect, remember
 from edl6dof.interface.sensed import SENSED
+from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.sensors.imu import READINGS, ImuParams, measure
 from edl6dof.vehicle.plant import OUTPUTS, RATE, STATE
 
@@ -41,9 +42,10 @@ def test_readings_arrive_so_many_cycles_late_and_unchanged(delay):
     params["delay_cycles"] = ImuParams(delay_cycles=delay).delay_cycles
     plant, readings, sensed = np.zeros(1, STATE)[0], np.zeros(1, READINGS)[0], np.zeros(1, SENSED)[0]
     outputs, nothing = np.zeros(1, OUTPUTS)[0], np.zeros(1)[0]
+    case = np.zeros(1, [("branches", BRANCHES)])[0]
     for k in range(40):
         plant["y"][RATE : RATE + 3], plant["velocity_gain"] = (k, -k, 2 * k), (3 * k, k, 0)
-        measure(params, nothing, nothing, nothing, plant, outputs, readings, sensed)
+        measure(params, nothing, case, nothing, plant, outputs, readings, sensed)
         then = max(k - delay, 0)
         assert (
             sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then
