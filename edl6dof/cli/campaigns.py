@@ -194,8 +194,7 @@ def faults(
     """
     load_plugins(scenario, trust=trust)
     from edl6dof.app.campaign import CampaignOptions
-    from edl6dof.app.faults.choice import Wanted
-    from edl6dof.app.faults.matrix import run_faults
+    from edl6dof.app.faults.command import Wanted, run_faults
 
     wanted = Wanted(sensors, kinds, components, pairs, phases, after, at)
     flown_as = CampaignOptions(

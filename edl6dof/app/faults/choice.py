@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from edl6dof.app.faults.command import Wanted
 from edl6dof.app.faults.moments import moments_at
 from edl6dof.campaign.design.params import FaultGroup, FaultMatrixParams, FaultMoment
 from edl6dof.campaign.faults import (
@@ -23,19 +23,6 @@ from edl6dof.vehicle.faults.component import Component
 
 #: Time from the start of a phase to the fault where none is given, s.
 AFTER_S = 1.0
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """What the command line asks to fail; lists as texts with commas, empty or ``None`` for the usual."""
-
-    sensors: bool = False
-    kinds: str = ""
-    components: str = ""
-    pairs: bool = False
-    phases: str = ""
-    after_s: float | None = None
-    at: str | None = None
 
 
 def matrix_of(wanted: Wanted, loaded: LoadedScenario) -> FaultMatrixParams:

@@ -35,7 +35,9 @@ def campaign_report(folder: Path) -> Report:
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
-        headline=f"{success.successes} of {success.trials} flights succeed: {success}",
+        headline=faults.headline(results)
+        if results.has_faults
+        else f"{success.successes} of {success.trials} flights succeed: {success}",
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],

@@ -14,35 +14,50 @@ from edl6dof.campaign.fault_figures import REQUIREMENTS, can_be_known, fault_fig
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Table
+from edl6dof.report.document import Block, Cell, Table, Text
 from edl6dof.report.figure import BLACK, GREEN, ORANGE, PURPLE, SKY, Axis, Figure, Heat, Panel, Trace
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (
     ("never used: cannot be known", "#e6e8eb"),
     ("right name and kind", GREEN),
-    ("not named", SKY),
+    ("not named, or not all", SKY),
     ("named with a wrong kind", ORANGE),
     ("another named", PURPLE),
 )
 _CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _ANOTHER = range(len(_BECAME))
 _LOST = "not within limits"
-#: Top of the scale of times, s; longer ones have its colour.
+#: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
 _LONGEST_S = 15.0
+_SCALE = ("#d3eecd", "#a8ddb5", "#4eb3d3", "#1a6fb0", "#08306b")
 #: Moments named along an axis, and lines of a table.
 _NAMED, _LINES = 9, 200
 _ROW_PX = 15
 
 
+def headline(results: Results) -> str:
+    """How many flights are within limits, and how many faults are rightly named."""
+    every = fault_figures(results.table.to_pylist())["all"]
+    return (
+        f"{every['within_limits']} of {counted(every['flights'], 'flight')} within limits; "
+        f"{every['kind_right']} of {counted(every['can_be_known'], 'fault')} that can be known rightly named"
+    )
+
+
 def blocks(results: Results) -> Iterator[Block]:
     """Everything that a report says about the faults of a matrix; nothing where there is none."""
-    if results.document.get("fault_matrix") is None:
+    if not results.has_faults:
         return
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:
         yield _required(figures["acceptance"])
     yield _groups(figures["groups"])
+    yield Text(
+        "Regime: at the first use, or leak, after the fault; without any, at the fault.  Known: a fault "
+        "whose component is used or leaks before touchdown; shares of right verdicts are of these.  Kind: "
+        "right component and right kind of fault.  Times (s) from the first use to the right verdict."
+    )
     for kind in dict.fromkeys(row["kind"] for row in rows):
         some = [row for row in rows if row["kind"] == kind]
         yield from _pairs(kind, some) if AND in some[0]["component"] else [_over_time(kind, some)]
@@ -51,7 +66,7 @@ def blocks(results: Results) -> Iterator[Block]:
     if wrong := [row for row in rows if row.get("wrongly_named")]:
         yield _listed("Wrong verdicts", "wrongly_named", wrong)
     if missed := [row for row in rows if can_be_known(row) and not row["name_right"]]:
-        yield _listed("Used, and not named", "used_s", missed)
+        yield _listed("In use, and not named", "used_s", missed)
 
 
 def became(row: Row) -> int:
@@ -71,18 +86,18 @@ def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
         limit = f"at most {one.at_most:g}" if one.at_most is not None else f"at least {one.at_least:g}"
         value = Cell(f"{item['value']:.2f} {one.unit}", "good" if item["met"] else "bad")
         rows.append((one.meaning, value, f"{limit} {one.unit}"))
-    return Table(("", "flown>", "required>"), rows, "Times are from the first use, or leak, after the fault.")
+    return Table(("", "flown>", "required>"), rows, "What is required")
 
 
 def _groups(groups: Sequence[dict[str, Any]]) -> Table:
-    columns = ("kind", "regime", "flights>", "within limits>", "can be known>", "right name>", "right kind>",
-               "wrong verdicts>", "median s>", "95 % s>", "longest s>")  # fmt: skip
+    columns = ("fault", "regime", "flights>", "within limits>", "known>", "name>", "kind>", "wrong>",
+               "median>", "95 %>", "longest>")  # fmt: skip
     rows = []
     for group in groups:
         known, times = group["can_be_known"], group["from_use_s"] or {}
         rows.append(
             (
-                group["kind"],
+                group["kind"].replace("_", " "),
                 group["regime"],
                 str(group["flights"]),
                 _share(group["within_limits"], group["flights"]),
@@ -93,11 +108,7 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
                 *(f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst")),
             )
         )
-    words = (
-        "Times from the first use, or leak, after the fault to the right verdict.  Regime: that of the first "
-        "use; without any, of the fault.  Shares of right verdicts are of the faults that can be known."
-    )
-    return Table(columns, rows, words)
+    return Table(columns, rows, "Each kind of fault")
 
 
 def _share(part: int, whole: int) -> str:
@@ -147,7 +158,7 @@ def _figure(
     lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
     x, y = np.arange(len(across)), np.arange(len(down))
     kinds = Heat(x, y, what, "", 0, len(_BECAME) - 1, [colour for _, colour in _BECAME], labels)
-    taken = Heat(x, y, times, "s", 0.0, _LONGEST_S, labels=labels)
+    taken = Heat(x, y, times, "s", 0.0, _LONGEST_S, _SCALE, labels)
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
         Panel(*axes, _legend(what, lost), heat=kinds, title="What became of it"),
