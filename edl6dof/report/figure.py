@@ -237,14 +237,14 @@ def thinned(trace: Trace, buckets: int = 1000) -> Trace:
     if trace.kind not in ("line", "steps") or n <= 4 * buckets or trace.labels:
         return trace
     size = -(-n // buckets)
-    whole = np.arange(n - n % size).reshape(-1, size)
+    whole = n - n % size
     x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
     keep = np.zeros(n, bool)
-    keep[::size] = keep[n - n % size :: max(size // 4, 1)] = keep[-1] = True
+    keep[::size] = keep[whole :: max(size // 4, 1)] = keep[-1] = True
     for values in (y,) if np.all(np.diff(x) > 0.0) else (x, y):
-        rows = values[whole]
+        rows = values[:whole].reshape(-1, size)
         for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-            keep[whole[np.arange(len(whole)), pick(np.where(np.isnan(rows), fill, rows), axis=1)]] = True
+            keep[np.arange(0, whole, size) + pick(np.where(np.isnan(rows), fill, rows), axis=1)] = True
     gap = np.isnan(x) | np.isnan(y)
     edge = np.flatnonzero(gap[1:] != gap[:-1])
     keep[edge] = keep[edge + 1] = True
