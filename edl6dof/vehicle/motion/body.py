@@ -248,7 +248,9 @@ def propulsion(case, plant, t, y, centre, dy):
         if within > 0.0:
             draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
         goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
-        dy[THRUST + i] = thrust_rate(engine, goal, level, plant.starting != 0 or plant.running[i] == 0)
+        # a starving engine goes out as fast as one that is cut off
+        fast = plant.starting != 0 or plant.running[i] == 0 or within == 0.0
+        dy[THRUST + i] = thrust_rate(engine, goal, level, fast)
     return force, moment, delivered
 
 
