@@ -1,8 +1,7 @@
 """The Onboard record: everything the flight computer believes, and its settings.
 
 It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is
-a coarse table of density and speed of sound; of the wind no more than the aim point is known, in which the
-expected one is allowed for; drag and lift are one number each.
+a coarse table of density, speed of sound and expected mean wind; drag and lift are one number each.
 """
 
 from __future__ import annotations
@@ -100,7 +99,8 @@ class EntryGuidanceParams(_EntryLaws):
     )
     expected_wind: ExpectedWindParams = group(
         ExpectedWindParams,
-        "mean wind that the drift under the parachute is allowed for; the true one is the section wind",
+        "mean wind that the angle of attack and the drift under the parachute are worked out with; the true "
+        "one is the section wind",
         record=False,
     )
 
@@ -200,6 +200,9 @@ ONBOARD = np.dtype(
                     ("spacing", "f8"),
                     ("ln_density", "f8", (NODES,)),
                     ("speed_of_sound", "f8", (NODES,)),
+                    # m/s: mean wind that is expected, towards north and east
+                    ("wind_north", "f8", (NODES,)),
+                    ("wind_east", "f8", (NODES,)),
                 ],
                 align=True,
             ),

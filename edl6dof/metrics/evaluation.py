@@ -27,8 +27,11 @@ ROLL_TRANSIENT_S = 8.0
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: its name, this flight's value and the largest value allowed, in ``unit``."""
+    """One limit: the figure that it bounds by name and in words, this flight's value and the largest value
+    allowed, in ``unit``.
+    """
 
+    figure: str
     label: str
     value: float
     limit: float
@@ -47,7 +50,7 @@ LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     """Every limit that is set and whose point this flight reached."""
     return [
-        Check(figure.meaning, figures[figure.name], limit, figure.unit.label)
+        Check(figure.name, figure.meaning, figures[figure.name], limit, figure.unit.label)
         for figure in LIMITS
         if figure.name in figures and (limit := getattr(limits, figure.limit)) is not None
     ]

@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
-from edl6dof.scenario.expected_descent import SCRATCH, Wind, expected_drift
+from edl6dof.scenario.expected_descent import SCRATCH, expected_drift, wind_of
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.frames import geodetic, great_circle, ned_to_fixed
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -61,8 +61,7 @@ def drift(
         phase: index of the mission phase that deploys.
         arrival: altitude (m) and velocity towards north, east and up (m/s) at which it does.
     """
-    expected = scenario.flight_software.guidance.entry.expected_wind
-    wind = Wind(expected.table_factor, expected.north_m_s, expected.east_m_s)
+    wind = wind_of(scenario.flight_software.guidance.entry.expected_wind)
     vehicle = np.zeros(1, dtype_of(VehicleParams))
     fill(vehicle[0], scenario.vehicle)
     y = np.array((0.0, 0.0, *arrival))

@@ -20,6 +20,7 @@ from edl6dof.scenario.aim import set_aim, start_of
 from edl6dof.scenario.believed_aero import fill_airframe
 from edl6dof.scenario.believed_instruments import believe_instruments
 from edl6dof.scenario.events import fill_mission
+from edl6dof.scenario.expected_descent import wind_at, wind_of
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
 from edl6dof.sensors.registry import SENSOR_FAMILY
@@ -42,7 +43,7 @@ BEYOND = 1000.0
 
 def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """What the flight computer believes, shape (1,): nominal models, no perturbation, and of the wind
-    what the aim point allows for.
+    the expected mean.
     """
     onboard = np.zeros(1, ONBOARD)
     record = onboard[0]
@@ -83,6 +84,7 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
     fill_atmosphere(nominal[0], scenario.atmosphere.undispersed, tables[0]["atmosphere"])
     gas = np.zeros(1, GAS)
     fill_gas(gas[0], scenario.planet.gas)
+    wind = wind_of(scenario.flight_software.guidance.entry.expected_wind)
     heights, areoid = np.linspace(*_span_of_air(scenario), NODES), scenario.site_areoid_m
     record["bottom"], record["top"], record["spacing"] = (
         heights[0] + areoid,
@@ -93,6 +95,8 @@ def _believe_atmosphere(record: np.void, scenario: Scenario, tables: np.ndarray)
         density, _, _, sound = air(nominal[0], gas[0], tables[0]["atmosphere"], height)
         record["ln_density"][i] = np.log(max(density, 1e-30))
         record["speed_of_sound"][i] = sound
+        north, east = wind_at(wind, tables[0]["atmosphere"], height)
+        record["wind_north"][i], record["wind_east"][i] = north, east
 
 
 def _span_of_air(scenario: Scenario) -> tuple[float, float]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from edl6dof.environment.winds.table import mean as mean_of_table
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.mission.phases import G_NONE
 from edl6dof.fsw.mission.sequencer import SEQUENCE, enter, sequence
@@ -51,6 +52,20 @@ class Wind(NamedTuple):
     table_factor: float
     north: float
     east: float
+
+
+def wind_of(params: ExpectedWindParams) -> Wind:
+    """The expected wind that parameters describe."""
+    return Wind(params.table_factor, params.north_m_s, params.east_m_s)
+
+
+@kernel
+def wind_at(wind, table, height):
+    """What is expected towards north and east (m/s) at a ``height`` (m) above the areoid, from the ``table``
+    of the believed air.
+    """
+    east, north = mean_of_table(wind, table, height)
+    return wind.table_factor * north + wind.north, wind.table_factor * east + wind.east
 
 
 class Hanging(NamedTuple):
@@ -126,9 +141,8 @@ def _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y):
     """Rates of the state."""
     planet, chute = onboard.planet, parachutes[hanging.chute]
     density, sound, _ = model_atmosphere(onboard.atmosphere, y[ALTITUDE])
-    east, north = mean_of_table(wind, winds, y[ALTITUDE] - areoid)
-    v_north = y[V_NORTH] - wind.table_factor * north - wind.north
-    v_east = y[V_EAST] - wind.table_factor * east - wind.east
+    north, east = wind_at(wind, winds, y[ALTITUDE] - areoid)
+    v_north, v_east = y[V_NORTH] - north, y[V_EAST] - east
     speed = sqrt(v_north * v_north + v_east * v_east + y[V_UP] * y[V_UP])
     mach = speed / sound
     area, _ = believed_aero(onboard.vehicle, mach)

@@ -5,9 +5,10 @@ cause count together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf, isfinite
+from math import hypot
 from typing import TYPE_CHECKING
 
+from edl6dof.sim.causes import reasons
 from edl6dof.sim.outcome import CRASHED, DEPLOYED, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
 
 if TYPE_CHECKING:
@@ -46,20 +47,22 @@ def goal_code(goal: str) -> int:
 def termination(flight: Flight) -> Termination:
     """How ``flight`` ended."""
     reached, words, within = _GOALS[flight.scenario.mission.goal]
-    missed = ", ".join(check.label for check in flight.checks if not check.ok)
+    missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
         return Termination(True, True, words + within, "")
-    told, plain = _circumstances(flight)
-    if flight.code == reached:
+    told, plain = reasons(flight, missed)
+    if missed:
+        limits = ", ".join(check.label for check in missed)
         return Termination(
-            False, True, f"{words} outside limits ({missed}){told}", f"outside limits: {missed}{plain}"
+            False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {limits}{plain}"
         )
     head, figure = _what(flight)
     where = f" in phase {_phase(flight)}"
     # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what
     # counts together
     here = where if flight.phase_names or figure else ""
-    return Termination(False, False, f"{head}{figure}{here}{told}", f"{head}{where}{plain}")
+    legs = _legs(flight)
+    return Termination(False, False, f"{head}{figure}{here}{legs}{told}", f"{head}{where}{legs}{plain}")
 
 
 def _what(flight: Flight) -> tuple[str, str]:
@@ -89,34 +92,9 @@ def _phase(flight: Flight) -> str:
     return flown[-1] if flown else names[0]
 
 
-def _circumstances(flight: Flight) -> tuple[str, str]:
-    """What went wrong before, in words with and without figures: propellant used up, engine cut off in the
-    air, legs not let out.
-    """
-    plant = flight.plant[0]
-    told, plain = [], []
-    for words, t in _empty_tanks(flight).items():
-        plain.append(words)
-        told.append(f"{words} at t = {t:.1f} s")
-    events, met = flight.scenario.mission.events.values(), float(plant["touchdown_time"])
-    done = zip(events, plant["done"], strict=False)
-    cut_off = float(min((t for event, t in done if event.action == "cut_off" and isfinite(t)), default=inf))
-    if isfinite(cut_off) and not cut_off >= met:
-        plain.append("the engine was cut off above the ground")
-        (height,) = flight.telemetry.at(cut_off, "truth.height_m")
-        told.append(f"the engine was cut off {height:.1f} m above the ground at t = {cut_off:.1f} s")
-    legs = " with its legs folded" if flight.code == CRASHED and _slow_enough(flight) else ""
-    after_told, after_plain = (f" after {' and '.join(words)}" if words else "" for words in (told, plain))
-    return legs + after_told, legs + after_plain
-
-
-def _empty_tanks(flight: Flight) -> dict[str, float]:
-    """What ran empty, in words, and when (s): each tank, or all propellant."""
-    tanks, times = flight.loaded.truth.vehicle.tanks, flight.plant["exhausted_time"][0]
-    empty = {tank.name: float(t) for tank, t in zip(tanks, times, strict=False) if isfinite(t)}
-    if empty and len(empty) == len(tanks):
-        return {"the propellant was exhausted": max(empty.values())}
-    return {f"tank {name} ran empty": t for name, t in empty.items()}
+def _legs(flight: Flight) -> str:
+    """That legs were not let out, of a crash that they would have stood."""
+    return " with its legs folded" if flight.code == CRASHED and _slow_enough(flight) else ""
 
 
 def _slow_enough(flight: Flight) -> bool:

@@ -103,6 +103,7 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("nav.mach", "navigated Mach number (no wind)"),
     Channel("nav.alpha_deg", "navigated angle of attack (no wind)"),
     Channel("nav.beta_deg", "navigated sideslip angle (no wind)"),
+    Channel("nav.total_alpha_deg", "navigated angle between the body axis and the flow (expected wind)"),
     Channel("nav.bank_deg", "navigated bank angle"),
     Channel("nav.drag_m_s2", "measured drag acceleration"),
     Channel("nav.mass_kg", "believed mass"),

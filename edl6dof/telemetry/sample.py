@@ -123,6 +123,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     record_readings(sensed, case.branches.count, tick)
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
+    tick.nav.total_alpha = nav.total_alpha
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
     record_claims(fsw.navigation, tick.nav)
     tick.guide.reference_drag, tick.guide.range_to_go = guide.reference_drag, guide.range_to_go

@@ -155,7 +155,7 @@ INPUTS = np.dtype(
             "f8",
             (MAX_ENGINES,),
         ),  # N/s: what it gains in time, about the middle of the step
-        ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant
+        ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant to give
         ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
         ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
         ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
@@ -188,6 +188,10 @@ STATE = np.dtype(
         ("wing_lost", "f8", (MAX_SURFACES,)),  # share of the opening that a fault takes away
         ("thrust_lost", "f8", (MAX_ENGINES,)),  # share of the thrust that a fault takes away
         ("thrust_held", "f8", (MAX_ENGINES,)),  # level at which a fault holds the throttle, N
+        ("thrust_turned", "f8", (MAX_ENGINES, 2)),  # rad: by how much a fault turns it about y and z of B
+        ("canopy_lost", "f8", (MAX_PARACHUTES,)),  # share of the drag area that a fault takes away
+        ("leak", "f8", (MAX_TANKS,)),  # kg/s, what a fault lets out of each tank
+        ("blocked", FLAG, (MAX_TANKS,)),  # tanks that a fault shuts off from all that they feed
         ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
         ("fault_since", "f8", (MAX_FAULTS,)),
         ("touchdown_time", TIME_IF_EVER),

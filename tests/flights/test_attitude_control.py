@@ -64,7 +64,7 @@ def test_angle_of_attack_and_sideslip_stay_put_in_a_reversal(reversal):
     assert np.ptp(table["truth.alpha_deg"]) < 2.0
 
 
-# ---- a failed trim wing ------------------------------------------------------------------------------------
+# ---- a failed trim wing, and a guard on the total angle of attack ------------------------------------------
 
 STUCK = "{kind: wing_stuck, at: {time_s: 0}}"
 
@@ -76,7 +76,7 @@ def with_wing_fault(fault, *changes):
 def branched_s(flight):
     """Time from the command of the trim wing to the branch, s; none if it was not taken."""
     times = first_times(flight.events)
-    return times["phase.wing_failed"] - times["trim_wing"] if "phase.wing_failed" in times else None
+    return times["phase.alpha_held"] - times["trim_wing"] if "phase.alpha_held" in times else None
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_a_wing_that_is_not_open_two_seconds_after_its_command_is_a_branch(fault
     if after_s is None:
         after_s = 250.0 - flight.metrics["trim_wing_s"]
     assert branched_s(flight) == pytest.approx(after_s, abs=0.03)
-    branch, after = (flight.phase_names.index(name) for name in ("wing_failed", "parachute"))
+    branch, after = (flight.phase_names.index(name) for name in ("alpha_held", "parachute"))
     flown = flight.telemetry["guide.phase"]
     assert list(dict.fromkeys(flown))[1:4] == [branch - 1, branch, after]
     # by the flight computer's own air, which is not that of the day
@@ -136,8 +136,57 @@ def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle():
     """What the loop is for: with thrusters that do nothing about it, the total angle of attack stays near the
     trim angle.
     """
-    flight = with_wing_fault(STUCK, "mission.phases.wing_failed.hold_alpha=false")
+    flight = with_wing_fault(STUCK, "mission.phases.alpha_held.hold_alpha=false")
     assert flight.metrics["parachute_total_alpha_deg"] > 8.0
+
+
+@pytest.mark.parametrize("time_s", [274, 276, 277, 278, 278.5, 279, 279.5])
+def test_a_wing_lost_in_the_last_seconds_delays_the_mortar_until_the_angle_of_attack_is_good(nominal, time_s):
+    """The mortar would fire at 279.7 s; from the trim angle of 10 deg the thrusters need 4 s."""
+    flight = with_wing_fault(f"{{kind: wing_lost, at: {{time_s: {time_s}}}}}")
+    waited = flight.metrics["parachute_s"] - nominal.metrics["parachute_s"]
+    assert -0.1 < waited < 5.0
+    assert flight.metrics["parachute_total_alpha_deg"] < 5.0
+    assert flight.success, flight.outcome
+
+
+@pytest.mark.parametrize("thruster", ["A1", "A2", "A3", "A4"])
+@pytest.mark.parametrize("time_s", [128, 260, 277, 279])
+def test_the_mortar_fires_at_a_good_angle_of_attack_against_a_thruster_that_is_stuck_on(thruster, time_s):
+    """Undiagnosed it holds the capsule at 8 to 10 deg; no loop of one axis closes there."""
+    flight = edl6dof.fly(
+        "tianwen1",
+        [
+            f"faults=[{{kind: stuck_on, thruster: {thruster}, at: {{time_s: {time_s}}}}}]",
+            "flight_software.diagnosis.enabled=false",
+            "mission.goal=deployment",
+        ],
+    )
+    assert flight.metrics["parachute_total_alpha_deg"] < 5.0
+    assert flight.success, flight.outcome
+
+
+def test_an_angle_of_attack_that_is_never_good_does_not_keep_the_parachute_for_ever():
+    """Thrusters rest, and no angle is good enough: the mortar fires at the end of its window."""
+    flight = edl6dof.fly(
+        "tianwen1",
+        [
+            "faults=[{kind: wing_lost, at: {time_s: 276}}]",
+            "mission.phases.alpha_held.thrusters=[]",
+            "mission.phases.alpha_held.ways_out.0.when.1.value=0",
+            "mission.goal=deployment",
+        ],
+    )
+    assert flight.telemetry.at(flight.metrics["parachute_s"], "nav.mach")[0] == pytest.approx(1.6, abs=0.01)
+    assert flight.outcome.startswith("deployed")
+
+
+def test_the_guard_leaves_sound_flights_alone(nominal):
+    """A flight in the wind and gusts of another day as well."""
+    windy = edl6dof.fly("tianwen1", ["truth={wind.scale: 1.5}", "seed=3", *PERTURBED])
+    for flight in (nominal, windy):
+        assert branched_s(flight) is None
+        assert flight.success, flight.outcome
 
 
 def test_a_flight_broken_off_on_the_branch_goes_on_with_the_same_bits(tmp_path):
@@ -145,7 +194,7 @@ def test_a_flight_broken_off_on_the_branch_goes_on_with_the_same_bits(tmp_path):
     whole.saved.save(tmp_path / "state.npz")
     state = State.load(tmp_path / "state.npz")
     rest = fly(continue_from(state), start=state)
-    assert state.fsw["mission"]["phase"][0] == whole.phase_names.index("wing_failed")
+    assert state.fsw["mission"]["phase"][0] == whole.phase_names.index("alpha_held")
     assert rest.log.tobytes() == whole.log[-len(rest.log) :].tobytes()
 
 

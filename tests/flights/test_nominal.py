@@ -118,7 +118,7 @@ def test_trim_at_minus_ten_degrees_comes_from_the_centre_of_mass_offset(nominal)
 
 def test_every_phase_but_the_branch_is_flown_in_order(nominal):
     entered = [event["phase"] for event in nominal.events if "phase" in event]
-    assert entered == [name for name in nominal.phase_names if name != "wing_failed"]
+    assert entered == [name for name in nominal.phase_names if name != "alpha_held"]
 
 
 def test_landed_vehicle_rests_on_four_footpads(nominal):

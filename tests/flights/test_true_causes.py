@@ -28,12 +28,12 @@ def test_tank_that_runs_empty_is_told_before_the_crash():
     assert empty["name"] == "propellant exhausted"
     assert empty["t_s"] < event(flight, "touchdown")["t_s"] - 1.0
     speed, t = flight.metrics["touchdown_vertical_m_s"], empty["t_s"]
-    words = f"after the propellant was exhausted at t = {t:.1f} s"
+    words = f"propellant exhausted at {t:.1f} s"
     # without thrust the phases go on: the ground is met in the last one that began before it
     begun = [one["key"] for one in flight.events if one["t_s"] < event(flight, "touchdown")["t_s"]]
     phase = [key for key in begun if key.startswith("phase.")][-1].removeprefix("phase.")
-    assert flight.outcome == f"crashed at {speed:.1f} m/s descent rate in phase {phase} {words}"
-    assert flight.cause == f"crashed in phase {phase} after the propellant was exhausted"
+    assert flight.outcome == f"crashed at {speed:.1f} m/s descent rate in phase {phase}: {words}"
+    assert flight.cause == f"crashed in phase {phase}: propellant exhausted"
     before = flight.telemetry["t_s"] < t
     left = flight.telemetry["truth.propellant_kg"]
     assert left[before].min() > 0.0 >= left[~before].max()
@@ -50,9 +50,9 @@ def test_engine_cut_off_high_above_the_ground_is_told():
     cut = event(flight, "cut_off")
     height = flight.telemetry.at(cut["t_s"], "truth.height_m")[0]
     assert height > 10.0
-    words = f"after the engine was cut off {height:.1f} m above the ground at t = {cut['t_s']:.1f} s"
+    words = f"engine cut off {height:.1f} m above the ground at {cut['t_s']:.1f} s"
     assert flight.outcome.startswith("crashed at ") and flight.outcome.endswith(words)
-    assert flight.cause == "crashed in phase landed after the engine was cut off above the ground"
+    assert flight.cause == "crashed in phase landed: engine cut off above the ground"
 
 
 def test_crash_belongs_to_the_phase_that_met_the_ground():

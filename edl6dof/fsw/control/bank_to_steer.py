@@ -57,10 +57,12 @@ class BankToSteerParams(Params):
         gt=0.0,
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
-    held_alpha: ZoneParams = group(ZoneParams, "angle of attack where a phase holds it by thrusters")
+    held_alpha: ZoneParams = group(
+        ZoneParams, "angle of attack and sideslip where a phase holds them by thrusters"
+    )
 
 
-MEMORY = np.dtype([("bank", AXIS), ("alpha", AXIS)], align=True)
+MEMORY = np.dtype([("bank", AXIS), ("alpha", AXIS), ("beta", AXIS)], align=True)
 
 
 @kernel
@@ -79,18 +81,21 @@ def control(params, nav, goal, inputs, dt, memory):
         along, across, aside = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     rate = sub(body_rate(nav), path_rate(nav))
     bank_error = wrap(goal.bank - nav.bank)
-    alpha_error = wrap((0.0 if wing_out else goal.alpha) - nav.alpha)
+    alpha_goal = 0.0 if wing_out else goal.alpha
     roll = follow(p.bank, memory.bank, bank_error, dot(rate, along), dt, frozen)
+    # sideslip grows when the nose yaws left: yaw to the right, about z, removes it
     if inputs.hold_alpha != 0:
+        alpha_error, beta = wrap(alpha_goal - nav.alpha_in_air), nav.beta_in_air
         pitch = follow(p.held_alpha, memory.alpha, alpha_error, dot(rate, across), dt, frozen)
+        yaw = follow(p.held_alpha, memory.beta, beta, dot(rate, aside), dt, frozen)
     else:
+        alpha_error, beta = wrap(alpha_goal - nav.alpha), nav.beta
         damping = p.damping_after_wing if wing_out else p.damping
         pitch = damped(p, damping, dot(rate, across), alpha_error)
-    # sideslip grows when the nose yaws left: yaw to the right, about z, removes it
-    yaw = damped(p, p.damping, dot(rate, aside), nav.beta)
+        yaw = damped(p, p.damping, dot(rate, aside), beta)
     acceleration = add(scale(roll, along), add(scale(pitch, across), scale(yaw, aside)))
     torque = add(inertia_torque(inertia, acceleration), gyroscopic_torque(inertia, body_rate(nav)))
-    return torque, (bank_error, alpha_error, nav.beta)
+    return torque, (bank_error, alpha_error, beta)
 
 
 MEMBER = Member("bank_to_steer", BankToSteerParams, {"control": control}, "Hu et al. 2022, section 4", MEMORY)

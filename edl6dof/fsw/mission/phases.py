@@ -40,6 +40,7 @@ Quantity = Literal[
     "footpad_contact",
     "wing_open",
     "wing_time_s",  # since the trim wing was commanded; 0 before
+    "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -56,11 +57,12 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_CONTACT,
     Q_WING_OPEN,
     Q_WING_TIME,
+    Q_TOTAL_ALPHA,
 ) = range(len(QUANTITIES))
 
 
 class Condition(Params):
-    """A condition on one navigated quantity, in SI units."""
+    """A condition on one navigated quantity."""
 
     quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
     goes: Literal["below", "above"] = param(REQUIRED, "on which side of the value it holds")

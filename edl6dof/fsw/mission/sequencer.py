@@ -6,6 +6,8 @@ was commanded, and never sees the truth.
 
 from __future__ import annotations
 
+from math import degrees
+
 import numpy as np
 
 from edl6dof.fsw.mission.phases import (
@@ -19,6 +21,7 @@ from edl6dof.fsw.mission.phases import (
     Q_SPEED,
     Q_TIME,
     Q_TIME_TO_GO,
+    Q_TOTAL_ALPHA,
     Q_WING_OPEN,
     Q_WING_TIME,
 )
@@ -67,6 +70,8 @@ def watched(quantity, nav, vehicle, guide, elapsed):
         return 1.0 if nav.wing_open != 0 else 0.0
     if quantity == Q_WING_TIME:
         return nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0
+    if quantity == Q_TOTAL_ALPHA:
+        return degrees(nav.total_alpha)
     return 1.0 if nav.footpad_contact != 0 else 0.0
 
 

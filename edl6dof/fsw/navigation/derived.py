@@ -1,8 +1,10 @@
 """The quantities that mission logic, guidance and control use: what follows from the estimated state and
 onboard models alone.
 
-Velocity is relative to the planet: the wind is not known on board, so angle of attack, sideslip, bank and
-Mach number here differ from the truth by the wind.
+Velocity is relative to the planet: the wind that blows is not known on board, so angle of attack, sideslip,
+bank and Mach number here differ from the truth by the wind.  A second angle of attack and sideslip allow for
+the mean wind that was expected before the flight: they differ by what that leaves, which is what counts where
+the vehicle is to meet the air head on.
 """
 
 from __future__ import annotations
@@ -25,7 +27,7 @@ from edl6dof.spatial.frames import (
 )
 from edl6dof.spatial.lookups import between, held_cell
 from edl6dof.spatial.quaternion import axes, from_frame, to_frame
-from edl6dof.spatial.vector import clamp, dot, norm, put3, scale, take3
+from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
 
 NAV = np.dtype(
     [
@@ -52,6 +54,9 @@ NAV = np.dtype(
         ("alpha", "f8"),
         ("beta", "f8"),
         ("bank", "f8"),
+        # in the wind that is expected
+        ("alpha_in_air", "f8"),
+        ("beta_in_air", "f8"),
         ("total_alpha", "f8"),
         ("mach", "f8"),
         ("drag", "f8"),
@@ -77,6 +82,13 @@ def model_atmosphere(table, altitude):
     density = exp(table.ln_density[i] + f * slope)
     sound = between(table.speed_of_sound, i, f)
     return density, sound, -table.spacing / slope
+
+
+@kernel
+def expected_wind(table, altitude):
+    """Mean wind (m/s) towards north and east that is expected at ``altitude`` (m)."""
+    i, f = held_cell((altitude - table.bottom) / table.spacing, table.wind_north.shape[0] - 1)
+    return between(table.wind_north, i, f), between(table.wind_east, i, f)
 
 
 @kernel
@@ -121,9 +133,12 @@ def derive(planet, atmosphere, site_frame, estimate, nav):
 
     v_B = to_frame(q, v_rel_I)
     _, nav.alpha, nav.beta = wind_angles(v_B)
-    nav.total_alpha = total_angle_of_attack(v_B)
     x, y, z = axes(q)
     nav.bank = bank_angle(v_rel_I, up, x, y, z)
+    wind_north, wind_east = expected_wind(atmosphere, altitude)
+    v_air_B = to_frame(q, sub(v_rel_I, add(scale(wind_north, north), scale(wind_east, east))))
+    _, nav.alpha_in_air, nav.beta_in_air = wind_angles(v_air_B)
+    nav.total_alpha = total_angle_of_attack(v_air_B)
     density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
+from edl6dof.interface.events import Action
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
@@ -16,6 +17,7 @@ Component = Literal[
     "surface",
     "engine",
     "parachute",
+    "tank",
     "gyro",
     "accelerometer",
     "inertial_unit",
@@ -42,6 +44,7 @@ def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
         "surface": [surface.name for surface in vehicle.surfaces],
         "engine": [engine.name for engine in vehicle.engines],
         "parachute": [chute.name for chute in vehicle.parachutes],
+        "tank": [tank.name for tank in vehicle.tanks],
     }
 
 
@@ -49,6 +52,8 @@ class ComponentFault(Params):
     """Parameters of a fault of one component, of one of several kinds."""
 
     components: ClassVar[tuple[Component, ...]]
+    #: What is done to the component, or to the part it goes with, after which the fault changes nothing.
+    over_after: ClassVar[tuple[Action, ...]] = ()
 
 
 class ThrusterFault(ComponentFault):
@@ -79,9 +84,17 @@ class EngineFault(ComponentFault):
     """Parameters of a fault of one engine."""
 
     components: ClassVar[tuple[Component, ...]] = ("engine",)
+    over_after: ClassVar[tuple[Action, ...]] = ("cut_off",)
 
 
 class ParachuteFault(ComponentFault):
     """Parameters of a fault of one parachute."""
 
     components: ClassVar[tuple[Component, ...]] = ("parachute",)
+    over_after: ClassVar[tuple[Action, ...]] = ("release", "jettison")
+
+
+class TankFault(ComponentFault):
+    """Parameters of a fault of one tank."""
+
+    components: ClassVar[tuple[Component, ...]] = ("tank",)

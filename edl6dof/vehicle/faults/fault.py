@@ -6,7 +6,7 @@ duration.  It acts between the
 actuators and the plant: :func:`inflict` runs after the commands of a base cycle have reached the valves and
 before the plant moves.
 
-Left out: intermittent faults, leaks, and valves that fail between open and shut.
+Left out: intermittent faults, and valves that fail between open and shut.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ class FaultParams(FaultChoice):
     surface: str | None = param(None, "name of the surface that fails, where one does", record=False)
     engine: str | None = param(None, "name of the engine that fails, where one does", record=False)
     parachute: str | None = param(None, "name of the parachute that fails, where one does", record=False)
+    tank: str | None = param(None, "name of the tank that fails, where one does", record=False)
     gyro: str | None = param(None, "name of the gyro that fails, where one does", record=False)
     accelerometer: str | None = param(
         None, "name of the accelerometer that fails, where one does", record=False

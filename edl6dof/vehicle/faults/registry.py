@@ -9,14 +9,15 @@ and before the plant moves; ``fault.component`` is the index of the component am
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
+from edl6dof.interface.events import Action
 from edl6dof.registry import Family
-from edl6dof.vehicle.faults import engine, instrument, parachute, surface, thruster
+from edl6dof.vehicle.faults import engine, instrument, parachute, surface, tank, thruster
 from edl6dof.vehicle.faults.component import Component, ComponentFault
 
 FAULT_KINDS = Family(
     "fault kind",
     (
-        *(*thruster.MEMBERS, *surface.MEMBERS, *parachute.MEMBERS, *engine.MEMBERS),
+        *(*thruster.MEMBERS, *surface.MEMBERS, *parachute.MEMBERS, *engine.MEMBERS, *tank.MEMBERS),
         *instrument.MEMBERS,
     ),
 )
@@ -24,9 +25,18 @@ FAULT_KINDS = Family(
 
 def components_of(kind: str) -> tuple[Component, ...]:
     """The kinds of component of which a kind of fault is about one."""
+    return _about(kind).components
+
+
+def over_after(kind: str) -> tuple[Action, ...]:
+    """What is done to the component after which a kind of fault changes nothing."""
+    return _about(kind).over_after
+
+
+def _about(kind: str) -> type[ComponentFault]:
     params = FAULT_KINDS.member(kind).params
     assert issubclass(params, ComponentFault), f"the parameters of {kind} must derive from ComponentFault"
-    return params.components
+    return params
 
 
 FaultChoice = FAULT_KINDS.params_model("FaultChoice", "kind", REQUIRED, "What breaks.")

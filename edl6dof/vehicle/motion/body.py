@@ -136,7 +136,8 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
     fraction = 0.0
     if plant.canopy == INFLATING:
-        fraction = inflation(chute, t - plant.line_stretch_time[plant.parachute])
+        filled = inflation(chute, t - plant.line_stretch_time[plant.parachute])
+        fraction = filled * (1.0 - plant.canopy_lost[plant.parachute])
     _, gas, _, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, take3(y, CANOPY_POSITION))
     v_air = sub(v_canopy, air_I)
     density, sound = gas[0], gas[3]
@@ -238,14 +239,18 @@ def propulsion(case, plant, t, y, centre, dy):
         loads, filled = case.feeds.engines, inputs.filled
         within = load_within_reach(loads, i, filled)
         engine, thrust = case.vehicle.engines[i], level * (1.0 - plant.thrust_lost[i])
-        own_force, own_moment = thrust_wrench(engine, thrust)
+        own_force, own_moment = thrust_wrench(
+            engine, thrust, plant.thrust_turned[i, 0], plant.thrust_turned[i, 1]
+        )
         force = add(force, own_force)
         moment = add(moment, sub(own_moment, cross(centre, own_force)))
         delivered += thrust * engine.thrust_factor
         if within > 0.0:
             draw(loads, i, filled, within, -propellant_flow(engine, thrust), dy, PROPELLANT)
         goal = inputs.thrust_goal[i] + (t - inputs.middle) * inputs.thrust_goal_slope[i]
-        dy[THRUST + i] = thrust_rate(engine, goal, level, plant.starting != 0 or plant.running[i] == 0)
+        # a starving engine goes out as fast as one that is cut off
+        fast = plant.starting != 0 or plant.running[i] == 0 or within == 0.0
+        dy[THRUST + i] = thrust_rate(engine, goal, level, fast)
     return force, moment, delivered
 
 
@@ -286,6 +291,8 @@ def motion(case, plant, t, y, outputs, dy):
     put3(dy, RATE, inertia_solve(inertia, sub(moment, cross(w, inertia_times(inertia, w)))))
     for k in range(MAX_TANKS):
         dy[PROPELLANT + k] -= inputs.rcs_flow[k] + since * inputs.rcs_flow_slope[k]
+        if plant.leak[k] > 0.0 and plant.y[PROPELLANT + k] > 0.0:
+            dy[PROPELLANT + k] -= plant.leak[k]
     dy[HEAT] = out.heat_flux
     put3(dy, CANOPY_POSITION, take3(y, CANOPY_VELOCITY))
     put3(dy, CANOPY_VELOCITY, add(take3(out.canopy_acceleration_I, 0), scale(out.canopy_weight, g)))

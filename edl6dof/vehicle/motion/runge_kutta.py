@@ -99,7 +99,7 @@ def lay_down_inputs(case, plant, rotation, h):
     """
     inputs = plant.inputs
     for k in range(MAX_TANKS):
-        inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 else 0
+        inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 and plant.blocked[k] == 0 else 0
     inputs.middle = plant.t + 0.5 * h
     set_goals(case, plant, h)
     feeds, branch = case.feeds.thrusters, case.branches.of

@@ -89,9 +89,10 @@ def deploy(case, plant, index):
 
 
 @kernel
-def canopy_area(chute):
-    """Drag area of a canopy that flies without its load, m2."""
-    return nominal_area(chute) * chute.drag_coefficient * chute.drag_factor
+def canopy_area(case, plant):
+    """Drag area of the canopy that is out when it flies without its load, m2."""
+    chute, left = case.vehicle.parachutes[plant.parachute], 1.0 - plant.canopy_lost[plant.parachute]
+    return nominal_area(chute) * chute.drag_coefficient * chute.drag_factor * left
 
 
 @kernel
@@ -101,7 +102,7 @@ def release(case, plant, index):
         return
     chute, canopy = case.vehicle.parachutes[index], plant.debris[case.suspension[index].pack]
     canopy.active = LOOSE
-    canopy.drag_area = canopy_area(chute) if plant.canopy == INFLATING else chute.pack_drag_area
+    canopy.drag_area = canopy_area(case, plant) if plant.canopy == INFLATING else chute.pack_drag_area
     put3(canopy.r_I, 0, take3(plant.y, CANOPY_POSITION))
     put3(canopy.v_I, 0, take3(plant.y, CANOPY_VELOCITY))
     plant.canopy = RELEASED
@@ -117,7 +118,7 @@ def jettison(case, plant, index):
     if case.suspension[plant.parachute].carrier != index:
         return
     if plant.canopy == INFLATING:
-        part.drag_area += canopy_area(case.vehicle.parachutes[plant.parachute])
+        part.drag_area += canopy_area(case, plant)
         # part and canopy go on together: their common momentum
         canopy = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
         share = canopy / (part.mass + canopy)

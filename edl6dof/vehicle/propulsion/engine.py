@@ -73,12 +73,14 @@ def thrust_rate(engine, goal, thrust, starting):
 
 
 @kernel
-def thrust_wrench(engine, thrust):
-    """Force and moment about the origin of B (two tuples, N and N m) of the engine at ``thrust`` N."""
+def thrust_wrench(engine, thrust, turn_y, turn_z):
+    """Force and moment about the origin of B (two tuples, N and N m) of the engine at ``thrust`` N, turned
+    about y and then z of B (rad) beyond its misalignment.
+    """
     if thrust == 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     delivered = thrust * engine.thrust_factor
-    ty, tz = engine.misalignment_y, engine.misalignment_z
+    ty, tz = engine.misalignment_y + turn_y, engine.misalignment_z + turn_z
     d = engine.direction
     x, y, z = d[0] * delivered, d[1] * delivered, d[2] * delivered
     # turned about y by ty, then about z by tz

@@ -63,6 +63,7 @@ def flying(alpha_deg=-10.0, beta_deg=0.0, bank_deg=0.0, rate=(0.0, 0.0, 0.0)):
         EAST,
     )
     nav["alpha"], nav["beta"], nav["bank"] = radians(alpha_deg), radians(beta_deg), radians(bank_deg)
+    nav["alpha_in_air"], nav["beta_in_air"] = nav["alpha"], nav["beta"]
     nav["wing_open"] = 1
     return nav
 
@@ -154,6 +155,29 @@ def test_angle_of_attack_is_closed_around_zero_where_the_phase_holds_it(onboard,
     fsw.inputs["wing_commanded"], fsw.inputs["hold_alpha"] = 1, held
     torque = demand("bank_to_steer", onboard, flying(alpha_deg=-8.0), commanded(), fsw)
     assert (torque[1] > 50.0) == bool(held)
+
+
+@pytest.mark.parametrize(("alpha_deg", "beta_deg"), [(-6.0, 0.0), (0.0, 6.0), (-4.0, -5.0)])
+def test_held_angles_go_to_zero_in_the_expected_wind_against_a_moment_that_stays(
+    onboard, alpha_deg, beta_deg
+):
+    """A thruster that is stuck on holds the nose 6 deg off, where the air balances it; the integrals take its
+    moment out of both angles.
+
+    The wind that is expected is 3 deg of sideslip: the angles of the planet-relative velocity are left with
+    it.
+    """
+    stiffness = 1700.0  # N m/rad, of the air at 530 Pa
+    fsw, stuck = memory(ENTRY), np.array([0.0, 180.0, -180.0])
+    fsw.inputs["wing_commanded"], fsw.inputs["hold_alpha"] = 1, 1
+    alpha, beta, w, wind = radians(alpha_deg), radians(beta_deg), np.zeros(3), radians(3.0)
+    for _ in range(round(25.0 / DT)):
+        nav = flying(degrees(alpha), degrees(beta + wind), rate=tuple(w))
+        nav["alpha_in_air"], nav["beta_in_air"] = alpha, beta
+        torque = demand("bank_to_steer", onboard, nav, commanded(), fsw) + stuck
+        w += DT * (torque + stiffness * np.array([0.0, -alpha, beta])) / inertia(onboard, ENTRY)
+        alpha, beta = alpha + DT * w[1], beta - DT * w[2]
+    assert np.degrees([alpha, beta]) == pytest.approx(0.0, abs=0.1)
 
 
 # ---- rate damping under the parachute (S1 section 5) -------------------------------------------------------

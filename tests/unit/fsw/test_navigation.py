@@ -80,13 +80,31 @@ def test_flight_angles_are_those_the_state_was_built_from(onboard):
         for name, value in given.items():
             assert nav[name] == pytest.approx(value, abs=1e-3 if name == "altitude" else 1e-7, rel=1e-9), name
         assert nav["v_rel_I"] == pytest.approx(v, abs=1e-6)
-        assert nav["total_alpha"] == pytest.approx(acos(cos(given["alpha"]) * cos(given["beta"])), abs=1e-7)
         assert nav["tilt"] == pytest.approx(acos(np.clip(-(q.rotate(X) @ nav["up_I"]), -1, 1)), abs=1e-7)
         frame = np.column_stack([nav["north_I"], nav["east_I"], -nav["up_I"]])
         assert frame.T @ frame == pytest.approx(np.eye(3), abs=1e-12)
         assert np.linalg.det(frame) == pytest.approx(1.0)
         assert frame @ nav["v_N"] == pytest.approx(v, abs=1e-6)
         assert nav["radius"] == pytest.approx(np.linalg.norm(sensed["r_I"]))
+
+
+def test_total_angle_of_attack_is_that_to_the_air_of_the_expected_wind(onboard):
+    """At every node of the believed air it is what the table and the velocities make of it with numpy."""
+    air = onboard[0]["atmosphere"]
+    assert np.hypot(air["wind_north"], air["wind_east"]).max() > 20.0
+    rng = np.random.default_rng(3)
+    for k in range(0, len(air["wind_north"]) - 1, 7):
+        lat, lon, altitude = 0.4, 1.9, air["bottom"] + k * air["spacing"]
+        flown = rng.uniform(150.0, 800.0), rng.uniform(-0.5, 0.0), rng.uniform(-pi, pi), rng.uniform(-pi, pi)
+        sensed, v, q = fly_state(
+            onboard, lat, lon, altitude, *flown, rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3)
+        )
+        wind = triad(lat, lon)[:, :2] @ (air["wind_north"][k], air["wind_east"][k])
+        u = q.inverse.rotate(v - wind)
+        nav = nav_of(onboard, sensed)
+        assert nav["total_alpha"] == pytest.approx(acos(u[0] / np.linalg.norm(u)), abs=1e-7)
+        assert nav["alpha_in_air"] == pytest.approx(np.arctan2(u[2], u[0]), abs=1e-7)
+        assert nav["beta_in_air"] == pytest.approx(np.arcsin(u[1] / np.linalg.norm(u)), abs=1e-7)
 
 
 def test_vehicle_at_rest_on_the_ground_has_no_planet_relative_velocity(onboard):

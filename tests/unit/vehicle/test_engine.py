@@ -67,9 +67,8 @@ def test_cut_off_falls_as_fast_as_ignition_rises():
 @pytest.mark.parametrize("ty, tz", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (2.5, -4.0)])
 def test_thrust_is_minus_x_turned_about_y_and_then_about_z(ty, tz):
     nozzle = (-0.2, 0.03, -0.01)
-    force, moment = thrust_wrench(
-        engine(misalignment_y_deg=ty, misalignment_z_deg=tz, nozzle_m=nozzle, thrust_factor=0.97), 5000.0
-    )
+    record = engine(misalignment_y_deg=0.4 * ty, misalignment_z_deg=tz, nozzle_m=nozzle, thrust_factor=0.97)
+    force, moment = thrust_wrench(record, 5000.0, radians(0.6 * ty), 0.0)
     # extrinsic: fixed axes of B
     expected = Rotation.from_euler("yz", (radians(ty), radians(tz))).apply((-0.97 * 5000.0, 0.0, 0.0))
     assert force == pytest.approx(expected, abs=1e-9)
@@ -77,7 +76,7 @@ def test_thrust_is_minus_x_turned_about_y_and_then_about_z(ty, tz):
 
 
 def test_an_aligned_engine_on_the_axis_makes_no_moment():
-    force, moment = thrust_wrench(engine(nozzle_m=(-0.1, 0.0, 0.0)), 7500.0)
+    force, moment = thrust_wrench(engine(nozzle_m=(-0.1, 0.0, 0.0)), 7500.0, 0.0, 0.0)
     assert force == pytest.approx((-7500.0, 0.0, 0.0)) and moment == pytest.approx((0.0, 0.0, 0.0))
 
 
@@ -102,7 +101,7 @@ def test_a_burn_in_free_space_obeys_the_rocket_equation():
     """Off-nominal thrust and specific impulse too: dv = 0.95 Isp g0 ln(m0/m1), whatever the thrust factor."""
     record = engine(thrust_factor=1.04, specific_impulse_factor=0.95)
     flow = propellant_flow(record, 7500.0)
-    force = -thrust_wrench(record, 7500.0)[0][0]
+    force = -thrust_wrench(record, 7500.0, 0.0, 0.0)[0][0]
     burn = solve_ivp(lambda t, y: [force / y[1], -flow], (0.0, 40.0), [0.0, 900.0], rtol=1e-11)
     speed, mass = burn.y[:, -1]
     assert speed == pytest.approx(0.95 * 300.0 * G0 * log(900.0 / mass), rel=1e-9)

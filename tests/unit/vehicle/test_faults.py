@@ -16,6 +16,7 @@ from edl6dof.interface.events import DEPLOY
 from edl6dof.scenario.records import build_case, build_tables, initial_plant
 from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
+from edl6dof.vehicle.parachutes.parachute import INFLATING, RELEASED
 from edl6dof.vehicle.plant import THRUST
 from edl6dof.vehicle.propulsion.rcs import fire
 
@@ -156,6 +157,34 @@ def test_stuck_throttle_holds_the_level_of_its_moment(tables):
     assert held == [2000.0, 2001.0, 3410.0, 3410.0, 3410.0]
 
 
+def test_engine_lights_late_by_the_delay(tables):
+    case, plant, command = broken(
+        tables, "{kind: ignition_delay, ignition_delay: {delay_s: 1.5}, at: {time_s: 0}}"
+    )
+    command["request"][[MORTAR, IGNITION]] = 1
+    actuate(case, command, plant)
+    assert plant["due"][[MORTAR, IGNITION]] == pytest.approx([0.015, 0.15 + 1.5])
+
+
+def test_dead_mortar_never_fires(tables):
+    case, plant, command = broken(tables, "{kind: parachute_dead, at: {time_s: 0}}")
+    command["request"][[MORTAR, IGNITION]] = 1
+    actuate(case, command, plant)
+    assert plant["due"][MORTAR] > 1e9 and plant["due"][IGNITION] == pytest.approx(0.15)
+
+
+def test_torn_riser_lets_the_canopy_go_with_the_area_that_it_has(tables):
+    torn = ["{kind: canopy_torn, canopy_torn: {area_factor: 0.6}, at: {time_s: 0}}"]
+    found = []
+    for faults in ([], torn):
+        case, plant, command = broken(tables, *faults, "{kind: riser_torn, at: {time_s: 0}}")
+        plant["canopy"] = INFLATING
+        actuate(case, command, plant)
+        assert plant["canopy"] == RELEASED
+        found.append(float(plant["debris"]["drag_area"].max()))
+    assert found[1] == pytest.approx(0.6 * found[0]) and found[0] > 100.0
+
+
 # ---- one of several ----------------------------------------------------------------------------
 
 
@@ -263,10 +292,17 @@ def of_kind(tables, kind, time_s):
     return broken(tables, fault, others=[INSTRUMENTS]), broken(tables)
 
 
+def put_to_use(command, *plants):
+    """Mortar, parachute, engine, wing and thrusters, so that each kind finds something to break."""
+    command["closes"][:22], command["thrust"], command["request"][[MORTAR, IGNITION]] = 0.7, 3000.0, 1
+    for plant in plants:
+        plant["canopy"] = INFLATING
+
+
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)
 def test_no_kind_does_anything_before_its_time(tables, kind):
     (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 1.0)
-    command["closes"][:22], command["thrust"], command["request"][MORTAR] = 0.7, 3000.0, 1
+    put_to_use(command, plant, sound)
     for k in range(40):
         plant["t"] = sound["t"] = k * CYCLE
         actuate(case, command, plant)
@@ -277,9 +313,8 @@ def test_no_kind_does_anything_before_its_time(tables, kind):
 
 @pytest.mark.parametrize("kind", FAULT_KINDS.names)
 def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
-    """Mortar, engine, wing and thrusters are in use, so that each kind finds something to break."""
     (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 0.1)
-    command["closes"][:22], command["thrust"], command["request"][MORTAR] = 0.7, 3000.0, 1
+    put_to_use(command, plant, sound)
     before = command.tobytes()
     for k in range(40):
         plant["t"] = sound["t"] = k * CYCLE

@@ -1,4 +1,5 @@
-"""The mean wind that is expected before the flight: what the aim point allows for.
+"""The mean wind that is expected before the flight: what the aim point and the angle of attack in the air
+allow for.
 
 It is the climatology of the table that the believed air is read from, and no part of it follows the wind that
 blows.

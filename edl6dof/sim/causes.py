@@ -1,0 +1,167 @@
+"""Why a flight ended as it did: what its true faults and its history brought about.
+
+It is worked out after the flight, from the truth: the flight computer never learns of it.  A fault
+contributed if it began before what decided the flight (a point at which a limit is broken, or contact with
+the ground, or the end) and had to do with it; its consequences stand before it: ``propellant exhausted at
+288.0 s after A1 and A3 stuck on at 200.0 and 210.0 s``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isfinite
+from typing import TYPE_CHECKING, NamedTuple
+
+from edl6dof.metrics.evaluation import Check
+from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.sim.outcome import CRASHED
+from edl6dof.telemetry.timeline import ran_empty
+from edl6dof.vehicle.faults.fault import FaultParams
+from edl6dof.vehicle.faults.registry import over_after
+
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+
+class Consequence(NamedTuple):
+    """What happened on the way to the end: when (s), in words, and in words with its figures."""
+
+    t_s: float
+    plain: str
+    told: str
+
+
+def reasons(flight: Flight, missed: Sequence[Check]) -> tuple[str, str]:
+    """What brought a flight to its end, with figures and without them, to follow the words for that end;
+    empty where nothing did.
+
+    Args:
+        flight: one that is no success.
+        missed: limits that it broke, if it reached its goal.
+    """
+    until = _decided_at(flight, missed)
+    led_to = sorted(one for one in _consequences(flight) if one.t_s <= until)
+    told, plain = _contributing(flight, until)
+    return _sentence([one.told for one in led_to], told), _sentence([one.plain for one in led_to], plain)
+
+
+def _sentence(led_to: list[str], faults: list[str]) -> str:
+    return (f": {_joined(led_to)}" if led_to else "") + (f" after {_joined(faults)}" if faults else "")
+
+
+def _joined(words: Sequence[str]) -> str:
+    """``a``, ``a and b``, ``a, b and c``."""
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _decided_at(flight: Flight, missed: Sequence[Check]) -> float:
+    """Time (s) after which nothing counts: the last point at which a limit was broken, or ground contact, or
+    the end.
+    """
+    met = float(flight.plant["touchdown_time"][0])
+    end = met if isfinite(met) else flight.time_s
+    return max((flight.metrics.get(_time_of(check.figure), end) for check in missed), default=end)
+
+
+def _time_of(figure: str) -> str:
+    """Name of the figure that tells when another is taken: that of the mortar for ``parachute_mach``."""
+    if figure_of_merit(figure).source == "contact":
+        return "touchdown_s"
+    return f"{figure.partition('_')[0]}_s"
+
+
+# ---- faults ------------------------------------------------------------------------------------------------
+
+
+def _contributing(flight: Flight, until: float) -> tuple[list[str], list[str]]:
+    """Faults that were there before a time (s), those of one kind together, in the order of time: with and
+    without the times at which they began.
+    """
+    truth = flight.loaded.truth
+    begun = sorted(
+        (float(since), number)
+        for number, since in enumerate(flight.plant["fault_since"][0][: len(truth.faults)])
+        if since < until and _counts(flight, truth.faults[number], float(since), until)
+    )
+    kinds: dict[str, list[tuple[str, float]]] = {}
+    for since, number in begun:
+        fault = truth.faults[number]
+        kinds.setdefault(fault.kind.replace("_", " "), []).append((fault.acts_on(truth.components), since))
+    plain = [f"{_joined([name for name, _ in ones])} {kind}" for kind, ones in kinds.items()]
+    times = [_joined([*dict.fromkeys(f"{since:.1f}" for _, since in ones)]) for ones in kinds.values()]
+    return [f"{words} at {t} s" for words, t in zip(plain, times, strict=True)], plain
+
+
+def _counts(flight: Flight, fault: FaultParams, since: float, until: float) -> bool:
+    """Whether a fault that began at ``since`` has to do with what was decided at ``until`` (s): it was not
+    over when it began, and a wing's only up to the deployment that the wing prepares.
+    """
+    scenario, name = flight.scenario, fault.acts_on(flight.loaded.truth.components)
+    chutes = scenario.vehicle.parachutes
+    if fault.component == "surface":
+        return until <= _done(flight, ("deploy",), [chute.name for chute in chutes])
+    carriers = [chute.carried_by for chute in chutes if chute.name == name and chute.carried_by]
+    return since < _done(flight, over_after(fault.kind), [name, *carriers])
+
+
+def _done(flight: Flight, actions: Sequence[str], things: Sequence[str]) -> float:
+    """Time (s) at which one of some actions was first done to one of some things; never: infinity."""
+    events = flight.scenario.mission.events.values()
+    return min(
+        (
+            float(t)
+            for event, t in zip(events, flight.plant["done"][0], strict=False)
+            if event.action in actions and event.thing in things and isfinite(t)
+        ),
+        default=inf,
+    )
+
+
+# ---- consequences ------------------------------------------------------------------------------------------
+
+
+def _consequences(flight: Flight) -> list[Consequence]:
+    """Propellant used up, an engine cut off in the air, and before a crash no parachute or no engine."""
+    found = [*_empty_tanks(flight), *_cut_off(flight)]
+    if flight.code == CRASHED:
+        found += _left_undone(flight)
+    return found
+
+
+def _empty_tanks(flight: Flight) -> list[Consequence]:
+    vehicle, times = flight.loaded.truth.vehicle, flight.plant["exhausted_time"][0]
+    empty = {
+        ran_empty(tank, vehicle): float(t)
+        for tank, t in zip(vehicle.tanks, times, strict=False)
+        if isfinite(t)
+    }
+    if len(empty) == len(vehicle.tanks) and empty:
+        empty = {"propellant exhausted": max(empty.values())}
+    return [Consequence(t, words, f"{words} at {t:.1f} s") for words, t in empty.items()]
+
+
+def _cut_off(flight: Flight) -> list[Consequence]:
+    """The first cut-off above the ground."""
+    names = [engine.name for engine in flight.scenario.vehicle.engines]
+    t, met = _done(flight, ("cut_off",), names), float(flight.plant["touchdown_time"][0])
+    if not isfinite(t) or t >= met:
+        return []
+    (height,) = flight.telemetry.at(t, "truth.height_m")
+    words = "engine cut off {}above the ground"
+    return [Consequence(t, words.format(""), words.format(f"{height:.1f} m ") + f" at {t:.1f} s")]
+
+
+def _left_undone(flight: Flight) -> list[Consequence]:
+    """What a mission that crashed has not done of what it was to do."""
+    met, vehicle = float(flight.plant["touchdown_time"][0]), flight.scenario.vehicle
+    planned = {(event.action, event.thing) for event in flight.scenario.mission.events.values()}
+    wanted = (
+        ("deploy", [chute.name for chute in vehicle.parachutes], "no parachute deployed"),
+        ("ignite", [engine.name for engine in vehicle.engines], "no engine lit"),
+    )
+    return [
+        Consequence(met, words, words)
+        for action, things, words in wanted
+        if any((action, thing) in planned for thing in things)
+        and not isfinite(_done(flight, (action,), things))
+    ]
