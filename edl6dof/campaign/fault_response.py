@@ -19,8 +19,8 @@ from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 
-#: Until the backshell is released, and from then on.
-AIR, POWERED = "air", "powered"
+#: Until the backshell is released, and from then on; of a fault that did not begin before touchdown.
+AIR, POWERED, NOT_BEGUN_YET = "air", "powered", "not begun"
 
 
 @dataclass(frozen=True)
@@ -98,8 +98,8 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     from the fault, and from the first use, to the verdict on the last of them, null if one was not named.
     ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
     they failed, and those named with a wrong kind.  ``regime``: air or powered, at the first use, or else at
-    the fault.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between fault and
-    touchdown.
+    the fault, if that began.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between
+    fault and touchdown.
     """
     truth, named = flight.loaded.truth, verdicts(flight)
     failed = [
@@ -112,7 +112,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         "fault_s": None,
         "first_use_s": None,
         "used_s": None,
-        "regime": None,
+        "regime": NOT_BEGUN_YET,
         "named": _list(named),
         "name_right": False,
         "kind_right": False,

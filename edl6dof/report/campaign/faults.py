@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
-from edl6dof.campaign.fault_figures import REQUIREMENTS, can_be_known, fault_figures
+from edl6dof.campaign.fault_figures import can_be_known, fault_figures
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.results import Results
@@ -19,7 +19,7 @@ from edl6dof.report.figure import BLACK, GREEN, ORANGE, PURPLE, SKY, Axis, Figur
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (
-    ("never used: cannot be known", "#e6e8eb"),
+    ("never used after it: cannot be known", "#e6e8eb"),
     ("right name and kind", GREEN),
     ("not named, or not all", SKY),
     ("named with a wrong kind", ORANGE),
@@ -79,13 +79,14 @@ def became(row: Row) -> int:
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    meant = {one.figure: one for one in REQUIREMENTS}
-    rows = []
-    for item in acceptance:
-        one = meant[item["figure"]]
-        limit = f"at most {one.at_most:g}" if one.at_most is not None else f"at least {one.at_least:g}"
-        value = Cell(f"{item['value']:.2f} {one.unit}", "good" if item["met"] else "bad")
-        rows.append((one.meaning, value, f"{limit} {one.unit}"))
+    rows = [
+        (
+            one["meaning"],
+            Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad"),
+            one["limit"],
+        )
+        for one in acceptance
+    ]
     return Table(("", "flown>", "required>"), rows, "What is required")
 
 
