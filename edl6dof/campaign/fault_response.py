@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.rows import Collect
+from edl6dof.metrics.diagnosis import failed_thrusters
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultParams
@@ -57,6 +58,10 @@ class _Finding:
 def collected(plan: Plan) -> Collect | None:
     """What the rows of a plan say beyond the figures of every flight."""
     return fault_response if plan.fault_matrix is not None else None
+
+
+#: What thrusters are to be called that fail with the feed of several.
+_KINDS_OF_SEVERAL = {"branch_dead": "stuck_off", "weak_thrusters": "degraded"}
 
 
 def verdicts(flight: Flight) -> list[Verdict]:
@@ -135,11 +140,8 @@ def _finding(
     t = flight.telemetry["t_s"]
     used = (t >= since) & (t < end) & _in_use(flight, fault)
     first = float(t[used][0]) if used.any() else None
-    name = fault.acts_on(flight.loaded.truth.components)
-    about = [
-        one for one in named if (one.component, one.name) == (fault.component, name) and one.t_s >= since
-    ]
-    right = [one for one in about if one.kind in (None, fault.kind)]
+    about = [one for one in named if _is_about(one, flight, fault) and one.t_s >= since]
+    right = [one for one in about if _has_kind(one, fault)]
     verdict = next(iter([*right, *about]), None)
     return _Finding(since, first, float(used.sum()) * _step(t), verdict, bool(right))
 
@@ -151,20 +153,32 @@ def _step(t: np.ndarray) -> float:
 
 def _is_right(verdict: Verdict, flight: Flight, begun: np.ndarray) -> bool:
     """Whether a verdict names what has failed, with the kind of its fault; saturated gyros blame none."""
-    components = flight.loaded.truth.components
     return verdict.component == "inertial_unit" or any(
-        (verdict.component, verdict.name) == (fault.component, fault.acts_on(components))
-        and verdict.kind in (None, fault.kind)
-        and verdict.t_s >= since
+        _is_about(verdict, flight, fault) and _has_kind(verdict, fault) and verdict.t_s >= since
         for fault, since in zip(flight.loaded.truth.faults, begun, strict=True)
     )
+
+
+def _is_about(verdict: Verdict, flight: Flight, fault: FaultParams) -> bool:
+    """Whether a verdict names what fails by a fault, or one of the thrusters that fail by it."""
+    truth = flight.loaded.truth
+    if verdict.component == "thruster":
+        return verdict.name in failed_thrusters(fault, truth.components, truth.branches)
+    return (verdict.component, verdict.name) == (fault.component, fault.acts_on(truth.components))
+
+
+def _has_kind(verdict: Verdict, fault: FaultParams) -> bool:
+    """Whether a verdict tells the kind of a fault, if it tells any."""
+    return verdict.kind in (None, _KINDS_OF_SEVERAL.get(fault.kind, fault.kind))
 
 
 def _in_use(flight: Flight, fault: FaultParams) -> np.ndarray:
     """Rows of telemetry in which what fails is used or leaks, shape (rows,), bool."""
     table = flight.telemetry
-    if fault.component == "thruster" and fault.kind != "stuck_on":
-        return table[f"valve.{fault.acts_on(flight.loaded.truth.components)}"] != 0
+    truth = flight.loaded.truth
+    failing = failed_thrusters(fault, truth.components, truth.branches)
+    if failing and fault.kind != "stuck_on":
+        return np.any([table[f"valve.{name}"] != 0 for name in failing], axis=0)
     if fault.component == "beam":
         return table["nav.beams_used"] != 0
     if fault.component == "star_tracker":
