@@ -42,6 +42,7 @@ class Requirement:
 REQUIREMENTS = (
     Requirement("within_limits_pct", "within limits", "%", at_least=99.5),
     Requirement("kind_right_pct", "right name and kind, of those that fire or leak", "%", at_least=99.0),
+    Requirement("wrong_verdicts_pct", "flights with a wrong verdict on anything", "%", at_most=1.0),
     Requirement("air_median_s", "median time to the verdict in the air", "s", at_most=3.0),
     Requirement("powered_median_s", "median time to the verdict in powered flight", "s", at_most=1.0),
     Requirement("worst_s", "longest time to the verdict", "s", at_most=15.0),
@@ -101,6 +102,7 @@ def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, An
     values = {
         "within_limits_pct": _percent(whole["within_limits"], whole["flights"]),
         "kind_right_pct": _percent(whole["kind_right"], whole["can_be_known"]),
+        "wrong_verdicts_pct": _percent(whole["with_wrong_verdicts"], whole["flights"]),
         "air_median_s": times[AIR] and times[AIR]["median"],
         "powered_median_s": times[POWERED] and times[POWERED]["median"],
         "worst_s": whole["from_use_s"] and whole["from_use_s"]["worst"],

@@ -4,7 +4,7 @@ matrix.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,9 +12,10 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.rows import Collect
-from edl6dof.metrics.diagnosis import failed_thrusters
+from edl6dof.metrics.diagnosis import failed_thrusters, kind_of_failure
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
-from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 
@@ -23,30 +24,35 @@ AIR, POWERED = "air", "powered"
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """A component that the flight computer took out of use.
-
-    Attributes:
-        component: kind of component.
-        name: its name.
-        kind: what is said to be wrong with it, as a kind of fault; of instruments nothing is said.
-        t_s: when.
-    """
+class Failure:
+    """A component that fails, and what a right verdict says of it: nothing but its name of an instrument."""
 
     component: Component
     name: str
     kind: str | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A component that the flight computer took out of use, and why, in the same words; ``t_s``: when."""
+
+    failure: Failure
     t_s: float
 
     @property
     def label(self) -> str:
         """``D7 stuck_off``, ``g3``."""
-        return f"{self.name} {self.kind}" if self.kind else self.name
+        one = self.failure
+        return f"{one.name} {one.kind}" if one.kind else one.name
+
+    def names(self, failure: Failure) -> bool:
+        """Whether it is about the component that failed."""
+        return (self.failure.component, self.failure.name) == (failure.component, failure.name)
 
 
 @dataclass(frozen=True)
 class _Finding:
-    """One fault that began: when, its first use from then on if there was any, and the verdict on it."""
+    """One failure that began: when, its first use from then on if there was any, and the verdict on it."""
 
     since: float
     first_use: float | None
@@ -60,17 +66,27 @@ def collected(plan: Plan) -> Collect | None:
     return fault_response if plan.fault_matrix is not None else None
 
 
-#: What thrusters are to be called that fail with the feed of several.
-_KINDS_OF_SEVERAL = {"branch_dead": "stuck_off", "weak_thrusters": "degraded"}
-
-
 def verdicts(flight: Flight) -> list[Verdict]:
-    """Whom the flight computer named, in the order of time; that all gyros saturate is a verdict on none."""
-    found = [Verdict("thruster", one.thruster, one.kind.replace(" ", "_"), one.t_s)
-             for one in flight.isolated_faults]  # fmt: skip
-    found += [Verdict(one.component, one.instrument, None, one.t_s)
-              for one in flight.exclusions if not one.back]  # fmt: skip
+    """Whom the flight computer named, in the order of time."""
+    found = [
+        Verdict(Failure("thruster", one.thruster, one.kind.replace(" ", "_")), one.t_s)
+        for one in flight.isolated_faults
+    ]
+    found += [
+        Verdict(Failure(one.component, one.instrument, None), one.t_s)
+        for one in flight.exclusions
+        if not one.back
+    ]
     return sorted(found, key=lambda one: one.t_s)
+
+
+def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
+    """What a fault makes fail: a component, or all thrusters of a branch or of the vehicle."""
+    if thrusters := failed_thrusters(fault, truth.components, truth.branches):
+        kind = kind_of_failure(fault).replace(" ", "_")
+        return [Failure("thruster", name, kind) for name in thrusters]
+    said = None if fault.component in INSTRUMENTS else fault.kind
+    return [Failure(fault.component, fault.acts_on(truth.components), said)]
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
@@ -81,37 +97,65 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     ``used_s``: for how long, of the one that was used least.  ``verdict_s`` and ``verdict_from_use_s``: time
     from the fault, and from the first use, to the verdict on the last of them, null if one was not named.
     ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
-    they failed, and those named with a wrong kind.  ``regime``: air or powered, at the first use, or
-    else at the fault.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between fault and
+    they failed, and those named with a wrong kind.  ``regime``: air or powered, at the first use, or else at
+    the fault.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between fault and
     touchdown.
     """
-    named, faults = verdicts(flight), flight.loaded.truth.faults
-    begun = flight.plant["fault_since"][0][: len(faults)]
-    end = flight.metrics.get("touchdown_s", flight.time_s)
-    found = [
-        _finding(flight, fault, float(since), end, named)
-        for fault, since in zip(faults, begun, strict=True)
-        if since != NOT_BEGUN and since < end
+    truth, named = flight.loaded.truth, verdicts(flight)
+    failed = [
+        (failure, fault, float(since))
+        for fault, since in zip(truth.faults, flight.plant["fault_since"][0], strict=False)
+        for failure in failures(fault, truth)
     ]
-    wrong = [one for one in named if not _is_right(one, flight, begun)]
+    end = flight.metrics.get("touchdown_s", flight.time_s)
     row: dict[str, Any] = {
         "fault_s": None,
         "first_use_s": None,
         "used_s": None,
         "regime": None,
-        "named": ", ".join(one.label for one in named) or None,
+        "named": _list(named),
         "name_right": False,
         "kind_right": False,
         "verdict_s": None,
         "verdict_from_use_s": None,
-        "wrongly_named": ", ".join(one.label for one in wrong) or None,
+        "wrongly_named": _list(one for one in named if not _is_right(one, failed)),
         "peak_attitude_error_deg": None,
     }
-    return row | _findings(flight, found, end) if len(found) == len(faults) else row
+    if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
+        return row
+    return row | _findings(flight, [_finding(flight, *one, end, named) for one in failed], end)
+
+
+def _list(verdicts: Iterable[Verdict]) -> str | None:
+    return ", ".join(one.label for one in verdicts) or None
+
+
+def _is_right(verdict: Verdict, failed: Iterable[tuple[Failure, FaultParams, float]]) -> bool:
+    """Whether a verdict says what has failed, and how; that all gyros saturate accuses none of them."""
+    return verdict.failure.component == "inertial_unit" or any(
+        verdict.failure == failure and verdict.t_s >= since for failure, _, since in failed
+    )
+
+
+def _finding(
+    flight: Flight, failure: Failure, fault: FaultParams, since: float, end: float, named: Sequence[Verdict]
+) -> _Finding:
+    t = flight.telemetry["t_s"]
+    used = (t >= since) & (t < end) & _in_use(flight, failure, fault)
+    first = float(t[used][0]) if used.any() else None
+    about = [one for one in named if one.names(failure) and one.t_s >= since]
+    right = [one for one in about if one.failure == failure]
+    verdict = next(iter([*right, *about]), None)
+    return _Finding(since, first, float(used.sum()) * _step(t), verdict, bool(right))
+
+
+def _step(t: np.ndarray) -> float:
+    """Time between rows of telemetry, s."""
+    return float(t[1] - t[0]) if len(t) > 1 else 0.0
 
 
 def _findings(flight: Flight, found: Sequence[_Finding], end: float) -> dict[str, Any]:
-    """The columns about faults that have all begun."""
+    """The columns about failures that have all begun."""
     since = min(one.since for one in found)
     uses = [one.first_use for one in found if one.first_use is not None]
     used = max(uses) if len(uses) == len(found) else None
@@ -134,53 +178,13 @@ def _findings(flight: Flight, found: Sequence[_Finding], end: float) -> dict[str
     }
 
 
-def _finding(
-    flight: Flight, fault: FaultParams, since: float, end: float, named: Sequence[Verdict]
-) -> _Finding:
-    t = flight.telemetry["t_s"]
-    used = (t >= since) & (t < end) & _in_use(flight, fault)
-    first = float(t[used][0]) if used.any() else None
-    about = [one for one in named if _is_about(one, flight, fault) and one.t_s >= since]
-    right = [one for one in about if _has_kind(one, fault)]
-    verdict = next(iter([*right, *about]), None)
-    return _Finding(since, first, float(used.sum()) * _step(t), verdict, bool(right))
-
-
-def _step(t: np.ndarray) -> float:
-    """Time between rows of telemetry, s."""
-    return float(t[1] - t[0]) if len(t) > 1 else 0.0
-
-
-def _is_right(verdict: Verdict, flight: Flight, begun: np.ndarray) -> bool:
-    """Whether a verdict names what has failed, with the kind of its fault; saturated gyros blame none."""
-    return verdict.component == "inertial_unit" or any(
-        _is_about(verdict, flight, fault) and _has_kind(verdict, fault) and verdict.t_s >= since
-        for fault, since in zip(flight.loaded.truth.faults, begun, strict=True)
-    )
-
-
-def _is_about(verdict: Verdict, flight: Flight, fault: FaultParams) -> bool:
-    """Whether a verdict names what fails by a fault, or one of the thrusters that fail by it."""
-    truth = flight.loaded.truth
-    if verdict.component == "thruster":
-        return verdict.name in failed_thrusters(fault, truth.components, truth.branches)
-    return (verdict.component, verdict.name) == (fault.component, fault.acts_on(truth.components))
-
-
-def _has_kind(verdict: Verdict, fault: FaultParams) -> bool:
-    """Whether a verdict tells the kind of a fault, if it tells any."""
-    return verdict.kind in (None, _KINDS_OF_SEVERAL.get(fault.kind, fault.kind))
-
-
-def _in_use(flight: Flight, fault: FaultParams) -> np.ndarray:
+def _in_use(flight: Flight, failure: Failure, fault: FaultParams) -> np.ndarray:
     """Rows of telemetry in which what fails is used or leaks, shape (rows,), bool."""
     table = flight.telemetry
-    truth = flight.loaded.truth
-    failing = failed_thrusters(fault, truth.components, truth.branches)
-    if failing and fault.kind != "stuck_on":
-        return np.any([table[f"valve.{name}"] != 0 for name in failing], axis=0)
-    if fault.component == "beam":
+    if failure.component == "thruster" and fault.kind != "stuck_on":
+        return table[f"valve.{failure.name}"] != 0
+    if failure.component == "beam":
         return table["nav.beams_used"] != 0
-    if fault.component == "star_tracker":
+    if failure.component == "star_tracker":
         return table["truth.altitude_m"] >= flight.scenario.sensors.star_tracker.lowest_m
     return np.ones(len(table["t_s"]), bool)

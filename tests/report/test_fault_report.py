@@ -64,6 +64,7 @@ def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     assert required == {
         "within_limits_pct": (pytest.approx(100 * 6 / 9), False),
         "kind_right_pct": (pytest.approx(100 * 4 / 7), False),
+        "wrong_verdicts_pct": (pytest.approx(100 * 2 / 9), False),
         "air_median_s": (7.0, False),
         "powered_median_s": (0.5, True),
         "worst_s": (20.0, False),

@@ -68,26 +68,27 @@ def test_figures_come_from_where_the_table_says(nominal, faulty):
 
 
 @pytest.mark.parametrize(
-    "fault, failed",
+    "fault, failed, kind",
     [
-        ("thruster: D7, kind: stuck_on", ["D7"]),
-        ("branch: F34, kind: branch_dead", ["F3", "F4"]),
-        ("kind: weak_thrusters", edl6dof.load("tianwen1").scenario.thruster_names),
-        ("kind: wing_lost", []),
+        ("thruster: D7, kind: stuck_on", ["D7"], "stuck on"),
+        ("branch: F34, kind: branch_dead", ["F3", "F4"], "stuck off"),
+        ("kind: weak_thrusters", edl6dof.load("tianwen1").scenario.thruster_names, "degraded"),
+        ("kind: wing_lost", [], "stuck off"),
     ],
 )
-def test_thrusters_that_a_fault_makes_fail_are_no_false_alarms(fault, failed):
+def test_verdicts_are_right_on_thrusters_that_a_fault_makes_fail_with_its_kind(fault, failed, kind):
     truth = edl6dof.load("tianwen1", [f"faults=[{{{fault}, at: {{time_s: 1}}}}]"]).truth
     names, branches = truth.components, truth.branches
     assert list(failed_thrusters(truth.faults[0], names, branches)) == failed
     plant = np.zeros(1, STATE)
     plant["fault_since"][0, 0] = 1.0
     for thruster in truth.thruster_names:
-        found = [IsolatedFault(thruster, "stuck off", 0.9999, 1.0, 3.0)]
-        figures = diagnosis_figures(found, truth.faults, names, branches, plant[0])
-        right = thruster in failed
-        assert figures["false_alarms"] == (0.0 if right else 1.0)
-        assert figures.get("time_to_detect_s") == (2.0 if right else None)
+        for said in ("stuck off", "stuck on", "degraded"):
+            found = [IsolatedFault(thruster, said, 0.9999, 1.0, 3.0)]
+            figures = diagnosis_figures(found, truth.faults, names, branches, plant[0])
+            right = thruster in failed and said == kind
+            assert figures["false_alarms"] == (0.0 if right else 1.0)
+            assert figures.get("time_to_detect_s") == (2.0 if right else None)
 
 
 def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(nominal):
