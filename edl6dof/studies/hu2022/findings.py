@@ -45,7 +45,7 @@ def all_of(nominal: Flight, means: Mapping[str, SampleMean], rows: list[Row]) ->
     """Every finding of the study: the flight as a mean over neighbouring ones, and the experiments."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in dict(_FLIGHT)}
     flown = (_flown(beside, means) for beside in published_figures(published))
-    experiments = (*_entries(rows), *_steps(rows), *_avoidance(rows), *_wings(rows), *_loops(nominal))
+    experiments = (*_entries(rows), *_steps(rows), *_wings(rows), *_loops(nominal))
     return (*flown, _estimated_force(nominal), *experiments)
 
 
@@ -116,14 +116,6 @@ def _steps(rows: list[Row]) -> tuple[Finding, ...]:
             Finding(f"{STEP_NM:g} N m, {name}: peak", "deg", row["peak_error_deg"], note="sect. 6.2")
         )
         findings.append(Finding(f"{STEP_NM:g} N m, {name}: settled", "s", row["settled_s"]))
-    return tuple(findings)
-
-
-def _avoidance(rows: list[Row]) -> tuple[Finding, ...]:
-    findings = []
-    for name, row in _of(rows, "avoidance"):
-        findings.append(Finding(f"roll error, {name}", "deg", row["peak_error_deg"], note="Fig. 7"))
-        findings.append(Finding(f"roll rate, {name}", "deg/s", row["peak_rate_deg_s"]))
     return tuple(findings)
 
 
