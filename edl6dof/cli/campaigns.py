@@ -112,7 +112,10 @@ def faults(
         ),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, typer.Option("--sensors", help="Fail instruments instead: every axis, beam and star tracker.")
+        bool,
+        typer.Option(
+            "--sensors", help="Fail instruments instead: every axis, beam, star tracker and flow meter."
+        ),
     ] = False,
     kinds: Annotated[
         str,

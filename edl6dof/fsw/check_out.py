@@ -104,6 +104,12 @@ def under_check_out(params, phase, memory):
 
 
 @kernel
+def put_off(memory):
+    """Try the thruster whose turn it is again later: something else turns the vehicle now."""
+    memory.under_way = 0
+
+
+@kernel
 def check_out(params, effectiveness, inertia, t, rate, dt, memory):
     """One control cycle of check-out: (thruster, on-time, loss), the valve to open from now, for how long,
     and the fraction of thrust that it lacks once that is known, 0 for one that responds.

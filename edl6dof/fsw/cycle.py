@@ -10,7 +10,7 @@ from __future__ import annotations
 from edl6dof.fsw.allocation.demand import compose_demand, no_demand
 from edl6dof.fsw.allocation.effectiveness import update_effectiveness
 from edl6dof.fsw.allocation.update import allocate
-from edl6dof.fsw.check_out import check_out, under_check_out
+from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
 from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
@@ -114,7 +114,11 @@ def run(onboard, sensed, k, fsw):
         command.shut,
     )
 
-    if under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out):
+    checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
+    if checking and fsw.diagnosis.leak.branch != NONE:
+        put_off(fsw.check_out)
+        checking = False
+    if checking:
         # check-out: attitude control rests
         no_demand(fsw.demand)
         rate = take3(nav.imu_rate_B, 0)

@@ -210,6 +210,7 @@ TICK = np.dtype(
         ("range", "f8", (MAX_BEAMS,)),
         ("used", "f8", (MAX_BRANCHES,)),
         ("metered", "f8", (MAX_BRANCHES,)),
+        ("expected", "f8", (MAX_BRANCHES,)),
     ],
     align=True,
 )

@@ -17,8 +17,8 @@ class Telemetry(Mapping[str, np.ndarray]):
     """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1),
     ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded), for each radar beam
     ``range.<name>_m`` (0 without an echo), and for each propellant branch ``used.<name>_kg`` (what went
-    through it since the start) and ``metered.<name>_kg`` (what its flow meter counted of it); of a brief log
-    ``t_s`` and its channels.
+    through it since the start), ``metered.<name>_kg`` (what its flow meter counted of it) and
+    ``expected.<name>_kg_s`` (the flow that commands call for); of a brief log ``t_s`` and its channels.
 
     A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of
     it where no unit changes, else a copy.
@@ -119,7 +119,7 @@ def _slots(
     kinds = (
         *((kind, "", field, thrusters) for kind, field in _PER_THRUSTER),
         ("range", "_m", "range", beams),
-        *((kind, "_kg", kind, branches) for kind in _PER_BRANCH),
+        *((kind, suffix, kind, branches) for kind, suffix in _PER_BRANCH),
     )
     return {
         f"{kind}.{name}{suffix}": (field, index)
@@ -152,12 +152,14 @@ def describe(name: str) -> tuple[str, str]:
         return "kg", f"propellant that went through branch {name[5:-3]} since the start"
     if name.startswith("metered."):
         return "kg", f"what the flow meter of branch {name[8:-3]} has counted of it; 0 without a meter"
+    if name.startswith("expected."):
+        return "kg/s", f"flow through branch {name[9:-5]} that commands call for, mean of a control cycle"
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 
 
 _PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
-_PER_BRANCH = ("used", "metered")
+_PER_BRANCH = (("used", "_kg"), ("metered", "_kg"), ("expected", "_kg_s"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 

@@ -156,4 +156,4 @@ def record(case, plant, outputs, sensed, fsw, tick):
         tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0
     tick.diagnosis.in_use = in_use
     for k in range(case.branches.count):
-        tick.used[k] = plant.branch_used[k]
+        tick.used[k], tick.expected[k] = plant.branch_used[k], diagnosis.flow.expected[k]

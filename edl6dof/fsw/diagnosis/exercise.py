@@ -4,9 +4,8 @@ nothing turns or moves sideways unless one of them fails.
 A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
 long rest.  In hazard avoidance, where a fault must be known within half a second, whichever thruster it is,
 and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
-turn.  A thruster that one test makes suspect is tested again at once, alone where its opposite number is as
-suspect; where a loss may be the propellant's, the others are.  A test of two 250 N thrusters costs 8 g of
-propellant.
+turn.  If something is missing, each of the two is tried alone at once; where the loss may be the
+propellant's, others are tested.  A test of two 250 N thrusters costs 8 g of propellant.
 
 Source: none; Hu et al. 2022 wait for the thruster to be used.
 """
@@ -16,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.flow import is_waiting
+from edl6dof.fsw.diagnosis.flow import is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NONE, NOTHING, STUCK_ON
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
@@ -63,17 +62,21 @@ def is_free(i, t, healthy, busy_until, opens, closes):
 
 @kernel
 def retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t):
-    """The suspect and its opposite number, the suspect alone if they are alike, or twice ``NONE``."""
+    """The thruster to try alone, the suspect of force and torque with its opposite number, or twice
+    ``NONE``.
+    """
+    for i in range(count):
+        if needs_trial(i, diagnosis.flow) and is_free(i, t, healthy, busy_until, opens, closes):
+            return i, NONE
     best = diagnosis.hypotheses
-    i = best.thruster
     if best.kind in (NOTHING, STUCK_ON) or best.evidence <= params.suspicion:
         return NONE, NONE
-    if not is_free(i, t, healthy, busy_until, opens, closes):
-        return NONE, NONE
-    j = opposite(effectiveness, count, i)
-    if j == NONE or diagnosis.flow.off[j].cycles > 0:
-        return i, NONE
-    return (i, j) if is_free(j, t, healthy, busy_until, opens, closes) else (NONE, NONE)
+    i, j = best.thruster, opposite(effectiveness, count, best.thruster)
+    if is_free(i, t, healthy, busy_until, opens, closes) and is_free(
+        j, t, healthy, busy_until, opens, closes
+    ):
+        return i, j
+    return NONE, NONE
 
 
 @kernel

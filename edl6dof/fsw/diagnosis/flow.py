@@ -9,7 +9,8 @@ reads beyond what the branch was to let through is
 whatever air, riser and engine do to the vehicle, and for as long as the fault lasts.  The errors of a meter
 are known, so the evidence is the plain log likelihood ratio against "sound": a running sum that never falls
 below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss.  A
-cycle that tells another loss than those before it starts afresh: the fault is younger than they are.
+cycle that tells another loss than those before it starts afresh: the fault is younger than they are.  What is
+missing while several of a branch fire makes each of them doubtful; each is then tried alone.
 
 A loss that all branches show is the propellant's and no thruster's: it is taken off first.  So before a
 thruster is called degraded, other branches have to be seen in use since the first sign of it; one that lets
@@ -36,6 +37,8 @@ LARGEST = 200.0  # evidence beyond which nothing changes any more
 MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone never tells it
 STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
 POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
+ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
+DOUBT = 4.0  # standard deviations of a meter from which something is missing
 LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
 LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
 
@@ -84,6 +87,11 @@ FLOW = np.dtype(
         ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
         ("off", LOSS, (MAX_THRUSTERS,)),
         ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
+        (
+            "doubtful",
+            FLAG,
+            (MAX_THRUSTERS,),
+        ),  # whether something was missing while others of its branch fired
     ],
     align=True,
 )
@@ -211,7 +219,11 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
         residual, weight, flow = memory.residual[b], memory.weight[b], full_flow(vehicle.thrusters[i])
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
-            weigh_loss(params, residual, -given, weight, keep, memory.off[i])
+            if memory.expected[b] - given < ALONE * given:
+                weigh_loss(params, residual, -given, weight, keep, memory.off[i])
+                memory.doubtful[i] = 0
+            elif -residual > params.loss_least * given and residual * residual * weight > DOUBT * DOUBT:
+                memory.doubtful[i] = 1
         idle = (1.0 - share[i]) * flow
         told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
         memory.on[i] = min(max(memory.on[i] + told, 0.0), LARGEST)
@@ -224,7 +236,14 @@ def forget_branch(vehicle, b, memory):
     for i in range(vehicle.n_thrusters):
         if vehicle.branches.of[i] == b:
             memory.on[i] = 0.0
+            memory.doubtful[i] = 0
             forget_loss(memory.off[i])
+
+
+@kernel
+def needs_trial(i, memory):
+    """Whether thruster ``i`` has to be tried alone before a loss can be told or refuted."""
+    return memory.doubtful[i] != 0 or 0 < memory.off[i].cycles < LEAST_CYCLES
 
 
 @kernel

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.report.figure import BAD, BLUE, GREEN, VERMILION, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.flight.flows import branch_flows
+from edl6dof.report.flight.flows import branch_flows, thrusters_of
 from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
 from edl6dof.runs.run import Run
 
@@ -75,8 +75,7 @@ def leaks(run: Run, rows: np.ndarray) -> Panel:
     """When which branch was shut to look into its leak: a lane for each that was."""
     leaking = run["diagnosis.leaking"][rows]
     lanes = sorted({int(number) for number in leaking if number >= 0.0})
-    rcs = run.scenario["vehicle"]["rcs"]
-    names = [str((rcs.get("branches") or rcs["thrusters"])[number]["name"]) for number in lanes]
+    names = [list(thrusters_of(run))[number] for number in lanes]
     traces = [
         Trace(run.t[rows], np.where(leaking == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)

@@ -1,9 +1,10 @@
-"""Propellant branches that failed: what went through them, and what their meters read."""
+"""Propellant branches: what went through them, and what their meters read."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.report.document import Table
 from edl6dof.report.figure import BLUE, GREY, VERMILION, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.parts import TIME, event_marks, stacked
 from edl6dof.runs.run import Run
@@ -28,6 +29,17 @@ def branch_flows(run: Run, rows: np.ndarray) -> Figure | None:
     )
     panels = [flow_panel(run, name, rows) for name in shown]
     return stacked("flows", "Flow through the branches that failed", panels, caption, 150)
+
+
+def branch_use(run: Run) -> Table | None:
+    """What each branch used and its meter counted; none where runs do not tell."""
+    shown = {name: jets for name, jets in thrusters_of(run).items() if f"metered.{name}_kg" in run}
+    if not shown:
+        return None
+    counts = {name: [run[f"{kind}.{name}_kg"][-1] for kind in ("used", "metered")] for name in shown}
+    rows = [[name, ", ".join(jets), *(f"{kg:.3f}" for kg in counts[name])] for name, jets in shown.items()]
+    columns = ["branch", "thrusters", "propellant (kg)>", "metered (kg)>"]
+    return Table(columns, rows, "Propellant branches, each behind one latch valve")
 
 
 def failed_within(run: Run, thruster: str) -> bool:
@@ -59,12 +71,16 @@ def mean_flow(t: np.ndarray, counted: np.ndarray) -> np.ndarray:
 
 
 def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
-    """What one branch lets through and its meter reads."""
-    t = run.t[rows]
-    kinds = (("used", "true", BLUE), ("metered", "metered", VERMILION))
+    """What one branch was to let through, where that is known, lets through, and its meter reads."""
+    t, expected = run.t[rows], run[f"expected.{branch}_kg_s"]
+    counts = [
+        ("commanded", np.cumsum(expected * np.diff(run.t, prepend=run.t[0])), GREY),
+        ("true", run[f"used.{branch}_kg"], BLUE),
+        ("metered", run[f"metered.{branch}_kg"], VERMILION),
+    ]
     traces = [
-        Trace(t, 1e3 * mean_flow(run.t, run[f"{kind}.{branch}_kg"])[rows], name, colour=colour)
-        for kind, name, colour in kinds
+        Trace(t, 1e3 * mean_flow(run.t, counted)[rows], name, colour=colour)
+        for name, counted, colour in counts[0 if np.any(expected) else 1 :]
     ]
     jets = thrusters_of(run)[branch]
     marks = [*event_marks(run, t), Mark("y", 1e3 * largest_flow(run, jets), "one open", GREY)]
