@@ -81,12 +81,21 @@ def verdicts(flight: Flight) -> list[Verdict]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """What a fault makes fail: a component, or all thrusters of a branch or of the vehicle."""
-    if thrusters := failed_thrusters(fault, truth.components, truth.branches):
-        kind = kind_of_failure(fault).replace(" ", "_")
-        return [Failure("thruster", name, kind) for name in thrusters]
+    """What is to be named where a fault happens: its component; of a dead branch, every thruster behind it.
+
+    That the feed of all thrusters is weak is nobody's verdict; calling one of them degraded is not wrong.
+    """
+    if fault.component == "branch":
+        return _thrusters(fault, truth)
     said = None if fault.component in INSTRUMENTS else fault.kind
     return [Failure(fault.component, fault.acts_on(truth.components), said)]
+
+
+def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
+    """Every thruster that a fault makes fail."""
+    kind = kind_of_failure(fault).replace(" ", "_")
+    names = failed_thrusters(fault, truth.components, truth.branches)
+    return [Failure("thruster", name, kind) for name in names]
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
@@ -102,10 +111,10 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     fault and touchdown.
     """
     truth, named = flight.loaded.truth, verdicts(flight)
-    failed = [
-        (failure, fault, float(since))
-        for fault, since in zip(truth.faults, flight.plant["fault_since"][0], strict=False)
-        for failure in failures(fault, truth)
+    begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
+    failed = [(failure, fault, since) for fault, since in begun for failure in failures(fault, truth)]
+    true = [
+        (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
     end = flight.metrics.get("touchdown_s", flight.time_s)
     row: dict[str, Any] = {
@@ -118,7 +127,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         "kind_right": False,
         "verdict_s": None,
         "verdict_from_use_s": None,
-        "wrongly_named": _list(one for one in named if not _is_right(one, failed)),
+        "wrongly_named": _list(one for one in named if not _is_right(one, true)),
         "peak_attitude_error_deg": None,
     }
     if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
@@ -130,10 +139,10 @@ def _list(verdicts: Iterable[Verdict]) -> str | None:
     return ", ".join(one.label for one in verdicts) or None
 
 
-def _is_right(verdict: Verdict, failed: Iterable[tuple[Failure, FaultParams, float]]) -> bool:
-    """Whether a verdict says what has failed, and how; that all gyros saturate accuses none of them."""
+def _is_right(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
+    """Whether a verdict says what has failed by then; that all gyros saturate accuses none of them."""
     return verdict.failure.component == "inertial_unit" or any(
-        verdict.failure == failure and verdict.t_s >= since for failure, _, since in failed
+        verdict.failure == failure and verdict.t_s >= since for failure, since in true
     )
 
 
@@ -183,6 +192,8 @@ def _in_use(flight: Flight, failure: Failure, fault: FaultParams) -> np.ndarray:
     table = flight.telemetry
     if failure.component == "thruster" and fault.kind != "stuck_on":
         return table[f"valve.{failure.name}"] != 0
+    if failure.component == "rcs":
+        return np.any([table[f"valve.{name}"] != 0 for name in flight.scenario.thruster_names], axis=0)
     if failure.component == "beam":
         return table["nav.beams_used"] != 0
     if failure.component == "star_tracker":

@@ -17,6 +17,7 @@ from edl6dof.vehicle.plant import NOT_BEGUN
     [
         ("thruster: D7, kind: stuck_on", [Failure("thruster", "D7", "stuck_on")]),
         ("branch: F34, kind: branch_dead", [Failure("thruster", name, "stuck_off") for name in ("F3", "F4")]),
+        ("kind: weak_thrusters", [Failure("rcs", "rcs", "weak_thrusters")]),
         ("gyro: g2, kind: reading_bias", [Failure("gyro", "g2", None)]),
         ("kind: engine_dead", [Failure("engine", "main", "engine_dead")]),
     ],
@@ -40,6 +41,7 @@ def made_up(*faults, named=(), begun=None, used=None, excluded=()):
     since = np.full(16, NOT_BEGUN)
     since[: len(truth.faults)] = begun or [50.0] * len(truth.faults)
     return SimpleNamespace(
+        scenario=truth,
         loaded=SimpleNamespace(truth=truth),
         telemetry=table,
         plant={"fault_since": since[None]},
@@ -101,6 +103,20 @@ def test_a_sound_instrument_excluded_is_a_wrong_verdict_and_saturated_gyros_are_
     excluded = [("gyro", "g2", 70.0), ("inertial_unit", "inertial_unit", 71.0)]
     row = fault_response(made_up(DEAD, excluded=excluded))
     assert row["named"] == "g2, inertial_unit" and row["wrongly_named"] == "g2"
+
+
+def test_every_thruster_of_a_dead_branch_is_to_be_named_and_none_of_a_weak_feed():
+    used = {"D1": (55.0, 60.0), "D6": (56.0, 57.0)}
+    named = [("D6", "stuck off", 58.0), ("D1", "stuck off", 59.0)]
+    dead = "{branch: D16, kind: branch_dead, at: {time_s: 50}}"
+    row = fault_response(made_up(dead, used=used, named=named))
+    assert row["kind_right"] and (row["first_use_s"], row["verdict_from_use_s"]) == (56.0, 3.0)
+    assert not fault_response(made_up(dead, used=used, named=named[:1]))["name_right"]
+    weak = "{kind: weak_thrusters, at: {time_s: 50}}"
+    row = fault_response(
+        made_up(weak, used=used, named=[("D3", "degraded", 58.0), ("D4", "stuck off", 59.0)])
+    )
+    assert (row["first_use_s"], row["name_right"], row["wrongly_named"]) == (55.0, False, "D4 stuck_off")
 
 
 def test_of_a_pair_both_are_to_be_named():
