@@ -9,7 +9,7 @@ import pytest
 
 from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
-from edl6dof.report.campaign.faults import blocks, headline
+from edl6dof.report.campaign.faults import became, blocks, headline
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import write_figure
@@ -90,7 +90,7 @@ def test_map_shows_what_became_of_each_fault_the_worst_of_several(tmp_path):
     names = [trace.name for trace in became.traces]
     assert names == [
         "never used after it: cannot be known", "right name and kind", "not named, or not all",
-        "named with a wrong kind", "another named", "not within limits",
+        "named with a wrong kind", "a sound one named", "not within limits",
     ]  # fmt: skip
     colours = {trace.name: trace.colour for trace in became.traces}
     assert [colours[name] for name in names[:5]] == list(became.heat.colours)
@@ -121,10 +121,14 @@ def test_what_is_lost_wrong_or_missed_is_listed_by_its_case():
     assert cases["Not within limits"] == ["4", "7", "8"]
     assert cases["Wrong verdicts"] == ["4", "5"]
     assert cases["In use, and not named"] == ["1", "5"]
-    assert (
-        headline(results(ROWS))
-        == "6 of 9 flights within limits; 4 of 7 faults that can be known rightly named"
-    )
+    words = "6 of 9 flights within limits; 4 of 7 faults that can be known rightly named"
+    assert headline(results(ROWS)) == (words, "warn")
+    assert headline(results(ROWS[3:4]))[1] == "good"
+
+
+def test_a_sound_one_named_beside_the_right_one_spoils_the_cell():
+    right = row(0, "A1", "10 s", use=0.0, verdict=1.0, named="A1 stuck_off, A2 stuck_on", **FOUND)
+    assert became(right) == 1 and became(right | {"wrongly_named": "A2 stuck_on"}) == 4
 
 
 def test_pairs_are_a_map_of_one_by_the_other_for_each_moment(tmp_path):
