@@ -175,7 +175,7 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
     """Go on with the looks at a leak, and end them when they have decided."""
     leak = memory.leak
     found, confidence = follow_leak(
-        params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, leak, shut
+        params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, memory.residual, leak, shut
     )
     if found == NAMED:
         note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t, memory)

@@ -32,7 +32,7 @@ MIXED, LOOK = 1, 3
 SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
 LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
 METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
-MOST_LOOKS = 12  # after which the likeliest is named, however likely
+MOST_LOOKS = 20  # after which the likeliest is named, however likely
 
 LEAK = np.dtype(
     [
@@ -104,14 +104,15 @@ def open_leak(params, vehicle, effectiveness, wrench, load, b, residual, memory,
     if residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
         take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, 1.0, memory)
-    look_again(memory)
+    look_again(residual, memory)
 
 
 @kernel
-def look_again(memory):
-    """What was after the last move of the valve is before the next one."""
+def look_again(residual, memory):
+    """The valve moves: the last cycles are what was before."""
+    mean_of(residual, 1, 1 if memory.looks < 2 else LOOK, memory.before)
     for j in range(6):
-        memory.before[j], memory.after[j] = memory.after[j], 0.0
+        memory.after[j] = 0.0
     memory.flow, memory.cycles = 0.0, 0
 
 
@@ -131,30 +132,32 @@ def likeliest(count, memory):
 
 
 @kernel
-def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow, memory, shut):
-    """One control cycle with the branch shut, or open for a look: what is known, and the confidence."""
+def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow, residual, memory, shut):
+    """One control cycle with the branch shut, or open for a look: what is known, and the confidence.
+
+    The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
+    """
     b = memory.branch
     memory.cycles += 1
-    if memory.cycles <= MIXED:
-        return UNDER_WAY, 0.0
-    for j in range(6):
-        memory.after[j] += unexplained[j] / LOOK
-    memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
-    if memory.cycles < MIXED + LOOK:
-        return UNDER_WAY, 0.0
-    if memory.open == 0 and memory.flow * memory.flow * flow.weight[b] > METER_ERROR * METER_ERROR:
-        return METER_FAILED, 1.0
-    sign = 1.0 if memory.open != 0 else -1.0
-    take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
-    confidence = likeliest(vehicle.n_thrusters, memory)
-    if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
-        memory.open = 0
-        shut[b] = 1
-        return NAMED, confidence
-    memory.open = 1 - memory.open
-    shut[b] = 1 - memory.open
-    look_again(memory)
-    return UNDER_WAY, confidence
+    if MIXED < memory.cycles <= MIXED + LOOK:
+        for j in range(6):
+            memory.after[j] += unexplained[j] / LOOK
+        memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
+    if memory.cycles == MIXED + LOOK:
+        if memory.open == 0 and memory.flow * memory.flow * flow.weight[b] > METER_ERROR * METER_ERROR:
+            return METER_FAILED, 1.0
+        sign = 1.0 if memory.open != 0 else -1.0
+        take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
+        confidence = likeliest(vehicle.n_thrusters, memory)
+        if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+            memory.open = 0
+            shut[b] = 1
+            return NAMED, confidence
+    if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
+        memory.open = 1 - memory.open
+        shut[b] = 1 - memory.open
+        look_again(residual, memory)
+    return UNDER_WAY, 0.0
 
 
 @kernel
