@@ -78,7 +78,7 @@ def blocks(results: Results) -> Iterator[Block]:
 def became(row: Row) -> int:
     """What became of a fault, as an index of the list above."""
     if row.get("wrongly_named"):
-        return _WRONG_KIND if row["name_right"] and not is_right(row) else _SOUND
+        return _SOUND if row.get("sound_named") else _WRONG_KIND
     if is_right(row):
         return _RIGHT
     return _NOT_NAMED if can_be_known(row) else _CANNOT_BE_KNOWN
