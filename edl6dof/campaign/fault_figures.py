@@ -61,6 +61,11 @@ def can_be_known(row: Row) -> bool:
     return row.get("first_use_s") is not None
 
 
+def is_right(row: Row) -> bool:
+    """Whether all that failed, and could be known, was named with the right kind."""
+    return can_be_known(row) and bool(row["kind_right"])
+
+
 def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
     """Figures of all flights, the same for each kind of fault and regime, and what was required."""
     kinds = list(dict.fromkeys(row["kind"] for row in rows))
@@ -82,7 +87,7 @@ def _regime(row: Row) -> str:
 def _counts(rows: Sequence[Row]) -> dict[str, Any]:
     """Counts, and times from the fault and from the first use to right verdicts."""
     known = [row for row in rows if can_be_known(row)]
-    right = [row for row in known if row["kind_right"]]
+    right = [row for row in known if is_right(row)]
     return {
         "flights": len(rows),
         "within_limits": sum(bool(row["success"]) for row in rows),

@@ -106,9 +106,9 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     ``used_s``: for how long, of the one that was used least.  ``verdict_s`` and ``verdict_from_use_s``: time
     from the fault, and from the first use, to the verdict on the last of them, null if one was not named.
     ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
-    they failed, and those named with a wrong kind.  ``regime``: air or powered, at the first use, or else at
-    the fault, if that began.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between
-    fault and touchdown.
+    they failed, and those named with a wrong kind; ``sound_named`` without the last.  ``regime``: air or
+    powered, at the first use, or else at the fault, if that began.  ``peak_attitude_error_deg``: largest
+    error of pitch and yaw control between fault and touchdown.
     """
     truth, named = flight.loaded.truth, verdicts(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
@@ -116,6 +116,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     true = [
         (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
+    wrong = [one for one in named if not _is_right(one, true)]
     end = flight.metrics.get("touchdown_s", flight.time_s)
     row: dict[str, Any] = {
         "fault_s": None,
@@ -127,7 +128,8 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         "kind_right": False,
         "verdict_s": None,
         "verdict_from_use_s": None,
-        "wrongly_named": _list(one for one in named if not _is_right(one, true)),
+        "wrongly_named": _list(wrong),
+        "sound_named": _list(one for one in wrong if not _has_failed(one, true)),
         "peak_attitude_error_deg": None,
     }
     if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
@@ -144,6 +146,11 @@ def _is_right(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
     return verdict.failure.component == "inertial_unit" or any(
         verdict.failure == failure and verdict.t_s >= since for failure, since in true
     )
+
+
+def _has_failed(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
+    """Whether a verdict is about a component that has failed by then, in whatever way."""
+    return any(verdict.names(failure) and verdict.t_s >= since for failure, since in true)
 
 
 def _finding(

@@ -97,6 +97,7 @@ def test_wrong_kinds_sound_thrusters_and_verdicts_before_the_fault_are_wrong(
 ):
     row = fault_response(made_up(DEAD, used={"D1": (50.0, 60.0)}, named=named))
     assert (row["name_right"], row["kind_right"], row["wrongly_named"]) == (name_right, kind_right, wrong)
+    assert row["sound_named"] == (wrong if wrong != "D1 degraded" else None)
 
 
 def test_a_sound_instrument_excluded_is_a_wrong_verdict_and_saturated_gyros_are_none():

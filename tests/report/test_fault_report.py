@@ -28,6 +28,7 @@ def row(
         "fault_s": 10.0, "first_use_s": None if use is None else 10.0 + use, "used_s": 0.5, "regime": regime,
         "named": None, "name_right": False, "kind_right": False, "verdict_s": verdict,
         "verdict_from_use_s": None if verdict is None else verdict - use, "wrongly_named": None,
+        "sound_named": None,
     }  # fmt: skip
     return found | more
 
@@ -39,7 +40,8 @@ ROWS = [
     row(3, "A1", "20 s", regime="powered", use=1.0, verdict=1.5, named="A1 stuck_off", **FOUND),
     row(4, "A2", "20 s", use=0.0, verdict=3.0, name_right=True, named="A2 degraded",
         wrongly_named="A2 degraded", success=False),
-    row(5, "A3", "20 s", use=0.0, named="A1 stuck_on", wrongly_named="A1 stuck_on"),
+    row(5, "A3", "20 s", use=0.0, named="A1 stuck_on", wrongly_named="A1 stuck_on",
+        sound_named="A1 stuck_on"),
     row(6, "A1", "30 s", use=0.0, verdict=7.0, named="A1 stuck_off", **FOUND),
     row(7, "A1", "30 s", use=0.0, verdict=20.0, named="A1 stuck_off", success=False, **FOUND),
     {"case": 8, "component": "A2", "kind": "stuck_off", "moment": "30 s", "success": False,
@@ -128,7 +130,10 @@ def test_what_is_lost_wrong_or_missed_is_listed_by_its_case():
 
 def test_a_sound_one_named_beside_the_right_one_spoils_the_cell():
     right = row(0, "A1", "10 s", use=0.0, verdict=1.0, named="A1 stuck_off, A2 stuck_on", **FOUND)
-    assert became(right) == 1 and became(right | {"wrongly_named": "A2 stuck_on"}) == 4
+    assert (
+        became(right) == 1
+        and became(right | dict.fromkeys(("wrongly_named", "sound_named"), "A2 stuck_on")) == 4
+    )
 
 
 def test_pairs_are_a_map_of_one_by_the_other_for_each_moment(tmp_path):

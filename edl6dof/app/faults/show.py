@@ -14,9 +14,10 @@ from rich.text import Text
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.app.report import report_of, write_page
-from edl6dof.campaign.fault_figures import can_be_known, fault_figures
+from edl6dof.campaign.fault_figures import can_be_known, is_right
 from edl6dof.campaign.rows import Row
 from edl6dof.campaign.storage.store import Store
+from edl6dof.config.base import stated
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.wording import counted
 
@@ -38,7 +39,7 @@ def show_matrix(store: Store, options: CampaignOptions) -> int:
         ConfigError: its table or its summary is not as it was written.
     """
     rows = store.table().to_pylist()
-    figures = store.summary.faults or fault_figures(rows)
+    figures = stated(store.summary.faults)
     if not (page := store.folder / "report.html").exists():
         write_page(report_of(store.folder), page, force=False)
     if options.as_json:
@@ -54,12 +55,7 @@ def show_matrix(store: Store, options: CampaignOptions) -> int:
 def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) -> None:
     for kind in dict.fromkeys(row["kind"] for row in rows):
         some = [row for row in rows if row["kind"] == kind]
-        components, moments = ({row[name] for row in some} for name in ("component", "moment"))
-        if (
-            len(moments) <= _COLUMNS
-            and len(components) <= _ROWS
-            and len(some) <= len(components) * len(moments)
-        ):
+        if _fits(some):
             console.print(_matrix(some, kind))
     console.print(_shares(figures["groups"]))
     console.print(_times(figures["groups"]))
@@ -73,6 +69,13 @@ def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) ->
     flights = counted(len(rows), "flight")
     outcome = f"{len(lost)} of {flights} not within limits" if lost else f"{flights} within limits"
     console.print(Text(outcome, style="bold red" if lost else "bold green"))
+
+
+def _fits(rows: Sequence[Row]) -> bool:
+    """Whether a matrix, of one flight in each cell, can be read in a terminal."""
+    components, moments = ({row[name] for row in rows} for name in ("component", "moment"))
+    one_each = len(rows) <= len(components) * len(moments)
+    return one_each and len(moments) <= _COLUMNS and len(components) <= _ROWS
 
 
 def _case(row: Row) -> str:
@@ -108,7 +111,7 @@ def _matrix(rows: Sequence[Row], kind: str) -> Table:
 
 
 def _cell(row: Row) -> Text:
-    if row.get("kind_right"):
+    if is_right(row):
         found, style = f"{row['verdict_from_use_s']:.2f}", "green"
     elif row.get("named"):
         found, style = str(row["named"]), "magenta"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
-from edl6dof.campaign.fault_figures import can_be_known, fault_figures
+from edl6dof.campaign.fault_figures import can_be_known, fault_figures, is_right
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.results import Results
@@ -78,8 +78,8 @@ def blocks(results: Results) -> Iterator[Block]:
 def became(row: Row) -> int:
     """What became of a fault, as an index of the list above."""
     if row.get("wrongly_named"):
-        return _WRONG_KIND if row["name_right"] and not row["kind_right"] else _SOUND
-    if row.get("kind_right"):
+        return _SOUND if row.get("sound_named") else _WRONG_KIND
+    if is_right(row):
         return _RIGHT
     return _NOT_NAMED if can_be_known(row) else _CANNOT_BE_KNOWN
 
@@ -127,7 +127,7 @@ def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
     across = list(dict.fromkeys(row["moment"] for row in rows))
     down = list(dict.fromkeys(row["component"] for row in rows))[::-1]
     places = [(down.index(row["component"]), across.index(row["moment"])) for row in rows]
-    return _figure(f"faults_{kind}", kind, kind, rows, places, across, down, "moment of the fault")
+    return _figure(f"faults_{kind}", kind, rows, places, across, down, "moment of the fault")
 
 
 def _pairs(kind: str, rows: Sequence[Row]) -> Iterator[Figure]:
@@ -137,13 +137,12 @@ def _pairs(kind: str, rows: Sequence[Row]) -> Iterator[Figure]:
         some = [row for row in rows if row["moment"] == moment]
         places = [tuple(names.index(name) for name in row["component"].split(AND)[::-1]) for row in some]
         title = f"{kind}, pairs at {moment}"
-        yield _figure(f"faults_{kind}_{number}", title, kind, some, places, names, names, "fails with")
+        yield _figure(f"faults_{kind}_{number}", title, some, places, names, names, "fails with")
 
 
 def _figure(
     key: str,
     title: str,
-    kind: str,
     rows: Sequence[Row],
     places: Sequence[Sequence[int]],
     across: Sequence[str],
@@ -159,7 +158,7 @@ def _figure(
     labels = [["" for _ in across] for _ in down]
     for (i, j), some in cells.items():
         what[i, j] = max(map(became, some))
-        found = [row["verdict_from_use_s"] for row in some if row["kind_right"]]
+        found = [row["verdict_from_use_s"] for row in some if is_right(row)]
         times[i, j] = np.median(found) if found else np.nan
         labels[i][j] = _words(some)
     lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
@@ -210,7 +209,9 @@ def _words(rows: Sequence[Row]) -> str:
     lines = []
     for row in rows[:8]:
         after = row.get("verdict_from_use_s")
-        found = f"{row['named'] or 'nobody'} named" + (f", {after:.2f} s after first use" if after else "")
+        found = f"{row.get('named') or 'nobody'} named" + (
+            f", {after:.2f} s after first use" if after else ""
+        )
         lines.append(f"case {row['case']}: {row['outcome']}; {found}")
     return "<br>".join([head, *lines])
 
@@ -226,7 +227,7 @@ def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
                 row["component"],
                 row["kind"],
                 row["moment"],
-                row["regime"] or "",
+                row.get("regime") or "",
                 _text(row[column]),
             )
             for row in rows[:_LINES]

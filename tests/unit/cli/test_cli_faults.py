@@ -40,7 +40,7 @@ def test_table_has_a_row_for_each_flight_with_fault_and_verdict(flown):
     d7 = next(row for row in rows if row["component"] == "D7" and row["kind"] == "stuck_off")
     assert d7["moment"] == "hazard_avoidance" and d7["regime"] == "powered"
     assert d7["named"] == "D7 stuck_off" and d7["name_right"] and d7["kind_right"]
-    assert d7["wrongly_named"] is None and 0.1 < d7["verdict_s"] < 1.5
+    assert d7["wrongly_named"] is None and 0.1 < d7["verdict_s"] < 3.0
     assert d7["verdict_from_use_s"] == pytest.approx(d7["verdict_s"] + d7["fault_s"] - d7["first_use_s"])
     assert d7["peak_attitude_error_deg"] < 20.0 and d7["landing_distance_m"] < 10000.0
 
