@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import lti, step
 
+import edl6dof
 from edl6dof.fsw.control.frames import decoupled_error, goal_attitude
-from edl6dof.studies.hu2022 import STUDY, avoidance, rigs
+from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
+from edl6dof.studies.hu2022 import STUDY, avoidance, printed_force, rigs
 from edl6dof.studies.hu2022.rows import SETTLED_DEG, last_time
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
@@ -156,6 +158,23 @@ def test_slower_estimator_leaves_roll_to_the_dead_thruster_as_foreseen(report):
     assert tuple(poles) == avoidance.POLES_RAD_S
     assert np.all(np.diff(foreseen) > 0.0) and np.all(np.diff(flown) > 0.0)
     assert np.all(np.abs(flown / foreseen - 1.0) < [0.8, 0.4, 0.3, 0.3, 0.3])  # pulses add half a degree
+
+
+def test_force_of_fig_12_is_what_pulse_modulation_leaves_of_the_command():
+    flight = edl6dof.fly(rigs.nominal())
+    commanded, rows = printed_force.commanded_n(flight), flight.during(HAZARD_AVOIDANCE)
+    given = np.stack([flight.telemetry[f"truth.rcs_force_{axis}_n"][rows] for axis in "yz"])
+    limit = flight.scenario.flight_software.guidance.powered.terminal.lateral_force_n
+    assert np.max(np.abs(commanded)) == pytest.approx(limit)
+    assert np.abs(np.mean(given + commanded, axis=1)) == pytest.approx(
+        [0.0, 0.0], abs=15.0
+    )  # y south, z west
+    assert np.corrcoef(-commanded.ravel(), given.ravel())[0, 1] > 0.7
+    printed = [printed_force.largest_n(flight, pole) for pole in printed_force.POLES_RAD_S]
+    assert printed == sorted(printed)
+    estimated = np.stack([flight.telemetry[f"estimate.force_{axis}_n"][rows] for axis in "yz"])
+    assert np.max(np.abs(estimated)) < 0.5 * printed[0]
+    assert printed[0] < 40.0 < printed[-1]
 
 
 def test_only_a_held_angle_of_attack_lets_the_parachute_open_after_a_failed_wing(report):

@@ -38,8 +38,9 @@ REMARKS = (
     "itself, with P + lambda D in place of P; what diagnosis then saves is the way to the safe spot. The "
     "paper prints neither gains nor lambda; foreseen is d / (J (P + lambda D)).",
     "Fig. 12: the 40 N are the estimate of a disturbance with sound thrusters, not the force of avoidance, "
-    "of which a pair has 500 N. Eq. 12 takes the commanded force as delivered, which makes pulse modulation "
-    "part of the estimate; here the estimator sees the valves.",
+    "of which a pair has 500 N. As printed, eq. 12 takes the commanded force as delivered, which makes pulse "
+    "modulation part of the estimate: that meets the 40 N near lambda_v = 1 rad/s. Here the estimator sees "
+    "the valves.",
     "Fig. 11: the largest torque of the real flight was about its yaw, here it is about the yaw of this body "
     "frame, where the tanks are out of balance: sizes compare.",
 )
