@@ -84,7 +84,7 @@ def test_bounds_of_the_paper_are_kept_and_every_flight_lands(report):
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert found(report, "dispersed entries landed") == 100.0
     avoided = [row for row in report.table.to_pylist() if row["experiment"] == "avoidance"]
-    assert len(avoided) == 3 * (1 + 2 * 16) + 4  # controls; all sound, and 16 dead; slower estimators
+    assert len(avoided) == 3 * (1 + 2 * 24) + 4  # controls; all sound, and 24 dead; slower estimators
     assert all(row["landed"] for row in avoided)
     single = len(rigs.AGAINST_STEP) + len(rigs.WING)
     assert report.table.num_rows == 2 * ENTRIES + len(avoided) + single
@@ -112,7 +112,7 @@ def test_every_dead_thruster_dies_at_every_moment_and_diagnosis_names_it(report,
     expected = {
         (name, moment) for name in avoidance.pushes(nominal.scenario) for moment in avoidance.MOMENTS_S
     }
-    assert len(expected) == 16
+    assert len(expected) == 24
     for control in avoidance.CONTROL:
         diagnosed = avoidances(report, control, True)
         assert {(row["thruster"], row["moment_s"]) for row in diagnosed} == expected

@@ -32,7 +32,7 @@ REMARKS = (
     "beside a phase margin stands its crossover frequency.",
     "Equal PID: the gains that the estimator is worth in its linear range, P + lambda D, lambda P and "
     "D + lambda.",
-    "Fig. 7: each horizontal thruster dies before its first push and 2 s later, with 20 m to go its way, on "
+    "Fig. 7: each horizontal thruster dies before its first push, or 1 or 2 s into it, 20 m to go, on "
     "instruments. Where a PID law alone works against the disturbance, that spoils the roll axis, and "
     "diagnosis saves it, as the paper says. The paper's estimator at the lambda of the scenario saves it by "
     "itself, with P + lambda D in place of P; what diagnosis then saves is the way to the safe spot. The "

@@ -35,7 +35,7 @@ CONTROL: dict[str, tuple[str, ...]] = {
 }
 DIAGNOSED: dict[bool, tuple[str, ...]] = {True: (), False: ("flight_software.diagnosis.enabled=false",)}
 #: When the thruster dies, s into the phase: before its first push, and in it.
-MOMENTS_S = (0.0, 2.0)
+MOMENTS_S = (0.0, 1.0, 2.0)
 #: Way to the safe spot, in the direction in which the thruster pushes, m.
 WAY_M = 20.0
 #: Convergence speeds lambda of the estimator, rad/s: that of the scenario and slower ones.

@@ -13,7 +13,7 @@ from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
-from edl6dof.studies.hu2022 import printed_force
+from edl6dof.studies.hu2022.printed_force import POLES_RAD_S, largest_n
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
 from edl6dof.studies.study import Finding
 
@@ -68,10 +68,8 @@ def _flown(beside: Beside, means: Mapping[str, SampleMean]) -> Finding:
 def _estimated_force(flight: Flight) -> tuple[Finding, ...]:
     force = max(_peak(flight, f"estimate.force_{axis}_n", HAZARD_AVOIDANCE) for axis in "yz")
     as_printed = (
-        Finding(
-            f"as printed, lambda_v {pole:g}", "N", printed_force.largest_n(flight, pole), 40.0, note="Fig. 12"
-        )
-        for pole in printed_force.POLES_RAD_S
+        Finding(f"as printed, lambda_v {pole:g}", "N", largest_n(flight, pole), 40.0, note="Fig. 12")
+        for pole in POLES_RAD_S
     )
     return Finding("estimated force", "N", force, 40.0, note="Fig. 12, one flight"), *as_printed
 
