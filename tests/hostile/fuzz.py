@@ -24,7 +24,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from command import ROOT, called
+from command import ROOT
+from in_process import called
 from mutations import SHORT, mutant
 
 #: Mutations that one process takes, and the seconds that each may last.
