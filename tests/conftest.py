@@ -8,6 +8,20 @@ import pytest
 
 import edl6dof
 
+#: Files that take longest, the longest first: begun last, one would run alone while the other processes have
+#: nothing left to do.
+LONGEST = (
+    *("test_nothing_is_lost.py", "test_dask.py", "test_campaign_kills.py", "test_fuzz.py"),
+    *("test_phase_roles.py", "test_plot_compare.py", "test_types.py", "test_bounds_check.py"),
+    *("test_report_rendered.py", "test_rendered.py", "test_server.py", "test_hu2022.py"),
+)
+
+
+def pytest_collection_modifyitems(items):
+    """Begin with the longest files."""
+    place = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.name, len(place)))
+
 
 @pytest.fixture(scope="session")
 def nominal():

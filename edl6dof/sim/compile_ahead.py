@@ -28,7 +28,10 @@ from edl6dof.vehicle.actuate import actuate
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import retrace
 
-_COMMAND = "from edl6dof.sim.compile_ahead import compile_flight_software as work; work()"
+# what it leaves is not worth a search for garbage
+_COMMAND = (
+    "import gc; from edl6dof.sim.compile_ahead import compile_flight_software as work; work(); gc.freeze()"
+)
 
 
 @contextmanager

@@ -5,16 +5,11 @@ again to the same row.
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from in_process import called
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = [sys.executable, "-c", "from edl6dof.cli import main; main()"]
 FILES = {"scenario.yaml", "telemetry.parquet", "events.json", "summary.json", "manifest.json", "replay.rrd"}
 #: Over in its first cycle, numbers that grow beyond all bounds, a leg as long as one may be.
 FAILURES = {
@@ -22,13 +17,6 @@ FAILURES = {
     "diverged": ["vehicle.landing_gear.damping_n_s_m=1e12"],
     "thrown": ["vehicle.landing_gear.footpads_m.1.2=200"],
 }
-
-
-def program(folder, *words):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONWARNINGS": "error::RuntimeWarning"}
-    return subprocess.run(
-        [*PROGRAM, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=200
-    )
 
 
 def not_json(word):
@@ -40,14 +28,10 @@ def flown(request, tmp_path_factory):
     """The folder of a failed flight, in a folder with a sound one."""
     folder = tmp_path_factory.mktemp(request.param)
     sets = [word for change in FAILURES[request.param] for word in ("--set", change)]
-    done = program(folder, "fly", "tianwen1", "--out", "failed", *sets)
+    done = called("fly", "tianwen1", "--out", "failed", *sets, cwd=folder)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr[-2000:]
-    assert (
-        program(
-            folder, "fly", "tianwen1", "--out", "sound", "--no-replay", "--set", "simulation.time_limit_s=50"
-        ).returncode
-        == 1
-    )
+    short = ("--no-replay", "--set", "simulation.time_limit_s=50")
+    assert called("fly", "tianwen1", "--out", "sound", *short, cwd=folder).returncode == 1
     return folder
 
 
@@ -78,13 +62,13 @@ def test_all_files_are_there_and_whole(flown):
     ids=" ".join,
 )
 def test_what_reads_them_does_so_or_says_why_not(flown, words):
-    done = program(flown, *words)
+    done = called(*words, cwd=flown)
     assert "Traceback" not in done.stderr, done.stderr[-2000:]
     assert done.returncode == 0 or (done.returncode == 2 and done.stderr.strip())
 
 
 def test_drawings_of_the_page_are_strict_json(flown):
-    assert program(flown, "report", "failed", "--out", "page.html", "--force").returncode == 0
+    assert called("report", "failed", "--out", "page.html", "--force", cwd=flown).returncode == 0
     _, _, rest = (
         (flown / "page.html").read_text().partition('<script type="application/json" id="figure-data">')
     )
@@ -99,10 +83,10 @@ def test_case_that_diverges_flies_again_to_the_same_row(tmp_path):
         "extends: tianwen1\nname: stiff\nvehicle: {landing_gear: {stiffness_n_m: 1.0e+12}}\n"
         "campaign: {cases: 2, truth: {atmosphere.density_factor: {kind: uniform, half_width: 0.02}}}\n"
     )
-    first = program(tmp_path, "campaign", "stiff.yaml", "--out", "dispersed")
+    first = called("campaign", "stiff.yaml", "--out", "dispersed", cwd=tmp_path)
     assert "Traceback" not in first.stderr, first.stderr[-2000:]
     causes = json.loads((tmp_path / "dispersed/summary.json").read_text())["causes"]
     assert all(row["cause"].startswith("not finite: ") for row in causes), causes
-    again = program(tmp_path, "refly", "dispersed", "1")
+    again = called("refly", "dispersed", "1", cwd=tmp_path)
     assert "Traceback" not in again.stderr, again.stderr[-2000:]
     assert "identical" in again.stdout + again.stderr

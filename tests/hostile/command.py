@@ -4,14 +4,10 @@ show.
 
 from __future__ import annotations
 
-import io
 import os
 import subprocess
 import sys
-from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
-
-from edl6dof import cli
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = [sys.executable, "-c", "from edl6dof.cli import main; main()"]
@@ -42,23 +38,6 @@ def finished(*words: object, cwd: Path, **more: str) -> subprocess.CompletedProc
     return subprocess.run(
         [*PROGRAM, *map(str, words)], cwd=cwd, env=environment, capture_output=True, text=True, timeout=300
     )
-
-
-def called(*words: object) -> subprocess.CompletedProcess[str]:
-    """Run the program in this process, which is much quicker; a traceback that it would print is printed here
-    too.
-    """
-    out, err, argv = io.StringIO(), io.StringIO(), sys.argv
-    sys.argv = ["edl6dof", *map(str, words)]
-    try:
-        with redirect_stdout(out), redirect_stderr(err):
-            cli.main()
-        status = 0
-    except SystemExit as end:
-        status = int(end.code or 0)
-    finally:
-        sys.argv = argv
-    return subprocess.CompletedProcess(list(words), status, out.getvalue(), err.getvalue())
 
 
 def viewing(name: str, run: Path, out: Path) -> list[str]:

@@ -22,9 +22,10 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.extend(map(str, Path(__file__).resolve().parents[:2]))
 
-from command import ROOT, called
+from command import ROOT
+from in_process import called
 from mutations import SHORT, mutant
 
 #: Mutations that one process takes, and the seconds that each may last.

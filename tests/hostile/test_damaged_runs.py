@@ -10,7 +10,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command import SHORT, VIEWERS, called, refused, viewing
+from command import SHORT, VIEWERS, refused, viewing
+from in_process import called
 
 from edl6dof.manifest import MANIFEST, seal
 

@@ -7,7 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from command import PROGRAM, ROOT, SHORT, called, finished
+from command import PROGRAM, ROOT, SHORT, finished
+from in_process import called
 
 from edl6dof.app import exit_status
 

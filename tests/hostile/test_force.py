@@ -6,7 +6,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command import SHORT, called, refused
+from command import SHORT, refused
+from in_process import called
 
 from edl6dof.manifest import MANIFEST, Manifest, seal
 

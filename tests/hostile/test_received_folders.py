@@ -7,7 +7,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from command import SHORT, VIEWERS, called, finished, refused, viewing
+from command import SHORT, VIEWERS, finished, refused, viewing
+from in_process import called
 
 from edl6dof.manifest import seal
 

@@ -7,7 +7,7 @@ is the same for every flight to a site, fades out where a vehicle stands, and is
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -109,16 +109,16 @@ class Landscape:
             freshness = self._random.uniform(0.15, 1.0, count) * min(1.0, (300.0 / diameter) ** 0.25)
             for d, phi, fresh in zip(distance.tolist(), turn.tolist(), freshness.tolist(), strict=True):
                 if d > 0.8 * diameter + 4.0:  # nobody lands in one
-                    self._dig(height, d * np.cos(phi), d * np.sin(phi), 0.5 * diameter, fresh)
+                    self._dig(height, d * cos(phi), d * sin(phi), 0.5 * diameter, fresh)
         return height
 
     def _dig(self, height: np.ndarray, east: float, north: float, radius: float, fresh: float) -> None:
         """One bowl with its rim and a blanket that thins out to 2.5 radii."""
-        distance, reach = float(np.hypot(east, north)), 2.5 * radius
-        rows = slice(*np.searchsorted(self._radius, [distance - reach, distance + reach]))
+        distance, reach = hypot(east, north), 2.5 * radius
+        rows = slice(*self._radius.searchsorted((distance - reach, distance + reach)))
         rho = np.hypot(self._east[rows] - east, self._north[rows] - north) / radius
         bowl = 0.32 * (rho**2 - 1.0) + 0.07
-        blanket = 0.07 * np.clip((2.5 - rho) / 1.5, 0.0, 1.0) ** 2 / np.maximum(rho, 1.0)
+        blanket = 0.07 * np.maximum((2.5 - rho) / 1.5, 0.0) ** 2 / np.maximum(rho, 1.0)
         height[rows] += fresh * radius * np.where(rho < 1.0, bowl, blanket)
 
     def _sunlight(self, height: np.ndarray) -> np.ndarray:
