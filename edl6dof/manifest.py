@@ -44,7 +44,6 @@ LATER = {
             "nesc.csv",
         ),
     ),
-    "faults": (),
     "study": (),
 }
 
@@ -68,7 +67,7 @@ class Manifest:
 
     Attributes:
         folder: the folder.
-        kind: ``flight``, ``faults`` or ``study``.
+        kind: ``flight`` or ``study``.
         files: SHA-256 (hexadecimal) of each file by its name.
     """
 

@@ -18,7 +18,7 @@ from edl6dof.config.errors import ConfigError, Problem
 
 @dataclass(frozen=True)
 class CampaignOptions:
-    """Options of ``edl6dof campaign``."""
+    """Options of ``edl6dof campaign``, and of what is flown like one; ``command`` goes on with it."""
 
     scenario: str | None
     sets: tuple[str, ...]
@@ -33,6 +33,7 @@ class CampaignOptions:
     until: str | None
     quiet: bool
     as_json: bool
+    command: str = "campaign"
 
 
 def run_campaign(options: CampaignOptions) -> int:
@@ -45,15 +46,18 @@ def run_campaign(options: CampaignOptions) -> int:
     except KeyboardInterrupt:
         if not options.resume:
             raise  # nothing was written
-        place = [stated(options.scenario), *(["--out", str(options.out)] if options.out else [])]
-        print(
-            (
-                "interrupted; what has flown is kept; go on with: edl6dof "
-                f"campaign {shlex.join(place)} --resume"
-            ),
-            file=sys.stderr,
-        )
-        return INTERRUPTED
+        return go_on_later(options)
+
+
+def go_on_later(options: CampaignOptions) -> int:
+    """Say how to go on with a campaign that was interrupted; returns the exit status."""
+    place = [stated(options.scenario), *(["--out", str(options.out)] if options.out else [])]
+    print(
+        "interrupted; what has flown is kept; go on with: "
+        f"edl6dof {options.command} {shlex.join(place)} --resume",
+        file=sys.stderr,
+    )
+    return INTERRUPTED
 
 
 def _check(options: CampaignOptions) -> None:

@@ -32,7 +32,15 @@ def fly_new(options: CampaignOptions) -> int:
     """
     _check(options)
     plan = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
-    store = Store(options.out or Path("runs") / plan.name)
+    return fly_plan(plan, Store(options.out or Path("runs") / plan.name), options)
+
+
+def fly_plan(plan: Plan, store: Store, options: CampaignOptions) -> int:
+    """Fly a plan from its first case; returns the exit status.
+
+    Raises:
+        ConfigError: there is something in the folder that the plan must not replace.
+    """
     try:
         with store.lock(make=True):
             store.check_new(options.force)
@@ -40,10 +48,10 @@ def fly_new(options: CampaignOptions) -> int:
                 run.begin(plan, store, options.until, options.force)
                 return _fly(plan, store, engine, options)
     except KeyboardInterrupt:
-        print(f"interrupted; {_standing(store, plan)}", file=sys.stderr)
+        print(f"interrupted; {_standing(store, plan, options)}", file=sys.stderr)
         return INTERRUPTED
     except OSError as error:
-        return refuse(f"{_reason(store, error)}; {_standing(store, plan)}")
+        return refuse(f"{_reason(store, error)}; {_standing(store, plan, options)}")
 
 
 def go_on(options: CampaignOptions) -> int:
@@ -59,29 +67,28 @@ def go_on(options: CampaignOptions) -> int:
             plan = run.resumed_plan(store)
             store.tidy()
             if store.complete:
-                show(store, options)
-                return 0
+                return _shown(plan, store, options)
             with _engine(options) as engine:
                 return _fly(plan, store, engine, options)
     except OSError as error:
-        return refuse(f"{_reason(store, error)}; {_going_on(store)}")
+        return refuse(f"{_reason(store, error)}; {_going_on(store, options)}")
 
 
 def _reason(store: Store, error: OSError) -> str:
     return f"{error.filename2 or error.filename or store.folder}: {error.strerror or error}"
 
 
-def _going_on(store: Store) -> str:
-    return f"what has flown is kept; go on with: edl6dof campaign {store.folder} --resume"
+def _going_on(store: Store, options: CampaignOptions) -> str:
+    return f"what has flown is kept; go on with: edl6dof {options.command} {store.folder} --resume"
 
 
-def _standing(store: Store, plan: Plan) -> str:
+def _standing(store: Store, plan: Plan, options: CampaignOptions) -> str:
     """What has become of a new campaign that was stopped."""
     if store.is_half_begun:
         return f"{store.folder} was being begun or replaced; begin it anew with --force"
     with suppress(StoreError):
         if store.plan_text == plan.text:
-            return _going_on(store)
+            return _going_on(store, options)
     return "nothing was written"
 
 
@@ -99,13 +106,24 @@ def _folder(options: CampaignOptions) -> Path:
     if not lexists(folder / "campaign.json") and not folder.is_dir():
         given = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
         folder = options.out or Path("runs") / given.name
-        if given.text != Store(folder).plan_text:
-            raise refused(
-                folder, f"was begun with another plan; go on with it by: edl6dof campaign {folder} --resume"
-            )
+        require_plan(Store(folder), given, options)
     elif options.sets or options.cases is not None or options.seed is not None:
         raise refused(folder, "has its plan; it takes no other values when it goes on")
     return folder
+
+
+def require_plan(store: Store, plan: Plan, options: CampaignOptions) -> None:
+    """See that a folder was begun with this plan.
+
+    Raises:
+        ConfigError: it holds no campaign, or one of another plan.
+    """
+    if plan.text != store.plan_text:
+        raise refused(
+            store.folder,
+            "was begun with another plan; go on with it by: "
+            f"edl6dof {options.command} {store.folder} --resume",
+        )
 
 
 def _fly(plan: Plan, store: Store, engine: Engine, options: CampaignOptions) -> int:
@@ -113,6 +131,15 @@ def _fly(plan: Plan, store: Store, engine: Engine, options: CampaignOptions) -> 
     _warm_up(plan, talk)
     with _progress(talk, plan.count) as report:
         run.fly(plan, store, engine, report)
+    return _shown(plan, store, options)
+
+
+def _shown(plan: Plan, store: Store, options: CampaignOptions) -> int:
+    """What a complete campaign came to; returns the exit status."""
+    if plan.fault_matrix is not None:
+        from edl6dof.app.faults.show import show_matrix
+
+        return show_matrix(store, options)
     show(store, options)
     return 0
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.executor import CaseRunner, available_cores
+from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.rows import Row
 from edl6dof.campaign.storage.identity import Identity, changed_files, compared, differences, identity
 
@@ -64,7 +65,7 @@ class Threads:
                 yield from plan.cases(first, last)
 
         found: list[Row] = []
-        for row in CaseRunner(plan.loaded).rows(cases(), self.workers):
+        for row in CaseRunner(plan.loaded, collected(plan)).rows(cases(), self.workers):
             found.append(row)
             if len(found) == pending[0][1] - pending[0][0]:
                 pending.popleft()
@@ -191,4 +192,4 @@ def _worker() -> str:
 @lru_cache(maxsize=2)
 def _prepared(plan_text: str) -> tuple[Plan, CaseRunner, Identity]:
     plan = parse_plan(plan_text, "(campaign)")
-    return plan, CaseRunner(plan.loaded), identity(plan)
+    return plan, CaseRunner(plan.loaded, collected(plan)), identity(plan)

@@ -1,15 +1,16 @@
-"""One flight for each way in which one component can fail: cases of the fault matrix, and what a row says
-about each.
+"""What may fail in a scenario, in which phases unless others are asked for, and the plan of a matrix of such
+faults.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
-
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.params import FaultMatrixParams
+from edl6dof.campaign.design.plan import Plan, plan_of
+from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.fsw.mission.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
@@ -20,9 +21,7 @@ from edl6dof.fsw.mission.roles import (
     TRIM,
 )
 from edl6dof.scenario.schema import Scenario
-from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
-from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
 from edl6dof.vehicle.plant import THRUSTER_KINDS
 
@@ -61,81 +60,29 @@ def may_fail(scenario: Scenario, kind: str) -> dict[Component, list[str]]:
     return {component: list(scenario.components.get(component, ())) for component in components_of(kind)}
 
 
-def fault_cases(
-    kinds: Mapping[str, Mapping[Component, Sequence[str]]],
-    phases: Mapping[str, Sequence[str]],
-    after_s: float,
-) -> list[Case]:
-    """A case for each kind, phase and component; the fault begins ``after_s`` s into the phase.
+def matrix_plan(
+    scenario: str, matrix: FaultMatrixParams, sets: Sequence[str], vehicles: int | None, seed: int | None
+) -> Plan:
+    """The plan of a matrix of faults.
 
     Args:
-        kinds: names of what is to fail, by kind of fault and kind of component.
-        phases: those in which it fails, by kind of fault.
-        after_s: s.
+        scenario: file, or name of a shipped one.
+        matrix: what fails and when.
+        sets: overrides of the scenario.
+        vehicles: dispersed vehicles on which each cell is flown; the nominal one if ``None``.
+        seed: of the dispersions, instead of the campaign's own.
+
+    Raises:
+        ConfigError: the scenario is wrong, has faults of its own, or no dispersions where some are wanted.
     """
-    grid = [
-        (kind, phase, component, name)
-        for kind, components in kinds.items()
-        for phase in phases[kind]
-        for component, names in components.items()
-        for name in names
-    ]
-    return [
-        Case(
-            index,
-            truth={"faults": [{component: name, "kind": kind, "at": {"plus_s": after_s, "phase": phase}}]},
-            label={"component": name, "kind": kind, "phase": phase},
-        )
-        for index, (kind, phase, component, name) in enumerate(grid)
-    ]
-
-
-def fault_response(flight: Flight) -> Mapping[str, Any]:
-    """What the fault did to a flight, and what was made of it.
-
-    ``unused_s`` is the time from the fault to a component's first use after it, null if there was none:
-    before that nobody can tell that it is dead.  ``peak_attitude_error_deg`` is the largest error of pitch
-    and yaw control between fault and touchdown.  ``named`` is the thruster isolated, or the instrument
-    excluded, first; ``excluded`` all instruments excluded.
-    """
-    fault = flight.loaded.truth.faults[0]
-    since = float(flight.plant["fault_since"][0][0])
-    table = flight.telemetry
-    t, end = table["t_s"], flight.metrics.get("touchdown_s", flight.time_s)
-    after = (t >= since) & (t < end)
-    error = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])
-    used = after & _in_use(flight, fault)
-    row = {
-        "fault_s": since if since <= end else None,
-        "unused_s": float(t[used][0]) - since if used.any() else None,
-        "peak_attitude_error_deg": float(error[after].max()) if after.any() else None,
-    }
-    return row | (_excluded(flight) if fault.component in INSTRUMENTS else _isolated(flight))
-
-
-def _isolated(flight: Flight) -> dict[str, Any]:
-    """The thruster isolated first."""
-    named = flight.isolated_faults[0] if flight.isolated_faults else None
-    return {
-        "named": named.thruster if named else None,
-        "named_kind": named.kind if named else None,
-        "confidence": named.confidence if named else None,
-    }
-
-
-def _excluded(flight: Flight) -> dict[str, Any]:
-    """The instruments excluded, in the order of time."""
-    names = [one.instrument for one in flight.exclusions if not one.back]
-    return {"named": names[0] if names else None, "excluded": ", ".join(dict.fromkeys(names))}
-
-
-def _in_use(flight: Flight, fault: FaultParams) -> np.ndarray:
-    """Rows of telemetry in which what fails is used, shape (rows,), bool."""
-    table = flight.telemetry
-    if fault.component == "thruster":
-        return table[f"valve.{fault.thruster}"] != 0
-    if fault.component == "beam":
-        return table["nav.beams_used"] != 0
-    if fault.component == "star_tracker":
-        return table["truth.altitude_m"] >= flight.scenario.sensors.star_tracker.lowest_m
-    return np.ones(len(table["t_s"]), bool)
+    document = read_document(resolve_scenario(scenario))
+    data = {name: value for name, value in document.data.items() if name not in ("campaign", "sweep")}
+    if vehicles is not None:
+        if not isinstance(campaign := document.data.get("campaign"), dict):
+            words = "has no campaign: section that would disperse it; try tianwen1_mc"
+            raise ConfigError([document.problem((), words), Problem("-n", 0, 0, "", "needs dispersions")])
+        data["campaign"] = {**campaign, "faults": []}  # those of the matrix alone
+    elif seed is not None:
+        raise ConfigError([Problem("--seed", 0, 0, "", "is that of dispersed vehicles: give -n N too")])
+    data["fault_matrix"] = matrix.model_dump(mode="json", exclude_none=True)
+    return plan_of(replace(document, data=data), tuple(sets), vehicles, seed)

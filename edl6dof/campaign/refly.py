@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from edl6dof.campaign.design.plan import Plan
+from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import ConfigError, Problem
@@ -47,11 +48,13 @@ def differences(store: Store, plan: Plan, number: int, flight: Flight) -> list[s
         "outcome": flight.outcome,
         "end_s": flight.time_s,
         **flight.metrics,
+        **(collect(flight) if (collect := collected(plan)) else {}),
     }
     case = next(plan.cases(number, number + 1))
     known = {
         "case",
         *mine,
+        *case.label,
         *(f"truth.{path}" for path in case.truth),
         *(f"belief.{path}" for path in case.belief),
         "profile",

@@ -12,6 +12,7 @@ import pyarrow as pa
 import edl6dof
 from edl6dof.campaign.design.plan import Plan, parse_plan
 from edl6dof.campaign.engines import Engine
+from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
 from edl6dof.campaign.statistics import Proportion, Until
 from edl6dof.campaign.storage.documents import Cause, Info, Summary
@@ -111,7 +112,11 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
             break
     if hasattr(flown, "close"):
         flown.close()
-    store.finish(done, summary(plan, tally, causes(parts.table(range(done), ["cause"])), str(engine)))
+    ended = summary(plan, tally, causes(parts.table(range(done), ["cause"])), str(engine))
+    if plan.fault_matrix is not None:
+        faults = fault_figures(parts.table(range(done)).to_pylist())
+        ended = ended.model_copy(update={"faults": faults})
+    store.finish(done, ended)
     return tally
 
 

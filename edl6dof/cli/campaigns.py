@@ -105,10 +105,17 @@ def refly(
 
 def faults(
     scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+        str,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="Scenario file, or the name of a shipped one; with --resume also the folder of a matrix.",
+        ),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, typer.Option("--sensors", help="Fail instruments instead: every axis, beam and star tracker.")
+        bool,
+        typer.Option(
+            "--sensors", help="Fail instruments instead: every axis, beam, star tracker and flow meter."
+        ),
     ] = False,
     kinds: Annotated[
         str,
@@ -120,46 +127,93 @@ def faults(
             ),
         ),
     ] = "",
+    components: Annotated[
+        str,
+        typer.Option(
+            metavar="LIST", help="What fails, such as D7,P1, with commas; all that can fail so if not given."
+        ),
+    ] = "",
+    pairs: Annotated[
+        bool, typer.Option("--pairs", help="Fail every two of them together instead of each alone.")
+    ] = False,
+    at: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LIST",
+            help=(
+                "When: times in s, 'every 10 s' of the nominal flight, or its events, such as "
+                "bank_reversal, trim_wing, mortar, ignition, with commas."
+            ),
+        ),
+    ] = None,
     phases: Annotated[
         str,
         typer.Option(
             metavar="LIST",
-            help="Phases, with commas; if not given, one of each kind of control, with --sensors every one.",
+            help=(
+                "When instead: phases, with commas; if not given, one of each kind of control, with "
+                "--sensors every one."
+            ),
         ),
     ] = "",
-    thrusters: Annotated[
-        str,
-        typer.Option(metavar="LIST", help="Thrusters, with commas; all if not given."),
-    ] = "",
     after: Annotated[
-        float, typer.Option(metavar="S", help="Time from the start of the phase to the fault.")
-    ] = 1.0,
-    sets: Sets = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")
+        float | None,
+        typer.Option(metavar="S", help="Time from the start of the phase to the fault; 1 s if not given."),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the matrix.")] = False,
+    sets: Sets = None,
+    vehicles: Annotated[
+        int | None,
+        typer.Option(
+            "-n",
+            "--vehicles",
+            metavar="N",
+            min=1,
+            help="Dispersed vehicles for each fault, as a campaign draws them; the nominal one if not given.",
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
     workers: Annotated[
         int | None,
         typer.Option(metavar="N", min=1, max=1024, help="Threads; as many as there are cores if not given."),
     ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/faults-<scenario> if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing matrix.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a matrix that was interrupted.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Fail every thruster in every phase, one flight each.
+    """Fail every thruster at every moment, one flight each.
 
     Kinds of fault of engines, surfaces and parachutes fail each of these; --sensors fails every instrument.
 
-    The matrix tells which flights survive, which faults are found out, and how fast; of instruments also how
-    far navigation is off at touchdown.
+    The folder holds a row for each flight, report.html a map of them: which land, who is named, how fast.
+    Afterwards: edl6dof refly FOLDER CASE.
 
-    Exit status: 0 all landed within limits, 1 not, 2 bad input, 130 interrupted.
+    Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
     """
     load_plugins(scenario, trust=trust)
-    from edl6dof.app.faults.choice import FaultOptions
-    from edl6dof.app.faults.matrix import run_faults
+    from edl6dof.app.campaign import CampaignOptions
+    from edl6dof.app.faults.command import Wanted, run_faults
 
-    options = FaultOptions(
-        scenario, sensors, kinds, phases, thrusters, after, tuple(sets or ()), out, force, as_json, workers
+    wanted = Wanted(sensors, kinds, components, pairs, phases, after, at)
+    flown_as = CampaignOptions(
+        scenario,
+        tuple(sets or ()),
+        cases=vehicles,
+        seed=seed,
+        engine="threads",
+        cluster=None,
+        workers=workers,
+        out=out,
+        force=force,
+        resume=resume,
+        until=None,
+        quiet=False,
+        as_json=as_json,
+        command="faults",
     )
-    raise typer.Exit(run_faults(options))
+    raise typer.Exit(run_faults(wanted, flown_as))

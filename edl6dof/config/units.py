@@ -33,6 +33,7 @@ DEG = pi / 180.0
 UNITS: dict[str, Unit] = {
     "kg": Unit("kg", 1.0, 1e9),
     "kg_s": Unit("kg/s", 1.0, 1e6),
+    "kg_s2": Unit("kg/s2", 1.0, 1e6),
     "kg_m2": Unit("kg m2", 1.0, 1e10),
     "kg_m3": Unit("kg/m3", 1.0, 1e4),
     "m": Unit("m", 1.0, 1e9),

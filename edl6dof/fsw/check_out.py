@@ -104,8 +104,15 @@ def under_check_out(params, phase, memory):
 
 
 @kernel
-def check_out(params, effectiveness, inertia, t, rate, dt, memory, healthy):
-    """One control cycle of check-out: (thruster, on-time), the valve to open from now, and for how long.
+def put_off(memory):
+    """Try the thruster whose turn it is again later: something else turns the vehicle now."""
+    memory.under_way = 0
+
+
+@kernel
+def check_out(params, effectiveness, inertia, t, rate, dt, memory):
+    """One control cycle of check-out: (thruster, on-time, loss), the valve to open from now, for how long,
+    and the fraction of thrust that it lacks once that is known, 0 for one that responds.
 
     Args:
         params: ``CHECK_OUT`` record.
@@ -115,7 +122,6 @@ def check_out(params, effectiveness, inertia, t, rate, dt, memory, healthy):
         rate: measured body rate, rad/s.
         dt: control cycle, s.
         memory: ``CHECK_OUT_MEMORY`` record, updated.
-        healthy: written, 0 for a thruster that does not respond.
     """
     thruster, pulse = params.thruster[memory.next], params.setting.pulse
     if memory.under_way == 0:
@@ -123,12 +129,13 @@ def check_out(params, effectiveness, inertia, t, rate, dt, memory, healthy):
         put3(memory.rate, 0, rate)
     elapsed = t - memory.since
     if elapsed < pulse - 1e-9:
-        return thruster, min(dt, pulse - elapsed)
+        return thruster, min(dt, pulse - elapsed), 0.0
+    loss = 0.0
     if elapsed >= pulse + params.setting.settle - 1e-9:
         seen = response(effectiveness[thruster], inertia, pulse, take3(memory.rate, 0), rate)
         memory.response[memory.next] = seen
         if seen < params.setting.share:
-            healthy[thruster] = 0
+            loss = min(1.0 - seen, 1.0)
         memory.next += 1
         memory.under_way = 0
-    return thruster, 0.0
+    return thruster, 0.0, loss

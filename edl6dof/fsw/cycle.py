@@ -10,16 +10,17 @@ from __future__ import annotations
 from edl6dof.fsw.allocation.demand import compose_demand, no_demand
 from edl6dof.fsw.allocation.effectiveness import update_effectiveness
 from edl6dof.fsw.allocation.update import allocate
-from edl6dof.fsw.check_out import check_out, under_check_out
+from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.inputs import gather_inputs
 from edl6dof.fsw.control.registry import attitude_control
-from edl6dof.fsw.diagnosis.diagnose import diagnose, restart
-from edl6dof.fsw.diagnosis.exercise import NONE, pair_to_test
+from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
+from edl6dof.fsw.diagnosis.exercise import pair_to_test
+from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.mission.sequencer import sequence
-from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_pair
+from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
 from edl6dof.fsw.navigation.derived import derive
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
@@ -98,7 +99,10 @@ def run(onboard, sensed, k, fsw):
     # fault isolation
     diagnose(
         onboard.diagnosis,
-        count,
+        onboard.flow_meters != 0,
+        onboard.instruments,
+        vehicle,
+        sensed.branch_used,
         effectiveness,
         fsw.estimation.activity,
         axial_load(disturbance.unexplained, goal, state),
@@ -107,16 +111,22 @@ def run(onboard, sensed, k, fsw):
         control_dt,
         fsw.diagnosis,
         healthy,
-        command.isolate,
+        command.shut,
     )
 
-    if under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out):
+    checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
+    if checking and fsw.diagnosis.leak.branch != NONE:
+        put_off(fsw.check_out)
+        checking = False
+    if checking:
         # check-out: attitude control rests
         no_demand(fsw.demand)
         rate = take3(nav.imu_rate_B, 0)
-        thruster, on = check_out(
-            onboard.check_out, effectiveness, inertia, nav.t, rate, control_dt, fsw.check_out, healthy
+        thruster, on, loss = check_out(
+            onboard.check_out, effectiveness, inertia, nav.t, rate, control_dt, fsw.check_out
         )
+        if loss > 0.0 and healthy[thruster] != 0:
+            isolate_dead(onboard.diagnosis, vehicle, thruster, loss, nav.t, fsw.diagnosis, healthy)
         open_alone(thruster, on, count, nav.t, opens, closes)
     else:
         # attitude control
@@ -142,20 +152,23 @@ def run(onboard, sensed, k, fsw):
         modulate(
             onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, fsw.modulation, opens, closes
         )
-        if goal.translating != 0:
-            i, j = pair_to_test(
-                onboard.diagnosis.exercise,
-                vehicle,
-                effectiveness,
-                healthy,
-                fsw.diagnosis.hypotheses,
-                fsw.modulation.busy_until,
-                opens,
-                closes,
-                nav.t,
-                control_dt,
-                fsw.diagnosis.exercise,
-            )
-            if i != NONE:
-                open_pair(i, j, nav.t, control_dt, opens, closes)
+        i, j = pair_to_test(
+            onboard.diagnosis.exercise,
+            vehicle,
+            effectiveness,
+            healthy,
+            fsw.diagnosis,
+            fsw.modulation.busy_until,
+            opens,
+            closes,
+            goal.translating != 0,
+            fsw.mission.phase_start,
+            nav.t,
+            control_dt,
+            fsw.diagnosis.exercise,
+        )
+        if i != NONE:
+            open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
+        if j != NONE:
+            open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation, opens, closes)
     remember(opens, closes, count, fsw.estimation.activity)

@@ -1,11 +1,21 @@
 """Pulse-width modulation, and all that opens a valve: the valve intervals are written here and nowhere else.
 
-A demanded duty becomes valve intervals of at least the minimum pulse: each thruster collects the on-time that
-is demanded of it, and when this residual reaches its minimum pulse, the valve opens; a pulse longer than the
-control cycle goes on in the next one.  The mean thrust follows the demand down to a deadband, no pulse is
-shorter than the minimum, and the residual of a thruster that is no longer asked for is dropped.
+Each thruster collects the on-time that is demanded of it.  When a share h of its shortest pulse w is due, the
+valve opens; it closes as soon as nothing is due any more, but not before w is over.  It opens at the start of
+a control cycle, goes on over as many as it takes, and closes at any time within one.  A steady duty d so
+gives pulses of
+
+    w max(1, h / (1 - d))   every   w max(1, h / (1 - d)) / d,
+
+longer the larger the duty, and the mean thrust follows the duty in a line from the deadband to saturation.
+A valve never closes for so short a time that thrust would begin again before it has ended.  What is due to a
+thruster that is no longer asked for is dropped.
+
+The share h trades openings against delay: at 1 a valve opens least often, at 1/2 what is given is as often
+ahead of the demand as behind it.  Figures: docs/modulation.md.
 Source: Hu et al. 2022, section 4.2 (linear modulation with deadband and saturation; 40 ms and 128 ms minimum
-pulses).
+pulses); pulses whose width and spacing both follow the demand: Wie, Space Vehicle Dynamics and Control, 2008
+(pulse-width pulse-frequency modulation).
 """
 
 from __future__ import annotations
@@ -25,6 +35,20 @@ class ModulationParams(Params):
         "duty below which a valve stays shut, and distance from one within which it stays open",
         ge=0.0,
         lt=1.0,
+    )
+    opening_share: float = param(
+        0.65,
+        "on-time due, over the shortest pulse, from which a valve opens",
+        ge=0.5,
+        le=1.0,
+    )
+    shortest_gap_s: float = param(
+        0.012,
+        "time for which a valve closes at least, so that thrust ends before it begins again",
+        status="estimate",
+        source="decay of 12 ms",
+        ge=0.0,
+        le=0.1,
     )
 
 
@@ -48,8 +72,9 @@ def modulate(params, vehicle, duty, t, cycle, memory, opens, closes):
         t: start of the cycle, s.
         cycle: its length, s.
         memory: ``MODULATION`` record.
-        opens: written, opening time of each valve, s.
-        closes: written, closing time of each valve, s; equal to the opening time for no pulse.
+        opens: opening time of each valve, s; written.
+        closes: closing time of each valve, s; that of the last cycle tells whether it is open now; written,
+            equal to the opening time for no pulse.
     """
     for i in range(vehicle.n_thrusters):
         shortest = vehicle.thrusters[i].minimum_pulse
@@ -57,19 +82,14 @@ def modulate(params, vehicle, duty, t, cycle, memory, opens, closes):
         if wanted > 1.0 - params.deadband:
             wanted = 1.0
         residual = memory.residual[i] + wanted * cycle if wanted > 0.0 else 0.0
-        running = memory.busy_until[i] > t + 1e-9
-        if running or residual >= shortest - 1e-9:
-            closed = t + max(residual, 0.0)
-            if not running:
-                closed = max(closed, t + shortest)
-                memory.busy_until[i] = t + shortest
-            closed = max(closed, memory.busy_until[i])
-            end = min(closed, t + cycle)
-            opens[i], closes[i] = t, end
-            residual -= end - t
-        else:
-            opens[i], closes[i] = t, t
-        memory.residual[i] = max(residual, -shortest)
+        is_open = closes[i] > opens[i] and closes[i] > t - 1e-9
+        if not is_open and residual >= params.opening_share * shortest - 1e-9:
+            is_open, memory.busy_until[i] = True, t + shortest
+        on = min(max(residual, memory.busy_until[i] - t, 0.0), cycle) if is_open else 0.0
+        if on > 0.0 and cycle - on < params.shortest_gap - 1e-9:
+            on = cycle
+        opens[i], closes[i] = t, t + on
+        memory.residual[i] = max(residual - on, -shortest)
 
 
 @kernel
@@ -81,10 +101,14 @@ def open_alone(thruster, on, count, t, opens, closes):
 
 
 @kernel
-def open_pair(i, j, t, cycle, opens, closes):
-    """Open two valves for a whole cycle: a test pulse whose impulses cancel, so that no residual changes."""
-    opens[i] = opens[j] = t
-    closes[i] = closes[j] = t + cycle
+def open_for_test(i, vehicle, t, cycle, memory, opens, closes):
+    """Open the valve of thruster ``i`` for its shortest pulse, at least a cycle; no demand is charged for
+    it.
+    """
+    end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
+    opens[i], closes[i] = t, t + cycle
+    memory.busy_until[i] = end
+    memory.residual[i] = end - closes[i]
 
 
 @kernel

@@ -44,6 +44,8 @@ from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
+from edl6dof.interface.thrusters import BRANCHES
+from edl6dof.records import FLAG
 from edl6dof.spatial.frames import LOCAL_FRAME
 
 NODES = 128
@@ -240,12 +242,14 @@ ONBOARD = np.dtype(
                     ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),
                     ("n_engines", "i8"),
                     *[(name, dtype_of(_Thrusters)[name]) for name in ("thrusters", "n_thrusters")],
+                    ("branches", BRANCHES),
                 ],
                 align=True,
             ),
         ),
         ("rates", dtype_of(RateParams)),
         ("instruments", INSTRUMENTS),
+        ("flow_meters", FLAG),  # whether propellant branches are metered
         ("navigation", dtype_of(NavigationParams)),
         ("guidance", dtype_of(GuidanceParams)),
         ("check_out", CHECK_OUT),

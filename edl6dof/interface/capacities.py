@@ -4,6 +4,8 @@ from __future__ import annotations
 
 #: Thrusters of a vehicle.
 MAX_THRUSTERS = 32
+#: Propellant branches, each behind one latch valve.
+MAX_BRANCHES = MAX_THRUSTERS
 #: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
 MAX_PARTS = 8
 #: Engines, and deployable surfaces, of a vehicle.

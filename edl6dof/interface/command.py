@@ -6,7 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PHASES, MAX_THRUSTERS
+from edl6dof.interface.capacities import (
+    MAX_BRANCHES,
+    MAX_ENGINES,
+    MAX_EVENTS,
+    MAX_PHASES,
+    MAX_THRUSTERS,
+)
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.records import FLAG, whole
 
@@ -22,7 +28,7 @@ COMMAND = np.dtype(
         ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
         ("alpha", "f8"),  # rad, angle of attack
         ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase, told with the commands
-        ("isolate", FLAG, (MAX_THRUSTERS,)),  # thrusters whose isolation valve is shut
+        ("shut", FLAG, (MAX_BRANCHES,)),  # propellant branches whose latch valve is shut
     ],
     align=True,
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_PORTS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_BRANCHES, MAX_GYROS, MAX_PORTS
 from edl6dof.records import FLAG
 
 #: What gyros and accelerometers of an inertial unit read, each along its own axis.  They count, so that
@@ -72,6 +72,7 @@ SENSED = np.dtype(
         ("radar", RADAR),  # of the landing radar
         ("tracking", TRACKING),  # of ground tracking
         ("pressure", "f8", (MAX_PORTS,)),  # Pa, at each port of the air data system
+        ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, through each branch since the start; some cycles old
         ("footpad_contact", FLAG),  # a footpad touches the ground
         ("wing_open", FLAG),  # end switch of the trim wing
     ],

@@ -1,11 +1,25 @@
-"""Groups of thrusters: what each thruster is for."""
+"""Thrusters: what each is for, and the propellant branch that feeds it."""
 
 from __future__ import annotations
 
 from typing import Literal, get_args
+
+import numpy as np
+
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 
 #: Horizontal: hazard avoidance and roll; axial: beside the engine; attitude: pitch and yaw; fine: fine
 #: pointing.  Names in YAML; records carry the index, and masks the bit of that number.
 ThrusterGroup = Literal["horizontal", "axial", "attitude", "fine"]
 THRUSTER_GROUPS: tuple[ThrusterGroup, ...] = get_args(ThrusterGroup)
 HORIZONTAL, AXIAL, ATTITUDE, FINE = range(len(THRUSTER_GROUPS))
+
+#: Propellant branches, each behind one latch valve.
+BRANCHES = np.dtype(
+    [
+        ("of", "i8", (MAX_THRUSTERS,)),  # branch of each thruster
+        ("count", "i8"),
+        ("full_flow", "f8", (MAX_BRANCHES,)),  # kg/s, with all thrusters of the branch open
+    ],
+    align=True,
+)

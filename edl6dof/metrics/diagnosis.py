@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,10 @@ from edl6dof.fsw.diagnosis.diagnose import KIND_NAMES
 from edl6dof.vehicle.faults.component import Components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
+
+#: What is rightly said of a thruster that fails together with others, by kind of fault; of one that fails
+#: alone, the kind of its own fault.
+_SAID = {"branch_dead": "stuck off", "weak_thrusters": "degraded"}
 
 
 @dataclass(frozen=True)
@@ -51,22 +55,40 @@ def isolated_faults(fsw: np.void, thrusters: Sequence[str]) -> list[IsolatedFaul
     ]
 
 
+def failed_thrusters(
+    fault: FaultParams, components: Components, branches: Mapping[str, Sequence[str]]
+) -> Sequence[str]:
+    """Names of the thrusters that a fault makes fail: one, those of a branch, all, or none."""
+    if fault.component == "branch":
+        return branches[fault.acts_on(components)]
+    if fault.component == "rcs":
+        return components["thruster"]
+    return [fault.acts_on(components)] if fault.component == "thruster" else []
+
+
+def kind_of_failure(fault: FaultParams) -> str:
+    """What a diagnosis should say of a thruster that a fault makes fail: stuck off, stuck on, degraded."""
+    return _SAID.get(fault.kind, fault.kind.replace("_", " "))
+
+
 def diagnosis_figures(
     isolated: Sequence[IsolatedFault],
     faults: Sequence[FaultParams],
     components: Components,
+    branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of healthy thrusters isolated, and time from the first thruster fault to its isolation if there
-    was one.
+    """Number of wrong verdicts, on a sound thruster or with a wrong kind of fault, and time from the first
+    thruster fault to the right verdict if there was one; ``branches``: thrusters of each propellant branch.
     """
-    since = {
-        fault.acts_on(components): float(begun)
-        for fault, begun in zip(faults, plant["fault_since"], strict=False)
-        if fault.component == "thruster" and begun != NOT_BEGUN
-    }
-    right = [one for one in isolated if one.t_s >= since.get(one.thruster, np.inf)]
+    since: dict[tuple[str, str], float] = {}
+    for fault, begun in zip(faults, plant["fault_since"], strict=False):
+        if begun != NOT_BEGUN:
+            for name in failed_thrusters(fault, components, branches):
+                what = name, kind_of_failure(fault)
+                since[what] = min(float(begun), since.get(what, np.inf))
+    right = [one for one in isolated if one.t_s >= since.get((one.thruster, one.kind), np.inf)]
     figures = {"false_alarms": float(len(isolated) - len(right))}
     if right:
-        figures["time_to_detect_s"] = right[0].t_s - since[right[0].thruster]
+        figures["time_to_detect_s"] = right[0].t_s - since[right[0].thruster, right[0].kind]
     return figures

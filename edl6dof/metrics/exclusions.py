@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from edl6dof.fsw.navigation.exclusions import ACCELEROMETERS, BEAMS, GYROS, INERTIAL_UNIT, STAR_TRACKER
-from edl6dof.vehicle.faults.component import Component, Components
+from edl6dof.vehicle.faults.component import INSTRUMENTS, Component, Components
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 
-#: Number of the first instrument of each kind among all that may go out of use, last kind first.
+#: Number of the first instrument of each kind among all that navigation may take out of use, last kind first.
 _FIRST: dict[Component, int] = {
     "inertial_unit": INERTIAL_UNIT,
     "star_tracker": STAR_TRACKER,
@@ -56,7 +56,15 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
         kind = next(kind for kind, first in _FIRST.items() if change["number"] >= first)
         name = components[kind][int(change["number"]) - _FIRST[kind]]
         found.append(Exclusion(kind, name, bool(change["back"]), float(change["t"])))
-    return found
+    meters = fsw["diagnosis"]["flow"]
+    found += [
+        Exclusion("flow_meter", name, False, float(t))
+        for name, failed, t in zip(
+            components["branch"], meters["meter_failed"], meters["failed_at"], strict=False
+        )
+        if failed
+    ]
+    return sorted(found, key=lambda one: one.t_s)
 
 
 def exclusion_figures(
@@ -71,7 +79,7 @@ def exclusion_figures(
     since = {
         (fault.component, fault.acts_on(components)): float(begun)
         for fault, begun in zip(faults, plant["fault_since"], strict=False)
-        if fault.component in _FIRST and begun != NOT_BEGUN
+        if fault.component in INSTRUMENTS and begun != NOT_BEGUN
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]

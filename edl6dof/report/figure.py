@@ -75,8 +75,12 @@ class Trace:
 
 @dataclass(frozen=True)
 class Heat:
-    """A field of cells: ``values`` has shape (len(y), len(x)); its colour scale runs from ``low`` to
-    ``high``.
+    """A field of cells: ``values`` has shape (len(y), len(x)), NaN is an empty cell; its colour scale runs
+    from ``low`` to ``high``.
+
+    Attributes:
+        colours: the scale; with a title of none, one colour for each whole number from ``low`` to ``high``.
+        labels: words of each cell, shown where a reader points at it.
     """
 
     x: np.ndarray
@@ -85,6 +89,26 @@ class Heat:
     title: str
     low: float
     high: float
+    colours: Sequence[str] = SEQUENTIAL
+    labels: Sequence[Sequence[str]] = ()
+
+    @property
+    def kinds(self) -> bool:
+        """Whether the cells are of kinds, each of one colour, which traces name in the legend."""
+        return not self.title
+
+    @property
+    def scale(self) -> list[tuple[float, str]]:
+        """Colours at shares of the way from the lowest to the highest value of :attr:`limits`."""
+        if not self.kinds:
+            return [(i / (len(self.colours) - 1), colour) for i, colour in enumerate(self.colours)]
+        n = len(self.colours)
+        return [(edge / n, colour) for i, colour in enumerate(self.colours) for edge in (i, i + 1)]
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Values at the ends of the scale."""
+        return (self.low - 0.5, self.high + 0.5) if self.kinds else (self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -213,14 +237,14 @@ def thinned(trace: Trace, buckets: int = 1000) -> Trace:
     if trace.kind not in ("line", "steps") or n <= 4 * buckets or trace.labels:
         return trace
     size = -(-n // buckets)
-    whole = np.arange(n - n % size).reshape(-1, size)
+    whole = n - n % size
     x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
     keep = np.zeros(n, bool)
-    keep[::size] = keep[n - n % size :: max(size // 4, 1)] = keep[-1] = True
+    keep[::size] = keep[whole :: max(size // 4, 1)] = keep[-1] = True
     for values in (y,) if np.all(np.diff(x) > 0.0) else (x, y):
-        rows = values[whole]
+        rows = values[:whole].reshape(-1, size)
         for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-            keep[whole[np.arange(len(whole)), pick(np.where(np.isnan(rows), fill, rows), axis=1)]] = True
+            keep[np.arange(0, whole, size) + pick(np.where(np.isnan(rows), fill, rows), axis=1)] = True
     gap = np.isnan(x) | np.isnan(y)
     edge = np.flatnonzero(gap[1:] != gap[:-1])
     keep[edge] = keep[edge + 1] = True

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, SEQUENTIAL, Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.figure import GREY, Axis, Figure, Heat, Panel, Trace, thinned
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -199,16 +199,17 @@ def _trace(axes: Axes, trace: Trace) -> Shown:
 def _heat(axes: Axes, heat: Heat) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
-    scale = LinearSegmentedColormap.from_list("sequential", SEQUENTIAL)
+    low, high = heat.limits
     cells = axes.pcolormesh(
         heat.x,
         heat.y,
-        heat.values,
-        cmap=scale,
-        vmin=heat.low,
-        vmax=heat.high,
+        np.ma.masked_invalid(heat.values),
+        cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
+        vmin=low,
+        vmax=high,
         shading="nearest",
         rasterized=True,
     )
     axes.grid(False)
-    axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
+    if not heat.kinds:
+        axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, SEQUENTIAL, Axis, Band, Figure, Heat, Mark, Panel, Trace, thinned
+from edl6dof.report.figure import GREY, Axis, Band, Figure, Heat, Mark, Panel, Trace, thinned
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 INK, RULE = "#1f2933", "#e3e6ea"
@@ -181,7 +181,8 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
 
 def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
     values = np.asarray(heat.values, "<f4")
-    return {
+    low, high = heat.limits
+    found = {
         "type": "heatmap",
         "x": packed(heat.x),
         "y": packed(heat.y),
@@ -192,9 +193,10 @@ def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
         },
         "xaxis": f"x{number}",
         "yaxis": f"y{number}",
-        "zmin": heat.low,
-        "zmax": heat.high,
-        "colorscale": [[i / (len(SEQUENTIAL) - 1), colour] for i, colour in enumerate(SEQUENTIAL)],
+        "zmin": low,
+        "zmax": high,
+        "colorscale": [list(step) for step in heat.scale],
+        "showscale": not heat.kinds,
         "colorbar": {
             "title": {"text": heat.title, "side": "right"},
             "thickness": 12,
@@ -203,6 +205,9 @@ def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
         },
         "showlegend": False,
     }
+    if heat.labels:
+        found.update(text=[list(row) for row in heat.labels], hoverinfo="text", xgap=0.5, ygap=0.5)
+    return found
 
 
 def _place(axis: str, number: str, bounds: tuple[float, float] | None) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.config.document.source import parse_document
+from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import refusal
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
@@ -58,9 +58,14 @@ class Run(Mapping[str, np.ndarray]):
         return self._manifest.read("scenario.yaml").decode("utf-8")
 
     @cached_property
+    def document(self) -> Document:
+        """The resolved scenario with the status of its numbers."""
+        return parse_document(self.scenario_text, str(self.folder / "scenario.yaml"))
+
+    @cached_property
     def scenario(self) -> dict[str, Any]:
         """The resolved scenario as plain data: every default is in it."""
-        return parse_document(self.scenario_text, str(self.folder / "scenario.yaml")).data
+        return self.document.data
 
     @property
     def name(self) -> str:
@@ -84,16 +89,21 @@ class Run(Mapping[str, np.ndarray]):
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
-            if name not in self._file.schema_arrow.names:
+            if name not in self:
                 raise KeyError(name)
-            self._columns[name] = self._file.read([name]).column(0).to_numpy()
+            # to_numpy of arrow would import pandas, a tenth of a second
+            parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
+            self._columns[name] = np.concatenate(parts)
         return self._columns[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._schema.names
+
     def __iter__(self) -> Iterator[str]:
-        return iter(self._file.schema_arrow.names)
+        return iter(self._schema.names)
 
     def __len__(self) -> int:
-        return len(self._file.schema_arrow.names)
+        return len(self._schema)
 
     def unit(self, name: str) -> str:
         """Printed unit of a column."""
@@ -123,7 +133,11 @@ class Run(Mapping[str, np.ndarray]):
         return self.folder / name
 
     def _described(self, name: str, key: bytes) -> str:
-        return (self._file.schema_arrow.field(name).metadata or {}).get(key, b"").decode()
+        return (self._schema.field(name).metadata or {}).get(key, b"").decode()
+
+    @cached_property
+    def _schema(self) -> Any:
+        return self._file.schema_arrow  # which makes it anew each time
 
     @cached_property
     def _columns(self) -> dict[str, np.ndarray]:

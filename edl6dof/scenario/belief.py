@@ -23,9 +23,11 @@ from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.expected_descent import wind_at, wind_of
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.site import fill_site
+from edl6dof.sensors.registry import SENSOR_FAMILY
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
+from edl6dof.vehicle.propulsion.branches import fill_branches
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Sections of the flight software that stand in the record as they are.
@@ -64,6 +66,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     unit = sensors.inertial_unit if "inertial_unit" in sensors.flown else sensors.imu
     record["imu_delay"] = unit.delay_cycles / software.rates.base_hz
     believe_instruments(record["instruments"], scenario)
+    record["flow_meters"] = any("branch_used" in SENSOR_FAMILY.member(name).writes for name in sensors.flown)
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
     set_aim(onboard, scenario, tables)
@@ -147,6 +150,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         slot["thrust"], slot["minimum_pulse"] = jet.thrust_n, jet.minimum_pulse_s
         slot["specific_impulse"] = jet.specific_impulse_s
         slot["group"] = THRUSTER_GROUPS.index(jet.group)
+    fill_branches(record["branches"], vehicle.rcs.laid_branches, vehicle.rcs.thrusters)
 
 
 @lru_cache(maxsize=16)

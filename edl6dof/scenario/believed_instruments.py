@@ -12,6 +12,9 @@ from edl6dof.config.dtype import in_si
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.frames import ned_to_fixed
 
+#: Share of a branch's full flow by which the flow computed from commands differs from the true one at best.
+LEAST_FLOW_SHARE = 1e-3
+
 
 def believe_instruments(record: np.void, scenario: Scenario) -> None:
     """Fill an ``INSTRUMENTS`` record of zeros; what does not fly stays zero."""
@@ -33,6 +36,7 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         record["tracking_velocity_sigma"] = np.sqrt(ground["velocity"] ** 2 @ axes**2)
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
+    _believe_flow_meters(record, in_si(sensors.flow_meters) if "flow_meters" in sensors.flown else None)
 
 
 def _believe_radar(record: np.void, radar: np.void) -> None:
@@ -49,6 +53,13 @@ def _believe_radar(record: np.void, radar: np.void) -> None:
         record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
         record[f"{kind}_scale"] = np.hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
     record["range_bias"] = radar["reflectivity"]
+
+
+def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:
+    """Ideal meters, too, are not trusted beyond ``LEAST_FLOW_SHARE``."""
+    for field, name in (("scale_sigma", "scale"), ("bias_share", "bias"), ("noise_share", "noise")):
+        given = 0.0 if meters is None else float(meters[name])
+        record[f"flow_{field}"] = max(given, LEAST_FLOW_SHARE)
 
 
 def _believe_axes(record: np.void, kind: str, given: np.void) -> None:

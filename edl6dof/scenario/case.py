@@ -17,6 +17,7 @@ from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
 from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
 from edl6dof.interface.events import EVENT_TABLE
+from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.records import offset
 from edl6dof.scenario.events import fill_events
 from edl6dof.scenario.initial import InitialState
@@ -30,6 +31,7 @@ from edl6dof.vehicle.faults.fault import FAULTS, fill_faults
 from edl6dof.vehicle.mass import BODY, fill_lander
 from edl6dof.vehicle.motion.point_mass import DYNAMICS, PointMassParams
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
+from edl6dof.vehicle.propulsion.branches import fill_branches
 from edl6dof.vehicle.propulsion.tanks import FEEDS, fill_feeds
 from edl6dof.vehicle.vehicle import VehicleParams, carriers, fill_suspension
 
@@ -43,6 +45,7 @@ CASE = np.dtype(
         ("vehicle", dtype_of(VehicleParams)),
         ("lander", BODY),
         ("feeds", FEEDS),
+        ("branches", BRANCHES),
         ("suspension", SUSPENSION, (MAX_PARACHUTES,)),
         ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
         ("events", EVENT_TABLE),
@@ -130,6 +133,7 @@ def _fill_vehicle(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_lander(case["lander"], s.vehicle.mass, tuple(s.vehicle.parts), tuple(tanks))
     fill_feeds(case["feeds"]["engines"], [engine.draws_from for engine in engines], tanks)
     fill_feeds(case["feeds"]["thrusters"], [jet.draws_from for jet in jets], tanks)
+    fill_branches(case["branches"], s.vehicle.rcs.laid_branches, jets)
     fill_suspension(case["suspension"], s.vehicle)
     case["carrier"][: len(s.vehicle.surfaces)] = carriers(s.vehicle)
 
@@ -161,7 +165,11 @@ CASE_PARTS = (
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
     CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile"}), _fill_sensors),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),
-    CasePart(("vehicle", "lander", "feeds", "suspension", "carrier"), frozenset({"vehicle"}), _fill_vehicle),
+    CasePart(
+        ("vehicle", "lander", "feeds", "branches", "suspension", "carrier"),
+        frozenset({"vehicle"}),
+        _fill_vehicle,
+    ),
     CasePart(("events",), frozenset({"mission", "vehicle"}), _fill_events),
     CasePart(("faults",), frozenset({"faults", "vehicle", "sensors", "mission"}), _fill_faults),
     CasePart(

@@ -90,6 +90,17 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _metering_problems(scenario: Scenario) -> dict[str, str]:
+    """Diagnosis sets what branches use against what the vehicle does: over the same cycle."""
+    sensors = scenario.sensors_in_flight
+    if "flow_meters" not in sensors.flown:
+        return {}
+    name = "inertial_unit" if "inertial_unit" in sensors.flown else "imu"
+    own, other = sensors.flow_meters.delay_cycles, getattr(sensors, name).delay_cycles
+    message = f"must be sensors.{name}.delay_cycles {other}: diagnosis compares the two (got {own})"
+    return {} if own == other else {"sensors.flow_meters.delay_cycles": message}
+
+
 def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
     read = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
@@ -146,6 +157,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
+    CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), _heed_problems),

@@ -20,7 +20,7 @@ from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, bu
 from edl6dof.environment.height_map import HEIGHT_MAP
 from edl6dof.environment.map_file import MapFile
 from edl6dof.environment.terrain import topography
-from edl6dof.fsw.diagnosis.probe import NONE
+from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import build_case
@@ -220,7 +220,7 @@ def _new_fsw() -> np.ndarray:
     fsw["health"]["thruster"] = 1
     for name in ("gyro", "accelerometer", "beam", "star_tracker"):
         fsw["navigation"]["health"][name] = 1
-    fsw["diagnosis"]["probe"]["suspect"] = NONE
+    fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
     fsw["mission"]["entered"] = np.nan
     fsw["mission"]["entered"][0, 0] = 0.0
     return fsw

@@ -217,7 +217,12 @@ class Scenario(Params):
     @property
     def beam_names(self) -> list[str]:
         """Names of the radar beams that fly."""
-        return instrument_names(self.sensors_in_flight).get("beam", [])
+        return self.components.get("beam", [])
+
+    @property
+    def branches(self) -> dict[str, list[str]]:
+        """Names of the propellant branches, and of the thrusters of each."""
+        return {branch.name: branch.thrusters for branch in self.vehicle.rcs.laid_branches}
 
     @property
     def navigation_filter(self) -> str:
@@ -235,7 +240,8 @@ class Scenario(Params):
     @property
     def components(self) -> dict[Component, list[str]]:
         """Names of all that may fail, by kind of component."""
-        return {**vehicle_components(self.vehicle), **instrument_names(self.sensors_in_flight)}
+        sensors, branches = self.sensors_in_flight, list(self.branches)
+        return {**vehicle_components(self.vehicle), **instrument_names(sensors, branches)}
 
     @property
     def phase_names(self) -> list[str]:
@@ -276,7 +282,7 @@ TRUE_SECTIONS = (
 )
 #: Parameters in them that no flight depends on.
 _LABELS = re.compile(
-    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.thrusters\.[^.]+\.name|terrain\.ellipse_\w+"
+    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
 
 
@@ -323,7 +329,7 @@ def _checked(document: Document) -> Scenario:
 
 #: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
 #: the one that says what is uncertain in it.
-CAMPAIGN_SECTIONS = ("campaign", "sweep")
+CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
 CALIBRATION = "calibration"
 
 

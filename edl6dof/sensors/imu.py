@@ -1,5 +1,5 @@
-"""Inertial measurement unit: body rate and the velocity gained, both some cycles old when they reach the
-flight computer.
+"""Ideal inertial measurement unit and flow meters: body rate, the velocity gained, and the propellant used by
+each branch, some cycles old when they reach the flight computer.
 
 As in a real unit the accelerometers count up the integral of specific force, so that nothing between two
 readings is lost.  No noise, bias or quantisation yet; the unit sits at the centre of mass.
@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
@@ -34,7 +35,15 @@ class ImuParams(Params):
 
 
 #: Memory of the unit: readings that are under way.
-READINGS = np.dtype([("rate", "f8", (DEPTH, 3)), ("gain", "f8", (DEPTH, 3)), ("taken", COUNT)], align=True)
+READINGS = np.dtype(
+    [
+        ("rate", "f8", (DEPTH, 3)),  # rad/s
+        ("gain", "f8", (DEPTH, 3)),  # m/s
+        ("used", "f8", (DEPTH, MAX_BRANCHES)),  # kg
+        ("taken", COUNT),
+    ],
+    align=True,
+)
 
 
 @kernel
@@ -50,6 +59,9 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         memory.gain[slot, i] = plant.velocity_gain[i]
         sensed.imu_rate_B[i] = memory.rate[old, i]
         sensed.imu_gain_B[i] = memory.gain[old, i]
+    for k in range(case.branches.count):
+        memory.used[slot, k] = plant.branch_used[k]
+        sensed.branch_used[k] = memory.used[old, k]
 
 
 MEMBER = Member(
@@ -58,5 +70,5 @@ MEMBER = Member(
     {"measure": measure},
     "Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapter 11",
     memory=READINGS,
-    writes=("imu_rate_B", "imu_gain_B"),
+    writes=("imu_rate_B", "imu_gain_B", "branch_used"),
 )

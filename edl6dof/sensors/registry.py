@@ -10,6 +10,7 @@ star_tracker]`` takes the attitude from the star tracker and the rest from the o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -21,6 +22,7 @@ from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.registry import Family
 from edl6dof.sensors import (
+    flow_meters,
     ground_tracking,
     imu,
     inertial_unit,
@@ -36,7 +38,7 @@ SENSOR_FAMILY = Family(
     "sensor",
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
-        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER),
+        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER),
     ),
 )
 
@@ -133,8 +135,10 @@ def sensor_problems(params: SensorParams, needed: tuple[str, ...]) -> dict[str, 
     return {}
 
 
-def instrument_names(params: SensorParams) -> dict[Component, list[str]]:
-    """Names of the instruments that fly and may fail, by kind of component."""
+def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Component, list[str]]:
+    """Names of the instruments that fly and may fail, by kind of component; flow meters go by the names of
+    ``branches``.
+    """
     names: dict[Component, list[str]] = {}
     if "inertial_unit" in params.flown:
         unit = params.inertial_unit
@@ -145,4 +149,6 @@ def instrument_names(params: SensorParams) -> dict[Component, list[str]]:
         names["beam"] = [one.name for one in params.radar.beams]
     if "star_tracker" in params.flown:
         names["star_tracker"] = ["star_tracker"]
+    if "flow_meters" in params.flown:
+        names["flow_meter"] = list(branches)
     return names

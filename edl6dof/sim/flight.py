@@ -107,7 +107,8 @@ class Flight:
         """Columns by name, each shape (rows,), in the unit of the name's suffix; see
         ``edl6dof.telemetry.channels``.
         """
-        return Telemetry(self.log, self.scenario.thruster_names, self.scenario.beam_names)
+        scenario = self.scenario
+        return Telemetry(self.log, scenario.thruster_names, scenario.beam_names, list(scenario.branches))
 
     def release_log(self) -> None:
         """Let the telemetry go and keep the results: events, figures, limits, outcome."""
@@ -177,7 +178,9 @@ class Flight:
                 self.case, self.plant
             )
             truth = self.loaded.truth
-            figures |= diagnosis_figures(self.isolated_faults, truth.faults, truth.components, self.plant[0])
+            figures |= diagnosis_figures(
+                self.isolated_faults, truth.faults, truth.components, truth.branches, self.plant[0]
+            )
             if self.scenario.navigation_filter != "given":
                 figures |= navigation_figures(self.telemetry, when)
                 figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])

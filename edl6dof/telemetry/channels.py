@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import split_unit
-from edl6dof.interface.capacities import MAX_BEAMS, MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BEAMS, MAX_BRANCHES, MAX_THRUSTERS
 
 
 class Channel(NamedTuple):
@@ -145,7 +145,7 @@ CHANNELS: tuple[Channel, ...] = (
         "estimated disturbance force in B; the axial one contains engine and drag",
     ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
-    Channel("diagnosis.suspect", "thruster shut off for a probe, by number from 0; -1 for none"),
+    Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
     Channel(
         "diagnosis.in_use",
@@ -208,6 +208,9 @@ TICK = np.dtype(
         ("fault", "i1", (MAX_THRUSTERS,)),
         ("valve", "i1", (MAX_THRUSTERS,)),
         ("range", "f8", (MAX_BEAMS,)),
+        ("used", "f8", (MAX_BRANCHES,)),
+        ("metered", "f8", (MAX_BRANCHES,)),
+        ("expected", "f8", (MAX_BRANCHES,)),
     ],
     align=True,
 )

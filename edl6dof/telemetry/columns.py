@@ -15,17 +15,25 @@ from edl6dof.vehicle.plant import THRUSTER_KINDS
 
 class Telemetry(Mapping[str, np.ndarray]):
     """``t_s``, every channel, and for each thruster ``rcs.<name>`` (mean duty of the last step, 0..1),
-    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded), and for each radar beam
-    ``range.<name>_m`` (0 without an echo); of a brief log ``t_s`` and its channels.
+    ``fault.<name>`` (0 for none) and ``valve.<name>`` (1 while a pulse is commanded), for each radar beam
+    ``range.<name>_m`` (0 without an echo), and for each propellant branch ``used.<name>_kg`` (what went
+    through it since the start), ``metered.<name>_kg`` (what its flow meter counted of it) and
+    ``expected.<name>_kg_s`` (the flow that commands call for); of a brief log ``t_s`` and its channels.
 
     A column, shape (rows,), is made when it is asked for, so that the log is held in memory once: a view of
     it where no unit changes, else a copy.
     """
 
-    def __init__(self, log: np.ndarray, thrusters: Sequence[str], beams: Sequence[str] = ()) -> None:
-        self._log, self._thrusters, self._beams = log, tuple(thrusters), tuple(beams)
+    def __init__(
+        self,
+        log: np.ndarray,
+        thrusters: Sequence[str],
+        beams: Sequence[str] = (),
+        branches: Sequence[str] = (),
+    ) -> None:
+        self._log, self._names = log, (tuple(thrusters), tuple(beams), tuple(branches))
         self._places, self._named = (
-            (_BRIEF_PLACES, {}) if log.dtype == BRIEF else (_PLACES, _slots(self._thrusters, self._beams))
+            (_BRIEF_PLACES, {}) if log.dtype == BRIEF else (_PLACES, _slots(*self._names))
         )
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -39,7 +47,7 @@ class Telemetry(Mapping[str, np.ndarray]):
 
     def rows(self, start: int, stop: int | None) -> Telemetry:
         """Some rows of all columns."""
-        return Telemetry(self._log[start:stop], self._thrusters, self._beams)
+        return Telemetry(self._log[start:stop], *self._names)
 
     def beside(self, t: float) -> Telemetry:
         """The two rows before and after time ``t`` (s), or the nearest two; one row of a log that has no
@@ -104,13 +112,20 @@ class Telemetry(Mapping[str, np.ndarray]):
 
 
 @lru_cache
-def _slots(thrusters: tuple[str, ...], beams: tuple[str, ...]) -> dict[str, tuple[str, int]]:
-    """Field and index of the columns of each thruster and of each radar beam."""
+def _slots(
+    thrusters: tuple[str, ...], beams: tuple[str, ...], branches: tuple[str, ...]
+) -> dict[str, tuple[str, int]]:
+    """Field and index of the columns of each thruster, radar beam and propellant branch."""
+    kinds = (
+        *((kind, "", field, thrusters) for kind, field in _PER_THRUSTER),
+        ("range", "_m", "range", beams),
+        *((kind, suffix, kind, branches) for kind, suffix in _PER_BRANCH),
+    )
     return {
-        f"{kind}.{name}": (field, index)
-        for index, name in enumerate(thrusters)
-        for kind, field in _PER_THRUSTER
-    } | {range_of(name): ("range", index) for index, name in enumerate(beams)}
+        f"{kind}.{name}{suffix}": (field, index)
+        for kind, suffix, field, names in kinds
+        for index, name in enumerate(names)
+    }
 
 
 def range_of(beam: str) -> str:
@@ -133,11 +148,18 @@ def describe(name: str) -> tuple[str, str]:
         return "", f"whether thruster {name[6:]} is commanded to fire in the present control cycle"
     if name.startswith("range."):
         return "m", f"range that radar beam {name[6:-2]} read last; 0 without an echo"
+    if name.startswith("used."):
+        return "kg", f"propellant that went through branch {name[5:-3]} since the start"
+    if name.startswith("metered."):
+        return "kg", f"what the flow meter of branch {name[8:-3]} has counted of it; 0 without a meter"
+    if name.startswith("expected."):
+        return "kg/s", f"flow through branch {name[9:-5]} that commands call for, mean of a control cycle"
     channel = _BY_NAME[name]
     return channel.unit, channel.meaning
 
 
 _PER_THRUSTER = (("rcs", "duty"), ("fault", "fault"), ("valve", "valve"))
+_PER_BRANCH = (("used", "_kg"), ("metered", "_kg"), ("expected", "_kg_s"))
 _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 

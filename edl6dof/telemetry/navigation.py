@@ -46,15 +46,18 @@ def mask(flags):
 
 
 @kernel
-def record_readings(sensed, tick):
-    """Write which instruments of ``sensed`` (``SENSED``) are at the end of their range, and the range (m) of
-    each radar beam, 0 without an echo, into a row of telemetry.
+def record_readings(sensed, branches, tick):
+    """Write which instruments of ``sensed`` (``SENSED``) are at the end of their range, the range (m) of each
+    radar beam, 0 without an echo, and the count (kg) of the flow meter of each of some ``branches``, into a
+    row of telemetry.
     """
     inertial, radar = sensed.inertial, sensed.radar
     tick.sensed.gyros_saturated = mask(inertial.gyro_saturated)
     tick.sensed.accelerometers_saturated = mask(inertial.accelerometer_saturated)
     for i in range(len(radar.range)):
         tick.range[i] = radar.range[i] if radar.locked[i] != 0 else 0.0
+    for k in range(branches):
+        tick.metered[k] = sensed.branch_used[k]
 
 
 @kernel

@@ -120,7 +120,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
         truth.heat_shield_east, truth.heat_shield_north, truth.heat_shield_up = place
     truth.trim_wing = out.wing_opening
 
-    record_readings(sensed, tick)
+    record_readings(sensed, case.branches.count, tick)
     nav, guide = fsw.nav, fsw.guide
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.total_alpha = nav.total_alpha
@@ -146,7 +146,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
-    tick.diagnosis.suspect, tick.diagnosis.isolated = diagnosis.probe.suspect, diagnosis.n_isolated
+    tick.diagnosis.leaking, tick.diagnosis.isolated = diagnosis.leak.branch, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):
         if fsw.health.thruster[i] != 0:
@@ -155,3 +155,5 @@ def record(case, plant, outputs, sensed, fsw, tick):
         tick.fault[i] = plant.valves.fault[i]
         tick.valve[i] = 1 if fsw.command.closes[i] > fsw.command.opens[i] else 0
     tick.diagnosis.in_use = in_use
+    for k in range(case.branches.count):
+        tick.used[k], tick.expected[k] = plant.branch_used[k], diagnosis.flow.expected[k]

@@ -13,7 +13,7 @@ def actuate(case, command, plant):
     """Set valve intervals, engine level and the bank angle a point mass follows; schedule what was requested
     with its delay.
 
-    Faults and isolation valves have the last word.
+    Faults and latch valves have the last word.
     """
     vehicle = case.vehicle
     for i in range(vehicle.rcs.n_thrusters):
@@ -29,6 +29,6 @@ def actuate(case, command, plant):
             plant.due[i] = plant.t + case.events.events[i].delay
     inflict(case, command, plant)
     for i in range(vehicle.rcs.n_thrusters):
-        # the isolation valve lies upstream of whatever the thruster's own valve does
-        if command.isolate[i] != 0:
+        # the latch valve of its branch lies upstream of whatever the thruster's own valve does
+        if command.shut[case.branches.of[i]] != 0:
             plant.valves.opens[i] = plant.valves.closes[i] = plant.t

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_BRANCHES, MAX_GYROS
 from edl6dof.records import FLAG, whole
 
 #: How a reading comes about: as it should; always the last one before the fault; at the end of the range
 #: without a flag; none; at the end of the range with its flag; of something else than the ground.
 WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
 
-#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam.
+#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, kg/s of a
+#: flow meter.
 READING_FAULT = np.dtype(
     [
         ("mode", whole(0, FALSE_LOCK)),
@@ -27,6 +28,7 @@ INSTRUMENT_FAULTS = np.dtype(
         ("accelerometer", READING_FAULT, (MAX_ACCELEROMETERS,)),
         ("range", READING_FAULT, (MAX_BEAMS,)),
         ("speed", READING_FAULT, (MAX_BEAMS,)),
+        ("flow", READING_FAULT, (MAX_BRANCHES,)),
         ("star_tracker_lost", FLAG),
     ],
     align=True,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import (
+    MAX_BRANCHES,
     MAX_ENGINES,
     MAX_EVENTS,
     MAX_FAULTS,
@@ -59,6 +60,8 @@ VALVES = np.dtype(
         ("level", "f8", (MAX_THRUSTERS,)),
         ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
         ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
+        ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow, likewise
+        ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
         # which fault each thruster has, 0 for none
         ("fault", whole(0, len(THRUSTER_KINDS)), (MAX_THRUSTERS,)),
     ],
@@ -201,6 +204,7 @@ STATE = np.dtype(
         ("inputs", INPUTS),
         ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
         ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
+        ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, propellant that went through each branch
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
@@ -219,6 +223,7 @@ WORKSPACE = np.dtype(
         ("y0", "f8", (STATES,)),
         ("level0", "f8", (MAX_THRUSTERS,)),
         ("velocity_gain0", "f8", (3,)),
+        ("branch_used0", "f8", (MAX_BRANCHES,)),
         ("t_failed", "f8"),  # end of a step that failed
     ],
     align=True,

@@ -24,6 +24,7 @@ from edl6dof.vehicle.aerodynamics.wrench import AeroParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
 from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams
+from edl6dof.vehicle.propulsion.branches import branch_problems
 from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
@@ -99,6 +100,8 @@ class VehicleParams(Hardware):
             if part is not None and part not in names:
                 problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"
         problems |= self._feed_problems()
+        laid = branch_problems(self.rcs.branches, [jet.name for jet in self.rcs.thrusters])
+        problems |= {f"rcs.{place}": words for place, words in laid.items()}
         for k, engine in enumerate(self.engines):
             low, high = engine.throttle_min_n, engine.throttle_max_n
             if low > high:

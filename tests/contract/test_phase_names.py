@@ -15,7 +15,6 @@ from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
-    "edl6dof.app.faults.show": {"landed"},  # heading of a count
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
@@ -28,7 +27,8 @@ OTHER_MEANINGS = {
     "edl6dof.report.flight.site": {"parachute"},
     "edl6dof.sim.termination": {"landed"},  # an outcome, as in the next one
     "edl6dof.sim.outcome": {"landed"},
-    "edl6dof.studies.hu2022.findings": {"landed"},  # column of a table, as in the next one
+    "edl6dof.studies.hu2022.avoidance": {"landed"},  # column of a table, as in the next two
+    "edl6dof.studies.hu2022.findings": {"landed"},
     "edl6dof.studies.hu2022.rows": {"landed"},
     "edl6dof.vehicle.faults.component": {"parachute"},  # kind of component
     "edl6dof.vehicle.mass": {"parachute"},  # key of an older form, as in vehicle

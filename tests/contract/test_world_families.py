@@ -144,6 +144,7 @@ def measured(loaded, index, seed, cycles=12):
         plant["y"][6:10] = looking_down(plant["y"][:3], rng)
         plant["y"][10:13] = rng.normal(size=3) * 0.02
         plant["velocity_gain"] += rng.normal(size=3)
+        plant["branch_used"] += rng.uniform(0.0, 1e-3, plant["branch_used"].shape)
         outputs["specific_force_B"], outputs["height"] = rng.normal(size=3), rng.uniform(0.0, 1e4)
         outputs["wing_opening"], outputs["pads"] = rng.uniform(), rng.integers(0, 5)
         outputs["altitude"], outputs["pressure"], plant["shape"] = 120e3, rng.uniform(), rng.integers(0, 3)

@@ -192,7 +192,12 @@ def test_fewer_phases_than_the_state_has_flown_are_refused(saved):
 
 def test_thrusters_that_the_state_knows_must_exist(saved):
     state = saved[300.0]
-    none = continue_from(state, ("vehicle.rcs.thrusters=[]", "flight_software.check_out.thrusters=[]"))
+    without = (
+        "vehicle.rcs.thrusters=[]",
+        "vehicle.rcs.branches=[]",
+        "flight_software.check_out.thrusters=[]",
+    )
+    none = continue_from(state, without)
     with pytest.raises(ConfigError, match="does not fit the scenario"):
         fly(none, start=state)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
 
+from edl6dof.app.faults.command import Wanted
+from edl6dof.app.faults.moments import moments_at
+from edl6dof.campaign.design.params import FaultGroup, FaultMatrixParams, FaultMoment
 from edl6dof.campaign.faults import (
     KINDS,
     OF_INSTRUMENTS,
@@ -17,96 +18,118 @@ from edl6dof.campaign.faults import (
 )
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
-from edl6dof.scenario.schema import LoadedScenario, Scenario
+from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.vehicle.faults.component import Component
 
-#: What fails, by kind of fault and kind of component.
-Failing = dict[str, dict[Component, list[str]]]
+#: Time from the start of a phase to the fault where none is given, s.
+AFTER_S = 1.0
 
 
-@dataclass(frozen=True)
-class FaultOptions:
-    """Options of ``edl6dof faults``; lists as texts with commas, empty for the usual ones."""
+def matrix_of(wanted: Wanted, loaded: LoadedScenario) -> FaultMatrixParams:
+    """What fails, and when.
 
-    scenario: str
-    sensors: bool
-    kinds: str
-    phases: str
-    thrusters: str
-    after_s: float
-    sets: tuple[str, ...]
-    out: Path | None
-    force: bool
-    as_json: bool
-    workers: int | None
-
-
-def choose(options: FaultOptions, loaded: LoadedScenario) -> tuple[Failing, dict[str, list[str]]]:
-    """What is to fail, and the phases in which it fails, by kind of fault."""
-    scenario = loaded.scenario
-    if not (math.isfinite(options.after_s) and options.after_s >= 0.0):
-        raise _refusal("--after", f"must be a time in s, 0 or more (got {options.after_s:g})")
-    if not (usual := phases_of(scenario)):
-        words = "there is no phase in which thrusters may fire"
-        raise ConfigError([Problem(options.scenario, 0, 0, "mission.phases", words)])
-    failing = _instruments(options, scenario) if options.sensors else _vehicle(options, scenario)
-    asked = _chosen("--phases", options.phases, scenario.phase_names, [])
-    if options.sensors:
-        return failing, {kind: asked or sensor_phases_of(scenario, kind) for kind in failing}
-    return failing, dict.fromkeys(failing, asked or usual)
+    Raises:
+        ConfigError: everything that is wrong with what is wanted.
+    """
+    choice = _Choice(wanted, loaded)
+    failing = choice.failing()
+    moments = choice.moments(list(dict.fromkeys(kind for kind, _, _ in failing)))
+    if choice.problems:
+        raise ConfigError(choice.problems)
+    groups = [
+        FaultGroup(kind=kind, component=component, names=names, moments=moments[kind])
+        for kind, component, names in failing
+    ]
+    return FaultMatrixParams(groups=groups, together=choice.together)
 
 
-def _vehicle(options: FaultOptions, scenario: Scenario) -> Failing:
-    """Thrusters, or what other kinds of fault are about."""
-    asked = ",".join(OF_THRUSTERS) if options.kinds == "all" else options.kinds
-    failing: Failing = {}
-    for kind in _chosen("--kinds", asked, KINDS, ["stuck_off"]):
-        ((what, names),) = may_fail(scenario, kind).items()
-        if not names:
-            raise _nothing(options, kind, [what])
-        only = options.thrusters if what == "thruster" else ""
-        failing[kind] = {what: _chosen("--thrusters", only, names, names)}
-    return failing
+class _Choice:
+    """Looks up what is wanted in a scenario, and collects what is wrong with it."""
 
+    def __init__(self, wanted: Wanted, loaded: LoadedScenario):
+        self.wanted, self.loaded, self.scenario = wanted, loaded, loaded.scenario
+        self.together = 2 if wanted.pairs else 1
+        self.problems: list[Problem] = []
 
-def _instruments(options: FaultOptions, scenario: Scenario) -> Failing:
-    """Every instrument that is carried; all kinds, as far as there is one that could fail so."""
-    if options.thrusters:
-        raise _refusal("--thrusters", "instruments fail with --sensors, and no thruster")
-    if scenario.navigation_filter == "given":
-        words = (
-            "navigation takes the word of ideal instruments: carry real ones (--set sensors.carried=[...]) "
-            "and choose a filter (--set flight_software.navigation.filter=error_state)"
+    def failing(self) -> list[tuple[str, Component, list[str]]]:
+        """Kinds of fault, each with a kind of component and the names of those that fail so."""
+        there = {kind: may_fail(self.scenario, kind) for kind in self._kinds()}
+        every = dict.fromkeys(
+            name for components in there.values() for names in components.values() for name in names
         )
-        raise _refusal("--sensors", words)
-    asked = "" if options.kinds == "all" else options.kinds
-    failing = {
-        kind: may_fail(scenario, kind) for kind in _chosen("--kinds", asked, OF_INSTRUMENTS, OF_INSTRUMENTS)
-    }
-    for kind, components in failing.items():
-        if asked and not any(components.values()):
-            raise _nothing(options, kind, list(components))
-    return {kind: components for kind, components in failing.items() if any(components.values())}
+        only = self._listed("--components", self.wanted.components, list(every)) or list(every)
+        found = []
+        for kind, components in there.items():
+            chosen = {what: [one for one in names if one in only] for what, names in components.items()}
+            enough = [(kind, what, names) for what, names in chosen.items() if len(names) >= self.together]
+            if not enough and (not self.wanted.sensors or self.wanted.kinds not in ("", "all")):
+                self._refuse(f"--kinds {kind}", self._nothing(list(components)))
+            found += enough
+        if not found and not self.problems:
+            self._refuse("--components", self._nothing(["instrument"]))
+        return found
 
+    def _nothing(self, components: Sequence[str]) -> str:
+        what = " or ".join(components).replace("_", " ")
+        return f"there are not two of {what} to fail together" * self.wanted.pairs or (
+            f"there is no {what} that could fail"
+        )
 
-def _nothing(options: FaultOptions, kind: str, components: Sequence[str]) -> ConfigError:
-    words = f"there is no {' or '.join(components).replace('_', ' ')} that could fail"
-    return ConfigError([Problem(options.scenario, 0, 0, f"--kinds {kind}", words)])
+    def _kinds(self) -> list[str]:
+        wanted = self.wanted
+        if not wanted.sensors:
+            asked = ",".join(OF_THRUSTERS) if wanted.kinds == "all" else wanted.kinds
+            return self._listed("--kinds", asked or OF_THRUSTERS[0], KINDS)
+        if self.scenario.navigation_filter == "given":
+            self._refuse(
+                "--sensors",
+                "navigation takes the word of ideal instruments: carry real ones (--set "
+                "sensors.carried=[...]) and choose a filter (--set "
+                "flight_software.navigation.filter=error_state)",
+            )
+        asked = "" if wanted.kinds == "all" else wanted.kinds
+        return self._listed("--kinds", asked or ",".join(OF_INSTRUMENTS), OF_INSTRUMENTS)
 
+    def moments(self, kinds: Sequence[str]) -> dict[str, list[FaultMoment]]:
+        """When what fails by each kind of fault does."""
+        wanted = self.wanted
+        if wanted.at is None:
+            return self._in_phases(kinds)
+        if wanted.phases or wanted.after_s is not None:
+            self._refuse("--at", "names the moments itself; leave out --phases and --after")
+        try:
+            return dict.fromkeys(kinds, moments_at(wanted.at, self.loaded))
+        except ConfigError as error:
+            self.problems += error.problems
+            return {}
 
-def _refusal(option: str, words: str) -> ConfigError:
-    return ConfigError([Problem(option, 0, 0, "", words)])
+    def _in_phases(self, kinds: Sequence[str]) -> dict[str, list[FaultMoment]]:
+        after_s = AFTER_S if self.wanted.after_s is None else self.wanted.after_s
+        if not (math.isfinite(after_s) and after_s >= 0.0):
+            self._refuse("--after", f"must be a time in s, 0 or more (got {after_s:g})")
+            after_s = 0.0
+        asked = self._listed("--phases", self.wanted.phases, self.scenario.phase_names)
+        usual = phases_of(self.scenario)
+        if not usual:
+            self._refuse("--phases", "there is no phase in which thrusters may fire; give times with --at")
+        return {
+            kind: [
+                FaultMoment.model_validate({"name": phase, "at": {"phase": phase, "plus_s": after_s}})
+                for phase in asked
+                or (sensor_phases_of(self.scenario, kind) if self.wanted.sensors else usual)
+            ]
+            for kind in kinds
+        }
 
+    def _listed(self, option: str, text: str, allowed: Sequence[str]) -> list[str]:
+        """Names in a text with commas, in the order of ``allowed``."""
+        names = [name.strip() for name in text.split(",") if name.strip()]
+        for name in names:
+            if name not in allowed:
+                near = nearest(name, list(allowed))
+                hint = f"; did you mean {near!r}?" if near else ""
+                self._refuse(option, f"no {name!r}{hint} (there are: {', '.join(allowed) or 'none'})")
+        return [name for name in allowed if name in names]
 
-def _chosen(option: str, text: str, allowed: Sequence[str], usual: Sequence[str]) -> list[str]:
-    """Names in a text with commas, in the order of ``allowed``."""
-    names = [name.strip() for name in text.split(",") if name.strip()]
-    problems = []
-    for name in names:
-        if name not in allowed:
-            near = nearest(name, list(allowed))
-            hint = f"; did you mean {near!r}?" if near else ""
-            problems.append(Problem(option, 0, 0, "", f"no {name!r}{hint} (there are: {', '.join(allowed)})"))
-    if problems:
-        raise ConfigError(problems)
-    return [name for name in allowed if name in names] or list(usual)
+    def _refuse(self, option: str, words: str) -> None:
+        self.problems.append(Problem(option, 0, 0, "", words))

@@ -1,9 +1,9 @@
-"""The fault matrix in the terminal."""
+"""A fault matrix in the terminal."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from rich import box
@@ -11,102 +11,156 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from edl6dof.app.faults.summary import found_s, groups_of, never_used
+from edl6dof.app.campaign import CampaignOptions
+from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
+from edl6dof.app.report import report_of, write_page
+from edl6dof.campaign.fault_figures import REQUIREMENTS, can_be_known, fault_figures
 from edl6dof.campaign.rows import Row
+from edl6dof.campaign.storage.store import Store
+from edl6dof.config.document.jsontext import json_text
 from edl6dof.config.wording import counted
-from edl6dof.manifest import listed
 
+#: A matrix of more moments or components is left to the report, and so are more lines of one kind.
+_COLUMNS, _ROWS, _LINES = 10, 40, 20
+#: Characters of a line where there is no terminal.
+_WIDTH = 120
 _LEGEND = """\
-matrix: s from the fault to its {found}; a name: another {thing} was named;
--: never {used} after the fault; ?: in use, but not named
-below it: medians of s to the {found}, from the fault and from its first use;
-largest {largest}"""
-#: Words of the legend, and columns of the overview: heading, figure of a group, digits.
-_THRUSTERS = {
-    "found": "isolation", "thing": "thruster", "used": "fired",
-    "largest": "distance from the site (m) and attitude error (deg)",
-}  # fmt: skip
-_SENSORS = {
-    "found": "exclusion", "thing": "instrument", "used": "used",
-    "largest": "errors of height, velocity and vertical that navigation has at touchdown",
-}  # fmt: skip
-_TIMES = (("from\nfault s", "median_time_to_detect_s", 2), ("from\nuse s", "median_from_first_use_s", 2))
-_OF_FLIGHT = (("site\nm", "worst_landing_distance_m", 0), ("error\ndeg", "worst_attitude_error_deg", 1))
-_OF_NAVIGATION = (
-    ("height\nm", "worst_nav_height_m", 2),
-    ("velocity\nm/s", "worst_nav_velocity_m_s", 2),
-    ("vertical\ndeg", "worst_nav_vertical_deg", 2),
-)
+matrix: s from first use to the right verdict; a name: what was named instead; ?: in use, and not named;
+-: never used after the fault, which nobody can know; x: not within limits
+table: shares of right names, and of names with the right kind, are of those that can be known;
+times in s to the right verdict, from the first use (or leak) after the fault, and from the fault"""
 
 
-def show(
-    console: Console, rows: list[Row], phases: Mapping[str, Sequence[str]], sensors: bool, target: Path
-) -> None:
-    """A matrix and an overview for each kind of fault, what was lost, and where the table is.
+def show_matrix(store: Store, options: CampaignOptions) -> int:
+    """Print what a complete matrix came to, and write its report; returns the exit status.
 
-    ``phases``: by kind of fault; ``sensors``: whether instruments failed.
+    Raises:
+        ConfigError: its table or its summary is not as it was written.
     """
-    for kind, columns in phases.items():
-        console.print(_matrix([row for row in rows if row["kind"] == kind], kind, columns))
-        console.print(_overview(groups_of(rows, kind, columns), sensors))
-    console.print(_LEGEND.format(**(_SENSORS if sensors else _THRUSTERS)), style="dim")
-    for row in rows:
-        if not row["success"]:
-            console.print(
-                Text(f"{row['component']} {row['kind']} in {row['phase']}: {row['outcome']}", style="red")
-            )
-    lost = sum(not row["success"] for row in rows)
+    rows = store.table().to_pylist()
+    figures = store.summary.faults or fault_figures(rows)
+    if not (page := store.folder / "report.html").exists():
+        write_page(report_of(store.folder), page, force=False)
+    if options.as_json:
+        print(json_text({**figures, "rows": rows}), end="")
+    else:
+        width = None if sys.stdout.isatty() else _WIDTH
+        _print(Console(highlight=False, soft_wrap=True, width=width), rows, figures)
+        print(f"{store.folder}: report.html, cases.parquet, summary.json")
+        print(f"next: edl6dof refly {store.folder} CASE")
+    return 0 if all(row["success"] for row in rows) else NOT_WITHIN_LIMITS
+
+
+def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) -> None:
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        some = [row for row in rows if row["kind"] == kind]
+        components, moments = ({row[name] for row in some} for name in ("component", "moment"))
+        if (
+            len(moments) <= _COLUMNS
+            and len(components) <= _ROWS
+            and len(some) <= len(components) * len(moments)
+        ):
+            console.print(_matrix(some, kind))
+    console.print(_shares(figures["groups"]))
+    console.print(_times(figures["groups"]))
+    console.print(_LEGEND, style="dim")
+    lost = [row for row in rows if not row["success"]]
+    _lines(console, "red", [f"{_case(row)}: {row['outcome']}" for row in lost])
+    wrong = [f"{_case(row)}: named {row['wrongly_named']}" for row in rows if row.get("wrongly_named")]
+    _lines(console, "magenta", wrong)
+    for one in figures["acceptance"]:
+        console.print(_required(one))
     flights = counted(len(rows), "flight")
-    outcome = f"{lost} of {flights} not within limits" if lost else f"{flights} landed within limits"
-    console.print(f"{target}: {listed(target)}", markup=False)
+    outcome = f"{len(lost)} of {flights} not within limits" if lost else f"{flights} within limits"
     console.print(Text(outcome, style="bold red" if lost else "bold green"))
 
 
-def _matrix(rows: list[Row], kind: str, phases: Sequence[str]) -> Table:
-    """Components by phases: green landed and named, yellow landed and not named, red not within limits."""
-    table = Table(
-        title=kind.replace("_", " "),
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
+def _case(row: Row) -> str:
+    return f"case {row['case']}, {row['component']} {row['kind']} at {row['moment']}"
+
+
+def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
+    for line in lines[:_LINES]:
+        console.print(Text(line, style=style))
+    if len(lines) > _LINES:
+        console.print(Text(f"and {len(lines) - _LINES} more, in report.html", style=style))
+
+
+def _required(one: Mapping[str, Any]) -> Text:
+    """``within limits: 99.1 % (required: at least 99.5 %)``."""
+    required = next(item for item in REQUIREMENTS if item.figure == one["figure"])
+    limit = (
+        f"at most {required.at_most:g}" if required.at_most is not None else f"at least {required.at_least:g}"
     )
+    words = f"{required.meaning}: {one['value']:.2f} {required.unit} (required: {limit} {required.unit})"
+    return Text(words, style="green" if one["met"] else "bold red")
+
+
+def _matrix(rows: Sequence[Row], kind: str) -> Table:
+    """Components by moments: green named rightly, magenta wrongly, yellow not named, red not within
+    limits.
+    """
+    table = _empty(kind.replace("_", " "))
     table.add_column("", header_style="")
-    for phase in phases:
-        table.add_column(phase, justify="right", header_style="")
-    cells = {(row["component"], row["phase"]): _cell(row) for row in rows}
+    moments = list(dict.fromkeys(row["moment"] for row in rows))
+    for moment in moments:
+        table.add_column(moment, justify="right", header_style="")
+    cells = {(row["component"], row["moment"]): _cell(row) for row in rows}
     for name in dict.fromkeys(row["component"] for row in rows):
-        table.add_row(name, *(cells[name, phase] for phase in phases))
+        table.add_row(name, *(cells[name, moment] for moment in moments))
     return table
 
 
 def _cell(row: Row) -> Text:
-    after = found_s(row)
-    if after is not None:
-        found = f"{after:.2f}"
+    if row.get("kind_right"):
+        found, style = f"{row['verdict_from_use_s']:.2f}", "green"
     elif row.get("named"):
-        found = str(row["named"])
+        found, style = str(row["named"]), "magenta"
     else:
-        found = "-" if never_used(row) else "?"
-    if not row["success"]:
-        return Text(f"{row.get('cause', 'lost')} {found}", style="bold red")
-    wrong = "magenta" if row.get("named") else "yellow"
-    return Text(found, style="green" if after is not None else wrong)
+        found, style = "?" if can_be_known(row) else "-", "yellow"
+    return Text(found, style=style) if row["success"] else Text(f"x {found}", style="bold red")
 
 
-def _overview(groups: list[dict[str, Any]], sensors: bool) -> Table:
-    """Counts, median times from fault and from first use, and the largest figures of the flights."""
-    figures = _TIMES + (_OF_NAVIGATION if sensors else _OF_FLIGHT)
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for index, heading in enumerate(
-        ("phase", "landed", "named", "wrong", *(heading for heading, _, _ in figures))
-    ):
-        table.add_column(
-            heading, justify="right" if index else "left", header_style="", vertical="bottom", no_wrap=True
-        )
+def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
+    """How many of each kind of fault and regime, and which share of them."""
+    headings = ("flights", "within\nlimits", "can be\nknown", "right\nname", "right\nkind", "wrong\nverdict")
+    table = _by_group(headings)
     for group in groups:
-        counts = (f"{group['survived']}/{group['flights']}", group["named_right"], group["named_wrong"])
-        values = ((group[name], digits) for _, name, digits in figures)
-        shown = ("" if value is None else f"{value:.{digits}f}" for value, digits in values)
-        table.add_row(group["phase"], *map(str, counts), *shown)
+        flights, known = group["flights"], group["can_be_known"]
+        table.add_row(
+            *(group["kind"], group["regime"]),
+            *(str(flights), _share(group["within_limits"], flights)),
+            *(str(known), _share(group["name_right"], known), _share(group["kind_right"], known)),
+            str(group["with_wrong_verdicts"]),
+        )
     return table
+
+
+def _times(groups: Sequence[Mapping[str, Any]]) -> Table:
+    """Times (s) to the right verdicts of each kind of fault and regime."""
+    names = {"median": "median", "p95": "95 %", "worst": "longest"}
+    table = _by_group([f"from {start}\n{name}" for start in ("use", "fault") for name in names.values()])
+    for group in groups:
+        times = [group[start] for start in ("from_use_s", "from_fault_s")]
+        shown = [f"{one[name]:.2f}" if one else "" for one in times for name in names]
+        table.add_row(group["kind"], group["regime"], *shown)
+    return table
+
+
+def _by_group(headings: Sequence[str]) -> Table:
+    table = _empty("")
+    for heading in ("kind", "regime"):
+        table.add_column(heading, header_style="", vertical="bottom", no_wrap=True)
+    for heading in headings:
+        table.add_column(heading, justify="right", header_style="", vertical="bottom", no_wrap=True)
+    return table
+
+
+def _empty(title: str) -> Table:
+    return Table(
+        title=title or None, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False
+    )
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f} %" if whole else ""

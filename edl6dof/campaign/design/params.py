@@ -1,4 +1,4 @@
-"""The ``campaign:`` and ``sweep:`` sections of a scenario file."""
+"""The ``campaign:``, ``sweep:`` and ``fault_matrix:`` sections of a scenario file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.campaign.design.distributions.registry import Distribution
-from edl6dof.config.base import REQUIRED, Params, param, stated
+from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
+from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.fault import FaultStart
 
 #: Who knows of a change: nature alone, the flight computer alone, or both.
 Of = Literal["truth", "belief", "both"]
@@ -138,8 +140,32 @@ class SweepParams(Params):
         return self
 
 
+class FaultMoment(Params):
+    """A moment at which components fail, and what it is called."""
+
+    name: Title = param(REQUIRED, "what the moment is called: 60 s, mortar, a phase")
+    at: FaultStart = section("when the fault begins")
+
+
+class FaultGroup(Params):
+    """Components of one kind that fail in one way, at every one of some moments."""
+
+    kind: str = param(REQUIRED, "kind of fault")
+    component: Component = param(REQUIRED, "kind of component that fails")
+    names: list[str] = param(REQUIRED, "components that fail, one after the other", min_length=1)
+    moments: list[FaultMoment] = param(REQUIRED, "when they fail", min_length=1)
+
+
+class FaultMatrixParams(Params):
+    """Faults that are flown one by one, or several at once."""
+
+    groups: list[FaultGroup] = param(REQUIRED, "what fails, and when", min_length=1)
+    together: int = param(1, "components that fail at the same moment", ge=1, le=4)
+
+
 class CampaignFile(Params):
     """What a scenario file says about flying it many times."""
 
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")
+    fault_matrix: FaultMatrixParams | None = param(None, "flights with faults, one for each cell")

@@ -13,7 +13,8 @@ import numpy as np
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
-from edl6dof.campaign.design.params import CampaignFile, CampaignParams, SweepParams
+from edl6dof.campaign.design.fault_matrix import Cell, cells, check_matrix
+from edl6dof.campaign.design.params import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.campaign.design.sampling import unit_numbers
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_flow, write_scalar
@@ -45,6 +46,7 @@ class Plan:
             when ``None``.
         draws: the dispersions.
         axes: the parameters of the sweep, with their values.
+        fault_matrix: what fails and when, if cases are cells of such a matrix.
     """
 
     loaded: LoadedScenario
@@ -52,7 +54,8 @@ class Plan:
     sweep: SweepParams | None = None
     draws: tuple[Draw, ...] = ()
     axes: tuple[tuple[Target, tuple[Any, ...]], ...] = ()
-    _points: tuple[tuple[Any, ...], ...] = field(default=((),), repr=False)
+    fault_matrix: FaultMatrixParams | None = None
+    _points: tuple[tuple[Cell | None, tuple[Any, ...]], ...] = field(default=((None, ()),), repr=False)
 
     @property
     def name(self) -> str:
@@ -61,7 +64,7 @@ class Plan:
 
     @property
     def per_point(self) -> int:
-        """Cases at each point of the sweep; all cases without one."""
+        """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
         return self.campaign.cases if self.campaign is not None else 1
 
     @property
@@ -81,7 +84,7 @@ class Plan:
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
         return resolved_text(self.loaded) + _sections_text(
-            CampaignFile(campaign=self.campaign, sweep=self.sweep)
+            CampaignFile(campaign=self.campaign, sweep=self.sweep, fault_matrix=self.fault_matrix)
         )
 
     def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
@@ -94,17 +97,20 @@ class Plan:
             first += stop - start
 
     def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
-        swept = list(zip((target for target, _ in self.axes), self._points[point], strict=True))
+        cell, values = self._points[point]
+        swept = list(zip((target for target, _ in self.axes), values, strict=True))
         drawn = list(self.values(start, stop))
         faults = self._faults(start, stop)
         for offset in range(stop - start):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
-            for target, value in [*((target, values[offset]) for target, values in drawn), *swept]:
+            for target, value in [*((target, every[offset]) for target, every in drawn), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
-            if faults[offset]:
-                changes["truth"]["faults"] = [*self._base_faults, *faults[offset]]
+            if cell or faults[offset]:
+                own = cell.faults if cell else self._base_faults
+                changes["truth"]["faults"] = [*own, *faults[offset]]
             profile = start + offset if self.campaign is not None and self.campaign.profiles else None
-            yield Case(point * self.per_point + start + offset, **changes, profile=profile)
+            label = cell.label if cell else {}
+            yield Case(point * self.per_point + start + offset, **changes, profile=profile, label=label)
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
@@ -181,12 +187,11 @@ def plan_of(
             marks["campaign", key] = Mark(f"--{key}")
     file = validate(CampaignFile, Document(own, marks, files=document.files))
     places = Document({}, dict(document.marks), files=document.files)
-    return _checked(load_document(document, sets), file.campaign, file.sweep, places)
+    return _checked(load_document(document, sets), file, places)
 
 
-def _checked(
-    loaded: LoadedScenario, campaign: CampaignParams | None, sweep: SweepParams | None, places: Document
-) -> Plan:
+def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Plan:
+    campaign, sweep, matrix = file.campaign, file.sweep, file.fault_matrix
     locator = Locator(loaded, places)
     draws = dispersions(campaign, locator) if campaign is not None else []
     axes = []
@@ -197,9 +202,12 @@ def _checked(
             locator.refuse(("sweep", "axes", index, "path"), f"{axis.path} is dispersed too")
     if campaign is not None:
         check_faults(campaign, locator)
+    if matrix is not None:
+        check_matrix(matrix, locator)
     locator.finish()
-    points = tuple(product(*(values for _, values in axes)))
-    plan = Plan(_with_pins(loaded, draws, axes), campaign, sweep, tuple(draws), tuple(axes), points)
+    points = tuple(product(cells(matrix) if matrix else [None], product(*(values for _, values in axes))))
+    pinned = _with_pins(loaded, draws, axes)
+    plan = Plan(pinned, campaign, sweep, tuple(draws), tuple(axes), matrix, points)
     _check_draws(plan, locator)
     return plan
 

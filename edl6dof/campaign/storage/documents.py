@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from edl6dof.campaign.storage.files import Sealed
 from edl6dof.campaign.storage.identity import Identity
@@ -33,6 +33,7 @@ class Summary(Sealed):
     Attributes:
         campaign: hash of the identity in ``campaign.json``.
         cases_sha256: hash of ``cases.parquet``.
+        faults: what a fault matrix came to, see :mod:`edl6dof.campaign.fault_figures`.
     """
 
     name: str
@@ -49,3 +50,4 @@ class Summary(Sealed):
     flights_per_second: float
     campaign: str = ""
     cases_sha256: str = ""
+    faults: dict[str, Any] | None = None

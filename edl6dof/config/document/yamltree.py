@@ -22,6 +22,7 @@ LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 40
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_SURROGATE = re.compile("[\ud800-\udfff]")
 _CLAIM = re.compile(r"[^#]*?\s#\s*\[([A-Z])\]\s*(.*?)\s*")
 
 
@@ -147,7 +148,7 @@ class _Builder:
         return self._scalar(path, event)
 
     def _scalar(self, path: Path, event: yaml.ScalarEvent) -> Any:
-        if any(0xD800 <= ord(ch) <= 0xDFFF for ch in event.value):
+        if _SURROGATE.search(event.value):
             self._problem(event, path, "half of a surrogate pair is not text")
         if not event.implicit[0]:
             return event.value

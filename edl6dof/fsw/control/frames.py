@@ -112,6 +112,9 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
     is along ``direction_I``.
 
     The geographic frame has x of the paper's c up (B: down), y south.  Source: Hu et al. 2022, eqs. 2 and 3.
+    Figs. 9 and 10 make the paper's z the axis of the angle of attack, y of B; read so, this roll would be 90
+    deg off.  It stands because a lander that came flying south has 90 deg to roll to it, and the real one
+    rolled at 0.5 deg/s for 156 s with 7.7 deg left.
     """
     upright = from_axes(scale(-1.0, up_I), scale(-1.0, north_I), scale(-1.0, east_I))
     return multiply(shortest_arc(up_I, direction_I), upright)

@@ -1,9 +1,9 @@
-"""One control cycle of thruster fault diagnosis: residual, hypotheses, and isolation.
+"""One control cycle of thruster fault diagnosis: residuals, hypotheses, and isolation.
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
-whose prior is the price of a false alarm; it is wanted in several cycles on end.  Then the thruster is taken
-out of the allocation and its isolation valve shut: that costs nothing with a dead one, and it stops one that
-had been stuck on for so long that it looks dead.
+whose prior is the price of a false alarm; it is wanted in several cycles on end.  A dead thruster is then
+taken out of the allocation, one that has lost little is named and used on.  One that stays open is shut off
+by the latch valve of its branch, which costs the others on it (:mod:`edl6dof.fsw.diagnosis.leak`).
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase.  Left out: a fault of a thruster that is not used, which nobody can see and which does no
@@ -18,26 +18,28 @@ import numpy as np
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
+from edl6dof.fsw.diagnosis.flow import FLOW, FlowParams, forget_branch, read_meters, weigh_flow
 from edl6dof.fsw.diagnosis.hypotheses import (
     DEGRADED,
     HYPOTHESES,
+    NONE,
     NOTHING,
     STUCK_OFF,
     STUCK_ON,
     compare,
     forget_all,
+    kind_of,
     weigh,
 )
-from edl6dof.fsw.diagnosis.probe import (
-    FAILED,
-    NONE,
-    PROBE,
-    SOUND,
-    UNDECIDED,
-    close_probe,
-    follow_probe,
-    next_suspect,
-    open_probe,
+from edl6dof.fsw.diagnosis.leak import (
+    LEAK,
+    METER_FAILED,
+    NAMED,
+    follow_leak,
+    give_back,
+    leaking_branch,
+    open_leak,
+    shut_branch,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
 from edl6dof.fsw.mission.former import WING_PATIENCE
@@ -45,7 +47,7 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 
-MAX_ISOLATED = 4
+MAX_ISOLATED = 8
 #: Names of the kinds of fault, by number.
 KIND_NAMES = {STUCK_OFF: "stuck off", STUCK_ON: "stuck on", DEGRADED: "degraded"}
 
@@ -84,16 +86,14 @@ class DiagnosisParams(Params):
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
     streak: int = param(2, "cycles on end with that confidence", ge=1, le=50)
     loss_least: float = param(
-        0.3, "fraction of thrust lost from which a thruster counts as failed", gt=0.0, le=1.0
+        0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
     )
     loss_dead: float = param(
         0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0
     )
     slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
-    trust_s: float = param(
-        5.0, "time for which a thruster that a probe found sound is not suspected again", ge=0.0
-    )
+    flow: FlowParams = group(FlowParams, "evidence of the flow meters")
 
 
 #: A thruster taken out of use, and why.
@@ -111,7 +111,8 @@ DIAGNOSIS = np.dtype(
     [
         ("residual", RESIDUAL),
         ("hypotheses", HYPOTHESES),
-        ("probe", PROBE),
+        ("flow", FLOW),
+        ("leak", LEAK),
         ("exercise", EXERCISE),
         ("streak", COUNT),
         ("isolated", ISOLATED, (MAX_ISOLATED,)),
@@ -130,40 +131,96 @@ def restart(memory):
 
 
 @kernel
-def isolate(i, kind, loss, confidence, t, memory, healthy, shut):
-    """Take a thruster out of use for good, and note why."""
-    one = memory.isolated[memory.n_isolated]
-    one.thruster, one.kind, one.loss = i, kind, loss
-    one.confidence, one.t = confidence, t
-    memory.n_isolated += 1
-    healthy[i], shut[i] = 0, 1
+def note(vehicle, i, kind, loss, confidence, t, memory):
+    """Name a thruster that has failed; what follows is looked at afresh."""
+    if memory.n_isolated < MAX_ISOLATED:
+        one = memory.isolated[memory.n_isolated]
+        one.thruster, one.kind, one.loss = i, kind, loss
+        one.confidence, one.t = confidence, t
+        memory.n_isolated += 1
+    forget_branch(vehicle, vehicle.branches.of[i], memory.flow)
     restart(memory)
 
 
 @kernel
-def follow_suspect(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
-    """Go on with a probe, and end it when it has decided."""
-    i = memory.probe.suspect
-    state, confidence = follow_probe(
-        params, count, effectiveness, activity, load, unexplained, t, dt, memory.probe
-    )
-    if state == FAILED:
-        memory.probe.suspect = NONE
-        isolate(i, STUCK_ON, 0.0, confidence, t, memory, healthy, shut)
-    elif state == SOUND:
-        memory.probe.trusted_until[memory.probe.suspect] = t + params.trust
-        close_probe(memory.probe, healthy, shut)
-    elif state == UNDECIDED:
-        close_probe(memory.probe, healthy, shut)
+def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy, shut):
+    """Name a thruster, and do without it for good, unless what it has lost is little."""
+    note(vehicle, i, kind, loss, confidence, t, memory)
+    if kind == STUCK_ON:
+        shut_branch(vehicle.branches, vehicle.n_thrusters, vehicle.branches.of[i], healthy, shut)
+    elif kind == DEGRADED and loss < params.loss_least:
+        memory.flow.known_loss[i] = loss
+    else:
+        healthy[i] = 0
 
 
 @kernel
-def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut):
+def isolate_dead(params, vehicle, i, loss, t, memory, healthy):
+    """Do without a thruster that did not respond when it was tried alone; its confidence is the least that is
+    asked for.
+    """
+    note(vehicle, i, kind_of(params, loss), loss, params.confidence, t, memory)
+    healthy[i] = 0
+
+
+@kernel
+def distrust_meter(b, t, memory):
+    """Believe the meter of a branch no more."""
+    memory.flow.meter_failed[b], memory.flow.failed_at[b] = 1, t
+    restart(memory)
+
+
+@kernel
+def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t, memory, healthy, shut):
+    """Go on with the looks at a leak, and end them when they have decided."""
+    leak = memory.leak
+    found, confidence = follow_leak(
+        params, vehicle, effectiveness, wrench, load, unexplained, memory.flow, leak, shut
+    )
+    if found == NAMED:
+        note(vehicle, leak.best, STUCK_ON, 0.0, confidence, t, memory)
+        leak.branch = NONE
+    elif found == METER_FAILED:
+        give_back(vehicle.n_thrusters, leak, healthy, shut)
+        distrust_meter(leak.branch, t, memory)
+        leak.branch = NONE
+
+
+@kernel
+def follow_streak(params, before, memory):
+    """Count the cycles on end with the same sure hypothesis."""
+    best = memory.hypotheses
+    if best.kind != NOTHING and best.confidence >= params.confidence:
+        memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
+    else:
+        memory.streak = 0
+
+
+@kernel
+def diagnose(
+    params,
+    metered,
+    instruments,
+    vehicle,
+    used,
+    effectiveness,
+    activity,
+    load,
+    unexplained,
+    t,
+    dt,
+    memory,
+    healthy,
+    shut,
+):
     """One control cycle of diagnosis.
 
     Args:
         params: diagnosis record.
-        count: number of thrusters.
+        metered: whether there are flow meters.
+        instruments: ``INSTRUMENTS`` record (errors of the meters).
+        vehicle: believed vehicle (thrusters, branches).
+        used: counts of the flow meters, kg, of the end of the measured cycle.
         effectiveness: force and torque of each at full thrust, rows of 6 (N, N m).
         activity: what they should have done in the measured cycle.
         load: axial force of air and riser, N.
@@ -172,32 +229,34 @@ def diagnose(params, count, effectiveness, activity, load, unexplained, t, dt, m
         dt: control cycle, s.
         memory: ``DIAGNOSIS`` record.
         healthy: written, 0 for a thruster that is not to be used.
-        shut: written, 1 for a thruster whose isolation valve is to be shut.
+        shut: written, 1 for a branch whose latch valve is to be shut.
     """
-    if memory.probe.suspect != NONE:
-        if memory.residual.taken == 0:
-            close_probe(memory.probe, healthy, shut)
-        else:
-            follow_suspect(
-                params, count, effectiveness, activity, load, unexplained, t, dt, memory, healthy, shut
-            )
-        return
+    count, best, flow = vehicle.n_thrusters, memory.hypotheses, memory.flow
     known = without_slow_part(params.slow, unexplained, activity.share, count, dt, memory.residual)
-    if params.enabled == 0 or memory.n_isolated == MAX_ISOLATED or known == 0:
+    if params.enabled == 0:
         return
-    best = memory.hypotheses
+    if metered and read_meters(params.flow, instruments, vehicle, used, activity.share, dt, flow):
+        weigh_flow(params.flow, 1.0 - 1.0 / params.memory_cycles, vehicle, activity.share, shut, flow)
+    if memory.leak.branch != NONE:
+        look_into_leak(
+            params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
+        )
+        return
+    leaking = leaking_branch(params, vehicle, healthy, flow)
+    if leaking != NONE:
+        open_leak(
+            params, vehicle, effectiveness, activity.wrench, load, leaking, memory.residual, memory.leak,
+            healthy, shut,
+        )  # fmt: skip
+        return
+    if known > 0:
+        weigh(params, count, effectiveness, activity, load, memory.residual, best)
     before = (best.thruster, best.kind)
-    weigh(params, count, effectiveness, activity, load, memory.residual, best)
-    compare(params, count, healthy, memory.probe.trusted_until, t, best)
-    if best.kind != NOTHING and best.confidence >= params.confidence:
-        memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
-    else:
-        memory.streak = 0
+    compare(params, vehicle, metered, healthy, flow, best)
+    follow_streak(params, before, memory)
     if memory.streak >= params.streak:
-        isolate(best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, shut)
-        return
-    candidate = next_suspect(
-        params, count, effectiveness, memory.residual, known, best, healthy, t, memory.probe
-    )
-    if candidate != NONE and memory.streak == 0:
-        open_probe(params, candidate, t, memory.residual, best, memory.probe, healthy, shut)
+        isolate(
+            params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, shut
+        )
+    elif best.meter != NONE and known > 0:
+        distrust_meter(best.meter, t, memory)

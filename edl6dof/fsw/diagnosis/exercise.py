@@ -1,11 +1,13 @@
-"""Opposed test pulses: a thruster and its opposite number fire together for one pulse, so that nothing moves
-unless one of them fails.
+"""Opposed test pulses: a thruster and its opposite number fire together for their shortest pulse, so that
+nothing turns or moves sideways unless one of them fails.
 
-In hazard avoidance a fault must be known within half a second, whichever thruster it is, and guidance uses
-only some of them at a time. Each horizontal pair on one line of action that has rested for a while is tested
-in turn; a thruster that one test makes suspect is tested again at once.  One suspected to be stuck on is not:
-its own pulse would hide that, and its opposite's would look dead.  A test costs 8 g of propellant.
-Beyond Hu et al. 2022, who wait for the thruster to be used.
+A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
+long rest.  In hazard avoidance, where a fault must be known within half a second, whichever thruster it is,
+and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
+turn.  If something is missing, each of the two is tried alone at once; where the loss may be the
+propellant's, others are tested.  A test of two 250 N thrusters costs 8 g of propellant.
+
+Source: none; Hu et al. 2022 wait for the thruster to be used.
 """
 
 from __future__ import annotations
@@ -13,20 +15,24 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.diagnosis.hypotheses import NOTHING, STUCK_ON
+from edl6dof.fsw.diagnosis.flow import is_waiting, needs_trial
+from edl6dof.fsw.diagnosis.hypotheses import NONE, NOTHING, STUCK_ON
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
 
-NONE = -1
-
 
 class ExerciseParams(Params):
-    """Opposed test pulses while flying sideways."""
+    """Opposed test pulses."""
 
     enabled: bool = param(True, "whether resting thrusters are tested")
-    rest_s: float = param(0.2, "time without use after which a pair is tested", gt=0.0)
-    spacing_s: float = param(0.04, "time from one test to the next", gt=0.0)
+    every_s: float = param(
+        60.0, "time without use after which a thruster is tested; all are once in a phase", gt=0.0
+    )
+    settled_s: float = param(2.0, "time after the start of a phase before the first test", ge=0.0)
+    pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
+    rest_s: float = param(0.2, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
+    spacing_s: float = param(0.04, "instead of pause_s while flying sideways", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 
@@ -35,13 +41,13 @@ EXERCISE = np.dtype([("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8")], align=
 
 @kernel
 def opposite(effectiveness, count, i):
-    """The thruster whose force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
+    """The thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
     own = 0.0
-    for row in range(6):
+    for row in range(1, 6):
         own += effectiveness[i, row] * effectiveness[i, row]
     for j in range(count):
         both = 0.0
-        for row in range(6):
+        for row in range(1, 6):
             both += (effectiveness[i, row] + effectiveness[j, row]) ** 2
         if both < 0.01 * own:
             return j
@@ -49,63 +55,112 @@ def opposite(effectiveness, count, i):
 
 
 @kernel
-def can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
-    """Whether two thrusters are in use, shut during this cycle, and able to give a pulse within it."""
-    if j == NONE or healthy[i] == 0 or healthy[j] == 0:
-        return False
-    shut = closes[i] <= opens[i] and closes[j] <= opens[j] and busy_until[i] <= t and busy_until[j] <= t
-    return shut and thrusters[i].minimum_pulse <= dt + 1e-9 and thrusters[j].minimum_pulse <= dt + 1e-9
+def is_free(i, t, healthy, busy_until, opens, closes):
+    """Whether a thruster is in use, and shut during this cycle."""
+    return i != NONE and healthy[i] != 0 and closes[i] <= opens[i] and busy_until[i] <= t
 
 
 @kernel
-def next_pair(
-    params, thrusters, count, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
-):
-    """The pair to test now: a suspect's, or the one that has rested longest; twice ``NONE`` for none."""
-    if hypotheses.kind not in (NOTHING, STUCK_ON) and hypotheses.evidence > params.suspicion:
-        i = hypotheses.thruster
-        j = opposite(effectiveness, count, i)
-        if can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
-            return i, j
-    first, second, oldest = NONE, NONE, t - params.rest
-    if t < memory.tested + params.spacing - 1e-9:
-        return first, second
+def retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t):
+    """The thruster to try alone, the suspect of force and torque with its opposite number, or twice
+    ``NONE``.
+    """
     for i in range(count):
-        if thrusters[i].group == HORIZONTAL and memory.used[i] < oldest:
+        if needs_trial(i, diagnosis.flow) and is_free(i, t, healthy, busy_until, opens, closes):
+            return i, NONE
+    best = diagnosis.hypotheses
+    if best.kind in (NOTHING, STUCK_ON) or best.evidence <= params.suspicion:
+        return NONE, NONE
+    i, j = best.thruster, opposite(effectiveness, count, best.thruster)
+    if is_free(i, t, healthy, busy_until, opens, closes) and is_free(
+        j, t, healthy, busy_until, opens, closes
+    ):
+        return i, j
+    return NONE, NONE
+
+
+@kernel
+def longest_rested(
+    params,
+    thrusters,
+    count,
+    effectiveness,
+    healthy,
+    busy_until,
+    opens,
+    closes,
+    sideways,
+    waiting,
+    start,
+    t,
+    memory,
+):
+    """The pair that is due and has rested longest, or twice ``NONE``."""
+    first, second, oldest = NONE, NONE, t
+    for i in range(count):
+        often = waiting or sideways and thrusters[i].group == HORIZONTAL
+        due = t - params.rest if often else max(start, t - params.every)
+        if memory.used[i] < min(due, oldest):
             j = opposite(effectiveness, count, i)
-            if can_be_tested(i, j, t, dt, thrusters, healthy, busy_until, opens, closes):
+            if is_free(j, t, healthy, busy_until, opens, closes) and is_free(
+                i, t, healthy, busy_until, opens, closes
+            ):
                 first, second, oldest = i, j, memory.used[i]
     return first, second
 
 
 @kernel
 def pair_to_test(
-    params, vehicle, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
+    params,
+    vehicle,
+    effectiveness,
+    healthy,
+    diagnosis,
+    busy_until,
+    opens,
+    closes,
+    sideways,
+    start,
+    t,
+    dt,
+    memory,
 ):
-    """The two thrusters to fire against each other in this control cycle; (``NONE``, ``NONE``) for none.
+    """The two thrusters to fire against each other from this control cycle on, the second ``NONE`` for a
+    single one; (``NONE``, ``NONE``) for no test.
 
     Args:
         params: exercise record.
         vehicle: believed vehicle (thrusters: group, minimum pulse).
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         healthy: whether each may be used.
-        hypotheses: what diagnosis thinks at present.
+        diagnosis: ``DIAGNOSIS`` record: what is thought at present.
         busy_until: end of the shortest pulse under way of each, s.
         opens: valve openings of this control cycle, s.
         closes: valve closings, s.
+        sideways: whether the vehicle flies sideways.
+        start: when the phase began, s.
         t: present time, s.
         dt: control cycle, s.
         memory: ``EXERCISE`` record.
     """
     if params.enabled == 0:
         return NONE, NONE
-    thrusters, count = vehicle.thrusters, vehicle.n_thrusters
+    count = vehicle.n_thrusters
     for i in range(count):
         if closes[i] > opens[i] + 0.5 * dt:
             memory.used[i] = t
-    i, j = next_pair(
-        params, thrusters, count, effectiveness, healthy, hypotheses, busy_until, opens, closes, t, dt, memory
-    )
+    i, j = retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t)
+    if i == NONE:
+        waiting = is_waiting(vehicle.branches, diagnosis.flow)
+        pause = params.spacing if sideways or waiting else params.pause
+        if t < memory.tested + pause - 1e-9 or t < start + params.settled and not (sideways or waiting):
+            return NONE, NONE
+        i, j = longest_rested(
+            params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
+            waiting, start, t, memory,
+        )  # fmt: skip
     if i != NONE:
-        memory.used[i] = memory.used[j] = memory.tested = t
+        memory.tested = memory.used[i] = t
+    if j != NONE:
+        memory.used[j] = t
     return i, j

@@ -1,11 +1,10 @@
-"""Hypotheses about single thrusters and the evidence for each.
+"""Hypotheses about single thrusters and the evidence for each, from force and torque and from the flow.
 
 A thruster i of effectiveness b_i (force and torque at full thrust) that was to fire for the share e of a
 cycle leaves the residual
 
-    off    - L e b_i             it gives the fraction L less than it should (L = 1: stuck off) on     + (1 -
-    e) b_i         its valve stays open old    - L (e - e_mean) b_i  either of them, so long ago that its mean
-    has been taken for a slow disturbance
+    off    - L e b_i        it gives the fraction L less than it should (L = 1: stuck off)
+    on     + (1 - e) b_i    its valve stays open
 
 The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with S
 the weighted sum of squares of the residual and S' what the hypothesis leaves of it over n cycles, n (m / 2)
@@ -15,9 +14,13 @@ leaves S' near S and proves nothing: the air in lift control and the riser under
 noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever
 the evidence speaks against it, so the time of the fault need not be known (Page's test).
 
+Where a meter is believed, its evidence (:mod:`edl6dof.fsw.diagnosis.flow`) adds to that of force and torque.
+That the meter has failed, and no thruster, is a hypothesis of its own, which force and torque decide on.
+Force and torque that speak of a loss while the flow is sound tell of a catalyst: they need twice the prior.
+
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
-test from Basseville & Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail at the same
-time.
+test from Basseville & Nikiforov 1993, sections 2.2 and 4.3.  Left out: two thrusters that fail in the same
+cycles and whose force and torque are one another's.
 """
 
 from __future__ import annotations
@@ -26,14 +29,14 @@ from math import exp, log
 
 import numpy as np
 
+from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, is_waiting, loss_told
 from edl6dof.fsw.diagnosis.residual import product
-from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
 
 COMPONENTS = 2.0
-LEAST_USE = 0.1  # share of a cycle from which a prediction counts
-LARGEST = 200.0  # evidence beyond which nothing changes any more
+NONE = -1
 
 #: Kinds of fault.
 NOTHING, STUCK_OFF, STUCK_ON, DEGRADED = range(4)
@@ -45,7 +48,6 @@ SUMS = np.dtype([("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8")
 HYPOTHESES = np.dtype(
     [
         ("off", SUMS, (MAX_THRUSTERS,)),
-        ("old", SUMS, (MAX_THRUSTERS,)),
         ("on", SUMS, (MAX_THRUSTERS,)),
         # the best one of the last cycle
         ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
@@ -53,9 +55,8 @@ HYPOTHESES = np.dtype(
         ("loss", "f8"),
         ("evidence", "f8"),
         ("confidence", "f8"),
-        # the best of "stuck on"
-        ("on_thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-        ("on_evidence", "f8"),
+        # the meter that most likely has failed, NONE while a thruster is likelier
+        ("meter", whole(NONE, MAX_BRANCHES - 1)),
     ],
     align=True,
 )
@@ -83,9 +84,8 @@ def forget_all(memory):
     """Start every hypothesis afresh."""
     for i in range(MAX_THRUSTERS):
         forget(memory.off[i])
-        forget(memory.old[i])
         forget(memory.on[i])
-    memory.kind, memory.evidence, memory.confidence, memory.on_evidence = NOTHING, 0.0, 0.0, 0.0
+    memory.kind, memory.evidence, memory.confidence, memory.meter = NOTHING, 0.0, 0.0, NONE
 
 
 @kernel
@@ -138,20 +138,17 @@ def weigh(params, count, effectiveness, activity, load, residual, memory):
     every = product(residual.value, residual.value, weight)
     for i in range(count):
         share = activity.share[i]
-        change = share - residual.mean_share[i]
         along = product(residual.value, effectiveness[i], weight)
         square = product(effectiveness[i], effectiveness[i], weight)
         if share > LEAST_USE:
             collect(memory.off[i], keep, -share, along, square, every)
-        if abs(change) > LEAST_USE:
-            collect(memory.old[i], keep, -change, along, square, every)
         if share < 1.0 - LEAST_USE:
             collect(memory.on[i], keep, 1.0 - share, along, square, every)
 
 
 @kernel
 def for_loss(params, sums, least, afresh):
-    """Fraction of thrust lost that fits best and the evidence for it, or zeros.
+    """Fraction of thrust lost that fits force and torque best and the evidence for it, or zeros.
 
     Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
     """
@@ -176,36 +173,67 @@ def for_stuck_on(sums, least):
 
 
 @kernel
-def compare(params, count, healthy, trusted_until, t, memory):
-    """Find the best hypothesis and its posterior probability, which all other thrusters and "no fault" share
-    in.
+def by_thrust(params, sums_off, sums_on, least, afresh):
+    """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
+    loss, off = for_loss(params, sums_off, least, afresh)
+    on = for_stuck_on(sums_on, least)
+    if on > off:
+        return STUCK_ON, 0.0, on
+    return kind_of(params, loss), loss, off
 
-    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.  A
-    thruster that a probe found sound is not suspected to be stuck on before ``trusted_until`` (s).  Evidence
-    below half the prior is noise: beside "no fault" all thrusters together would hold less than a per cent
-    with it.
+
+@kernel
+def kind_of(params, loss):
+    """Stuck off or degraded, by the fraction of thrust lost."""
+    return STUCK_OFF if loss >= params.loss_dead else DEGRADED
+
+
+@kernel
+def by_flow(params, branches, i, flow, memory):
+    """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
+    torque.
+    """
+    loss, told = loss_told(flow.off[i])
+    if loss < params.loss_dead and is_waiting(branches, flow):
+        told = 0.0
+    felt = evidence(memory.off[i], loss) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
+    return kind_of(params, loss), loss, told + felt, told
+
+
+@kernel
+def compare(params, vehicle, metered, healthy, flow, memory):
+    """Find the best hypothesis and its posterior probability, which all other thrusters, failed meters and
+    "no fault" share in.
+
+    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
+    Evidence below half the prior is noise: beside "no fault" all thrusters together would hold less than a
+    per cent with it.  A valve that stays open is told by the meter, if it is believed, and looked into by
+    :mod:`edl6dof.fsw.diagnosis.leak`.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
-    memory.kind, memory.on_evidence = NOTHING, 0.0
-    for i in range(count):
+    suspected_meter, memory.meter = 0.0, NONE
+    memory.kind = NOTHING
+    for i in range(vehicle.n_thrusters):
         if healthy[i] == 0:
             continue
-        off_loss, off = for_loss(params, memory.off[i], least, True)
-        old_loss, old = for_loss(params, memory.old[i], least, True)
-        if t < trusted_until[i]:
-            forget(memory.on[i])
-        on = for_stuck_on(memory.on[i], least)
-        if on > memory.on_evidence:
-            memory.on_thruster, memory.on_evidence = i, on
-        most = max(off, old, on)
+        b = vehicle.branches.of[i]
+        afresh = flow.off[i].cycles == 0  # else force and torque are to say what they think of that loss
+        kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least, afresh)
+        if metered and flow.meter_failed[b] == 0:
+            most -= params.prior
+            told_kind, told_loss, together, told = by_flow(params, vehicle.branches, i, flow, memory)
+            if together > most:
+                kind, loss, most = told_kind, told_loss, together
+            if told - params.flow.meter_prior > suspected_meter:
+                suspected_meter, memory.meter = told - params.flow.meter_prior, b
         if most < least:
             continue
         total += exp(most)
         if most > best:
             best = most
-            memory.thruster, memory.loss = i, off_loss if off >= old else old_loss
-            memory.kind = STUCK_OFF if memory.loss >= params.loss_dead else DEGRADED
-            if on == most:
-                memory.kind = STUCK_ON
+            memory.thruster, memory.kind, memory.loss = i, kind, loss
+    total += exp(suspected_meter)
+    if suspected_meter <= max(best, params.prior):
+        memory.meter = NONE
     memory.evidence = best
     memory.confidence = exp(best) / total if memory.kind != NOTHING else 0.0

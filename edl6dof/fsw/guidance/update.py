@@ -19,6 +19,8 @@ from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK,
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
+from edl6dof.spatial.quaternion import from_frame
+from edl6dof.spatial.vector import dot, put3, take3
 
 GUIDANCE = np.dtype(
     [("entry", ENTRY_MEMORY), ("powered", POWERED_LAWS.memory), ("terminal", TERMINAL)], align=True
@@ -52,14 +54,26 @@ def hold_bank(onboard, nav, goal):
 
 
 @kernel
+def keep_thrust_axis(nav, goal):
+    """Ask for the direction that the thrust axis has: until the engine burns, the lander only loses its
+    rates, so that it does not turn inside the backshell that leaves it.
+    """
+    q = nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3]
+    axis = from_frame(q, (-1.0, 0.0, 0.0))
+    north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)
+    put3(goal.thrust_direction_N, 0, (dot(axis, north), dot(axis, east), -dot(axis, up)))
+
+
+@kernel
 def descend_by_engine(onboard, kind, nav, state, memory, goal):
     """Thrust, and lateral force where the phase flies sideways, of a phase on the main engine."""
     p, engine = onboard.guidance.powered, state.engine
-    if kind == G_POWERED:
+    if kind == G_POWERED and state.ignited == 0:
+        keep_thrust_axis(nav, goal)
+    elif kind == G_POWERED:
         north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
         command_thrust(state.mass, (north, east, up), tilt_limit, goal)
-        if state.ignited != 0:
-            start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
+        start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
     elif kind == G_HOVER:
         hover(p.terminal, engine, nav, state.mass, goal)
     elif kind == G_AVOID:

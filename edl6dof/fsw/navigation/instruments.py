@@ -55,6 +55,10 @@ INSTRUMENTS = np.dtype(
         ("range_bias", "f8"),  # m, of each beam by itself
         ("range_scale", "f8"),  # of the range, of each beam by itself
         ("speed_scale", "f8"),  # of the speed, likewise
+        # flow meter of a propellant branch; shares of the branch's full flow
+        ("flow_scale_sigma", "f8"),  # of the flow
+        ("flow_bias_share", "f8"),  # constant error of the flow
+        ("flow_noise_share", "f8"),  # sqrt(s): white noise of the flow, of a mean over one second
     ],
     align=True,
 )

@@ -8,8 +8,8 @@ import numpy as np
 
 from edl6dof.replay.history import thin, vector
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.mesh import RGB
+from edl6dof.spatial import rotations as turns
 
 VELOCITY, LIFT, THRUST, TORQUE = (110, 230, 240), (130, 235, 120), (255, 190, 90), (240, 110, 220)
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene import vehicle_shapes as shapes
 from edl6dof.replay.scene.mesh import Mesh
+from edl6dof.spatial import rotations as turns
 
 LINE = (222, 214, 204)
 PART = (235, 190, 120)

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.mesh import plume
+from edl6dof.spatial import rotations as turns
 
 
 class Flames(Recorder):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.landscape import Landscape, sky
 from edl6dof.replay.scene.mesh import rock
 from edl6dof.scenario.landing_ellipse import planned_ellipse
+from edl6dof.spatial import rotations as turns
 
 TARGET = (90, 220, 230)
 SKY_RADIUS_M = 3e6

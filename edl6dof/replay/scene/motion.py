@@ -10,8 +10,8 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.replay.history import History, vector
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.site import Site
+from edl6dof.spatial import rotations as turns
 
 
 class Motion:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.scenario.relief import Relief
+from edl6dof.spatial import rotations as turns
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario

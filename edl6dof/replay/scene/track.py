@@ -6,9 +6,9 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene.mesh import revolve
 from edl6dof.replay.views.layout import FLIGHTS
+from edl6dof.spatial import rotations as turns
 
 
 class Track(Recorder):

@@ -10,8 +10,8 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import rotations as turns
 from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.spans import spans
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)

@@ -156,27 +156,35 @@ class Lanes(Recorder):
     def _readout(self) -> None:
         """What a flight controller would read off, twice a second; and what has failed."""
         rows = thin(self.t, READOUT_HZ)
-        shown = {name: style for name, style in READOUT.items() if name in self.flight.columns}
-        text = []
-        for row in rows:
-            lines = [
-                f"| {label} | **{self.flight[name][row]:{form}}** {unit} |"
-                for name, (label, form, unit) in shown.items()
-            ]
-            title = self.names[self.phase[row]].replace("_", " ")
-            text.append(
-                f"## T+{self.t[row]:.1f} s\n**{title}**\n\n"
-                + "\n".join([lines[0], "|:--|--:|", *lines[1:], "", self._troubles(row)])
+        lines = [
+            [f"| {label} | **{value:{form}}** {unit} |" for value in self.flight[name][rows].tolist()]
+            for name, (label, form, unit) in READOUT.items()
+            if name in self.flight.columns
+        ]
+        titles = [self.names[phase].replace("_", " ") for phase in self.phase[rows]]
+        text = [
+            f"## T+{t:.1f} s\n**{title}**\n\n" + "\n".join([first, "|:--|--:|", *more, "", troubles])
+            for t, title, (first, *more), troubles in zip(
+                self.t[rows].tolist(), titles, zip(*lines, strict=True), self._troubles(rows), strict=True
             )
+        ]
         media = ["text/markdown"] * len(text)
         self.columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
 
-    def _troubles(self, row: int) -> str:
-        failed = [jet for jet, state in self.flight.failures.items() if state[row] > 0]
-        known = [jet for jet, found in self.flight.diagnosed.items() if found.t_s <= self.t[row]]
-        excluded = [one.name for one in self.flight.instruments if one.holds(EXCLUDED)[row]]
-        told = {"failed": failed, "diagnosed": known, "excluded": excluded}
-        return "  \n".join(f"**{word}:** {', '.join(names)}" for word, names in told.items() if names)
+    def _troubles(self, rows: np.ndarray) -> list[str]:
+        """What has failed, was diagnosed or is excluded, at some rows."""
+        flight = self.flight
+        holds = {
+            "failed": {jet: state[rows] > 0 for jet, state in flight.failures.items()},
+            "diagnosed": {jet: self.t[rows] >= found.t_s for jet, found in flight.diagnosed.items()},
+            "excluded": {one.name: one.holds(EXCLUDED)[rows] for one in flight.instruments},
+        }
+        told: list[list[str]] = [[] for _ in rows]
+        for word, by_name in holds.items():
+            for k in np.flatnonzero(np.any([*by_name.values(), np.zeros(len(rows), bool)], axis=0)):
+                names = ", ".join(name for name, there in by_name.items() if there[k])
+                told[k].append(f"**{word}:** {names}")
+        return ["  \n".join(lines) for lines in told]
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:

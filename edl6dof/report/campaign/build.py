@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from edl6dof.report.campaign import drivers, grid, landing, margins
+from edl6dof.report.campaign import drivers, faults, grid, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Fact, Listing, Mood, Report, Section
 
@@ -15,6 +15,7 @@ def campaign_report(folder: Path) -> Report:
     """The report of a campaign, finished or not; a section about what it does not have is left out."""
     results = Results(folder)
     sections = [
+        Section("faults", "Faults", list(faults.blocks(results))),
         Section("success", "Success and causes", [margins.causes(results), margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
         Section("limits", "Limits", [margins.limit_quantiles(results)] if results.limits else []),
@@ -34,7 +35,9 @@ def campaign_report(folder: Path) -> Report:
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
-        headline=f"{success.successes} of {success.trials} flights succeed: {success}",
+        headline=faults.headline(results)
+        if results.has_faults
+        else f"{success.successes} of {success.trials} flights succeed: {success}",
         mood=_mood(results),
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],

@@ -34,6 +34,11 @@ class Results:
         """Name of the scenario."""
         return str(self.document["name"])
 
+    @property
+    def has_faults(self) -> bool:
+        """Whether the cases are the cells of a fault matrix."""
+        return self.document.get("fault_matrix") is not None
+
     @cached_property
     def cases(self) -> np.ndarray:
         """Numbers of the cases, shape (n,)."""

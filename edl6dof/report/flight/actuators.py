@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.report.document import Table
 from edl6dof.report.figure import BAD, BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Heat, Panel
+from edl6dof.report.flight.flows import branch_use
 from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
 from edl6dof.runs.run import Run
 
@@ -24,6 +25,8 @@ def figures(run: Run) -> Iterator[Figure | Table]:
     if thrusters and any(has_signal(run, f"rcs.{name}") for name in thrusters):
         yield activity(run, thrusters)
         yield use(run)
+        if (branches := branch_use(run)) is not None:
+            yield branches
         yield torque(run)
     if has_signal(run, "truth.propellant_kg"):
         yield propellant(run)

@@ -7,26 +7,31 @@ from collections.abc import Iterator
 import numpy as np
 
 from edl6dof.report.figure import BAD, BLUE, GREEN, VERMILION, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.flight.flows import branch_flows, thrusters_of
 from edl6dof.report.flight.parts import TIME, Curve, event_marks, has_signal, over_time, stacked
 from edl6dof.runs.run import Run
 
-#: Time, s, shown before a fault and after its diagnosis.
+#: Time, s, shown before a fault and after its diagnosis, or after the fault without one.
 BEFORE_S, AFTER_S = 2.0, 3.0
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none where the flight computer diagnosed nothing at all."""
-    if not has_signal(run, "diagnosis.confidence"):
-        return
+    """Figures of the section; none where nothing failed and the flight computer diagnosed nothing at all."""
     flown = run.between(until="touchdown")
-    yield history(run, flown, "diagnosis", "Fault diagnosis")
-    if "fault" in run.when and "diagnosis" in run.when:
-        near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < run.when["diagnosis"] + AFTER_S)
+    if has_signal(run, "diagnosis.confidence"):
+        yield history(run, flown, "diagnosis", "Fault diagnosis")
+    if "fault" not in run.when:
+        return
+    end = run.when.get("diagnosis", run.when["fault"]) + AFTER_S
+    near = flown & (run.t > run.when["fault"] - BEFORE_S) & (run.t < end)
+    if "diagnosis" in run.when:
         yield history(run, near, "diagnosis_close", "Fault diagnosis, from the fault to its name")
+    if (flows := branch_flows(run, near)) is not None:
+        yield flows
 
 
 def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
-    """Residual torque, confidence of the best hypothesis, thruster under probe, and thrusters isolated, for
+    """Residual torque, confidence of the best hypothesis, branch looked into, and thrusters isolated, for
     some rows (bool).
     """
     t = run.t[rows]
@@ -51,7 +56,7 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         Panel(
             confidence.x, confidence.y, confidence.traces, marks=[*marks, Mark("y", threshold, "needed", BAD)]
         ),
-        probes(run, rows),
+        leaks(run, rows),
         Panel(
             Axis(TIME),
             Axis("isolated (1)", (-0.1, max(float(isolated.y.max()), 1.0) + 0.1)),
@@ -66,18 +71,18 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
     return stacked(key, title, panels, caption, 150)
 
 
-def probes(run: Run, rows: np.ndarray) -> Panel:
-    """When which thruster was shut off to see whether it is the one: a lane for each that was."""
-    suspect = run["diagnosis.suspect"][rows]
-    lanes = sorted({int(number) for number in suspect if number >= 0.0})
-    names = [str(run.scenario["vehicle"]["rcs"]["thrusters"][number]["name"]) for number in lanes]
+def leaks(run: Run, rows: np.ndarray) -> Panel:
+    """When which branch was shut to look into its leak: a lane for each that was."""
+    leaking = run["diagnosis.leaking"][rows]
+    lanes = sorted({int(number) for number in leaking if number >= 0.0})
+    names = [list(thrusters_of(run))[number] for number in lanes]
     traces = [
-        Trace(run.t[rows], np.where(suspect == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
+        Trace(run.t[rows], np.where(leaking == number, lane, np.nan), kind="line", colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)
     ]
     return Panel(
         Axis(TIME),
-        Axis("under probe", names=names),
+        Axis("leak in branch", names=names),
         traces,
         marks=event_marks(run, run.t[rows]),
         weight=0.25 + 0.15 * len(lanes),

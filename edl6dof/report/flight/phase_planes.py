@@ -27,6 +27,7 @@ from edl6dof.report.figure import (
 )
 from edl6dof.report.flight.parts import has_signal
 from edl6dof.runs.run import Run
+from edl6dof.spatial import rotations
 
 AXES = ("roll", "pitch", "yaw")
 RATES = ("p", "q", "r")
@@ -145,8 +146,6 @@ def path_rate(run: Run) -> np.ndarray:
     """Rate at which the planet-relative velocity turns, deg/s in B, shape (3, rows), by differences of the
     telemetry.
     """
-    from scipy.spatial.transform import Rotation
-
     spin = float(run.scenario["planet"]["rotation_rate_rad_s"])
     position, velocity = (
         np.stack([run[f"truth.{name}_I_{axis}_{unit}"] for axis in "xyz"], 1)
@@ -156,8 +155,8 @@ def path_rate(run: Run) -> np.ndarray:
     # a flight that ended in its first cycle has one row, and no differences
     acceleration = np.gradient(velocity, run.t, axis=0) if len(run.t) > 1 else np.zeros_like(velocity)
     turning = np.cross(velocity, acceleration) / np.maximum(np.sum(velocity**2, axis=1), 1.0)[:, None]
-    to_body = Rotation.from_quat(np.stack([run[f"truth.q_I2B_{c}"] for c in "xyzw"], 1)).inv()
-    return np.degrees(to_body.apply(turning)).T
+    to_body = np.stack([run["truth.q_I2B_w"], *(-run[f"truth.q_I2B_{c}"] for c in "xyz")], 1)
+    return np.degrees(rotations.rotate(to_body, turning)).T
 
 
 def borders(control: str, gains: Mapping[str, Any], axis: int) -> Border:

@@ -143,10 +143,9 @@ def aerodynamic_accelerations(
 
 def _calm(run: Run, values: np.ndarray) -> np.ndarray:
     """Mean over some seconds: what is left when the angle of attack no longer swings."""
-    from scipy.ndimage import uniform_filter1d
-
-    rows = int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6))
-    return uniform_filter1d(values, max(rows, 1), mode="nearest")
+    rows = max(int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6)), 1)
+    held = np.pad(values, (rows // 2, rows - 1 - rows // 2), mode="edge")
+    return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
 
 
 class Border(NamedTuple):

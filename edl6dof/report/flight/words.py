@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from edl6dof.config.base import STATUS_MARKS
-from edl6dof.config.document.yamltree import parse_yaml
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
 from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
@@ -145,9 +144,8 @@ def timeline(run: Run) -> Table:
 
 def configuration(run: Run) -> Iterator[Block]:
     """The resolved scenario by its sections, each with the count of its status marks."""
-    tree = parse_yaml(run.scenario_text, "scenario.yaml")
     counts: dict[str, Counter[str]] = {}
-    for path, status in tree.status.items():
+    for path, status in run.document.status.items():
         counts.setdefault(path.partition(".")[0], Counter())[status] += 1
     total = sum(counts.values(), Counter())
     letters = {status: letter for letter, status in STATUS_MARKS.items()}

@@ -13,6 +13,7 @@ from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.metrics.published import Beside, published_figures
 from edl6dof.sim.flight import Flight
 from edl6dof.studies.attitude_loops import flown_loops, margins
+from edl6dof.studies.hu2022 import printed_force
 from edl6dof.studies.hu2022.rigs import FORMULATIONS, HELD, STEP_NM
 from edl6dof.studies.study import Finding
 
@@ -45,8 +46,8 @@ def all_of(nominal: Flight, means: Mapping[str, SampleMean], rows: list[Row]) ->
     """Every finding of the study: the flight as a mean over neighbouring ones, and the experiments."""
     published = {name: entry for name, entry in nominal.scenario.published.items() if name in dict(_FLIGHT)}
     flown = (_flown(beside, means) for beside in published_figures(published))
-    experiments = (*_entries(rows), *_steps(rows), *_avoidance(rows), *_wings(rows), *_loops(nominal))
-    return (*flown, _estimated_force(nominal), *experiments)
+    experiments = (*_entries(rows), *_steps(rows), *_wings(rows), *_loops(nominal))
+    return (*flown, *_estimated_force(nominal), *experiments)
 
 
 def _flown(beside: Beside, means: Mapping[str, SampleMean]) -> Finding:
@@ -64,9 +65,15 @@ def _flown(beside: Beside, means: Mapping[str, SampleMean]) -> Finding:
     )
 
 
-def _estimated_force(flight: Flight) -> Finding:
+def _estimated_force(flight: Flight) -> tuple[Finding, ...]:
     force = max(_peak(flight, f"estimate.force_{axis}_n", HAZARD_AVOIDANCE) for axis in "yz")
-    return Finding("estimated force", "N", force, 40.0, note="Fig. 12, one flight")
+    as_printed = (
+        Finding(
+            f"as printed, lambda_v {pole:g}", "N", printed_force.largest_n(flight, pole), 40.0, note="Fig. 12"
+        )
+        for pole in printed_force.POLES_RAD_S
+    )
+    return Finding("estimated force", "N", force, 40.0, note="Fig. 12, one flight"), *as_printed
 
 
 def _peak(flight: Flight, channel: str, role: str | None = None) -> float:
@@ -116,14 +123,6 @@ def _steps(rows: list[Row]) -> tuple[Finding, ...]:
             Finding(f"{STEP_NM:g} N m, {name}: peak", "deg", row["peak_error_deg"], note="sect. 6.2")
         )
         findings.append(Finding(f"{STEP_NM:g} N m, {name}: settled", "s", row["settled_s"]))
-    return tuple(findings)
-
-
-def _avoidance(rows: list[Row]) -> tuple[Finding, ...]:
-    findings = []
-    for name, row in _of(rows, "avoidance"):
-        findings.append(Finding(f"roll error, {name}", "deg", row["peak_error_deg"], note="Fig. 7"))
-        findings.append(Finding(f"roll rate, {name}", "deg/s", row["peak_rate_deg_s"]))
     return tuple(findings)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.fsw.control.frames import goal_attitude
-from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, HOVER_IMAGING, begun
+from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
 from edl6dof.scenario.schema import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, continue_from, fly
@@ -21,6 +21,7 @@ from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO = "tianwen1"
+_PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 #: Time after backshell release at which dispersed entries of the powered descent begin, s.
 AFTER_RELEASE_S = 0.06
@@ -29,15 +30,15 @@ FORMULATIONS = ("decoupled", "shortest_path")
 #: A torque step in the hover, N m, and what works against it: settings by name.
 STEP_NM = 100.0
 _PITCH_YAW = f"{LANDER}.pitch_yaw"
-_INTEGRAL = f"{LANDER}.against_disturbance=integral"
+INTEGRAL = f"{LANDER}.against_disturbance=integral"
 AGAINST_STEP: dict[str, tuple[str, ...]] = {
     "estimator": (),
     # the integral that settles soonest with the same P and D, in a PID zone wide enough for it
-    "integral": (_INTEGRAL, f"{_PITCH_YAW}.integral=0.4", f"{_PITCH_YAW}.near_deg=12"),
+    "integral": (INTEGRAL, f"{_PITCH_YAW}.integral=0.4", f"{_PITCH_YAW}.near_deg=12"),
     # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
     # lambda 8
     "equal PID": (
-        _INTEGRAL,
+        INTEGRAL,
         f"{_PITCH_YAW}.proportional=16.6",
         f"{_PITCH_YAW}.integral=11.2",
         f"{_PITCH_YAW}.derivative=9.9",
@@ -45,20 +46,6 @@ AGAINST_STEP: dict[str, tuple[str, ...]] = {
 }
 #: Time into the hover at which the step comes, and time watched after it, s.
 STEP_AFTER_S, STEP_WATCHED_S = 11.0, 25.0
-
-#: Hazard avoidance towards the east, where D7 pushes from the start: whether it is dead, and what else is
-#: changed.
-_EAST = (
-    "flight_software.guidance.powered.terminal.safe_spot_east_m=20",
-    "flight_software.guidance.powered.terminal.safe_spot_north_m=0",
-)
-_NO_DIAGNOSIS = "flight_software.diagnosis.enabled=false"
-AVOIDANCE: dict[str, tuple[bool, tuple[str, ...]]] = {
-    "all sound": (False, ()),
-    "D7 dead, diagnosed": (True, ()),
-    "D7 dead, undiagnosed": (True, (_NO_DIAGNOSIS,)),
-    "D7 dead, integral alone": (True, (_NO_DIAGNOSIS, _INTEGRAL, f"{LANDER}.roll.integral=0.4")),
-}
 
 #: A trim wing that stays shut: whether thrusters hold the angle of attack, or it is left to trim.
 HELD = "alpha held"
@@ -81,14 +68,15 @@ def nominal(changes: Sequence[str] = ()) -> LoadedScenario:
     """The Tianwen-1 scenario with ``PATH=VALUE`` changes, on perfect sensors: what is examined is control,
     and the flight computer has to know of a state that is set up.
     """
-    return load_scenario(SCENARIO, ("sensors.set=perfect", *changes))
+    return load_scenario(SCENARIO, (_PERFECT, *changes))
 
 
-def state_at(time_s: float) -> State:
-    """The nominal flight at a time."""
-    saved = fly(nominal([f"simulation.time_limit_s={time_s + 1.0}"]), save_at_s=time_s).saved
+def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
+    """The Tianwen-1 scenario with ``PATH=VALUE`` changes at a time."""
+    loaded = load_scenario(SCENARIO, (*changes, f"simulation.time_limit_s={time_s + 1.0}"))
+    saved = fly(loaded, save_at_s=time_s).saved
     if saved is None:
-        raise ValueError(f"the nominal flight is over before {time_s:g} s")
+        raise ValueError(f"the flight is over before {time_s:g} s")
     return saved
 
 
@@ -156,18 +144,6 @@ def torque_steps(flight: Flight) -> dict[str, Flight]:
     return {
         name: carry_on(state, [longer, *changes], truth, start + STEP_WATCHED_S)
         for name, changes in AGAINST_STEP.items()
-    }
-
-
-def avoidance() -> dict[str, Flight]:
-    """Hazard avoidance with D7 working, dead and found, dead and not looked for."""
-    scenario = nominal().scenario
-    phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
-    dead = f"faults=[{{thruster: D7, kind: stuck_off, at: {{phase: {phase}}}}}]"
-    faults = {True: [dead], False: []}
-    return {
-        name: fly(nominal([*_EAST, *faults[broken], *changes]))
-        for name, (broken, changes) in AVOIDANCE.items()
     }
 
 

@@ -12,6 +12,8 @@ from edl6dof.vehicle.vehicle import VehicleParams
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
 Component = Literal[
     "thruster",
+    "branch",
+    "rcs",
     "surface",
     "engine",
     "parachute",
@@ -21,10 +23,14 @@ Component = Literal[
     "inertial_unit",
     "beam",
     "star_tracker",
+    "flow_meter",
 ]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Those that measure.
-INSTRUMENTS: tuple[Component, ...] = ("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker")
+INSTRUMENTS: tuple[Component, ...] = (
+    *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
+    "flow_meter",
+)
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
 Components = Mapping[Component, Sequence[str]]
 
@@ -33,6 +39,8 @@ def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
     """Names of the components of a vehicle that may fail, instruments left out."""
     return {
         "thruster": [jet.name for jet in vehicle.rcs.thrusters],
+        "branch": [branch.name for branch in vehicle.rcs.laid_branches],
+        "rcs": ["rcs"] if vehicle.rcs.thrusters else [],
         "surface": [surface.name for surface in vehicle.surfaces],
         "engine": [engine.name for engine in vehicle.engines],
         "parachute": [chute.name for chute in vehicle.parachutes],
@@ -52,6 +60,18 @@ class ThrusterFault(ComponentFault):
     """Parameters of a fault of one thruster."""
 
     components: ClassVar[tuple[Component, ...]] = ("thruster",)
+
+
+class BranchFault(ComponentFault):
+    """Parameters of a fault of one propellant branch."""
+
+    components: ClassVar[tuple[Component, ...]] = ("branch",)
+
+
+class RcsFault(ComponentFault):
+    """Parameters of a fault of all thrusters at once."""
+
+    components: ClassVar[tuple[Component, ...]] = ("rcs",)
 
 
 class SurfaceFault(ComponentFault):

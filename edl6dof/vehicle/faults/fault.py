@@ -43,6 +43,8 @@ class FaultParams(FaultChoice):
     """One fault."""
 
     thruster: str | None = param(None, "name of the thruster that fails, where one does", record=False)
+    branch: str | None = param(None, "name of the propellant branch that fails, where one does", record=False)
+    rcs: str | None = param(None, "name of the thruster set, where all of it fails", record=False)
     surface: str | None = param(None, "name of the surface that fails, where one does", record=False)
     engine: str | None = param(None, "name of the engine that fails, where one does", record=False)
     parachute: str | None = param(None, "name of the parachute that fails, where one does", record=False)
@@ -54,6 +56,9 @@ class FaultParams(FaultChoice):
     inertial_unit: str | None = param(None, "name of the inertial unit, where it fails", record=False)
     beam: str | None = param(None, "name of the radar beam that fails, where one does", record=False)
     star_tracker: str | None = param(None, "name of the star tracker, where it fails", record=False)
+    flow_meter: str | None = param(
+        None, "name of the branch whose flow meter fails, where one does", record=False
+    )
     at: FaultStart = section("when it begins", record=False)
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""Faults of one reading, of a gyro, an accelerometer or a beam, and of whole instruments.
+"""Faults of one reading, of a gyro, an accelerometer, a beam or a flow meter, and of whole instruments.
 
 They are written where the sensors read them (:mod:`edl6dof.vehicle.instruments`), and show in the reading of
 the next cycle.
@@ -15,7 +15,7 @@ from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
 from edl6dof.vehicle.instruments import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
-GYRO, ACCELEROMETER = COMPONENTS.index("gyro"), COMPONENTS.index("accelerometer")
+GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
 
 
 class InstrumentFault(ComponentFault):
@@ -27,7 +27,7 @@ class InstrumentFault(ComponentFault):
 class ReadingFault(InstrumentFault):
     """Parameters of a fault of one reading."""
 
-    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam")
+    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam", "flow_meter")
 
 
 class CounterFault(InstrumentFault):
@@ -43,6 +43,7 @@ class ReadingBiasParams(ReadingFault):
     acceleration_m_s2: float = param(0.05, "of an accelerometer", ge=-1e3, le=1e3)
     range_m: float = param(20.0, "of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s: float = param(2.0, "of the speed of a beam", ge=-1e3, le=1e3)
+    flow_kg_s: float = param(0.02, "of a flow meter", ge=-10.0, le=10.0)
 
 
 class ReadingDriftParams(ReadingFault):
@@ -52,6 +53,7 @@ class ReadingDriftParams(ReadingFault):
     acceleration_m_s3: float = param(0.01, "of an accelerometer", ge=-1e3, le=1e3)
     range_m_s: float = param(2.0, "of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s2: float = param(0.2, "of the speed of a beam", ge=-1e3, le=1e3)
+    flow_kg_s2: float = param(0.002, "of a flow meter", ge=-10.0, le=10.0)
 
 
 class ReadingNoiseParams(ReadingFault):
@@ -61,6 +63,7 @@ class ReadingNoiseParams(ReadingFault):
     acceleration_m_s2: float = param(0.5, "of an accelerometer", ge=0.0, le=1e3)
     range_m: float = param(20.0, "of the range of a beam", ge=0.0, le=1e4)
     speed_m_s: float = param(2.0, "of the speed of a beam", ge=0.0, le=1e3)
+    flow_kg_s: float = param(0.02, "of a flow meter", ge=0.0, le=10.0)
 
 
 class ReadingStuckParams(ReadingFault):
@@ -116,19 +119,23 @@ def set_mode(fault, plant, mode):
         instruments.gyro[i].mode = mode
     elif fault.of == ACCELEROMETER:
         instruments.accelerometer[i].mode = mode
+    elif fault.of == FLOW_METER:
+        instruments.flow[i].mode = mode
     else:
         instruments.range[i].mode = mode
         instruments.speed[i].mode = mode
 
 
 @kernel
-def set_offset(fault, plant, rate, acceleration, reach, speed):
-    """What is added to the reading: of a gyro, an accelerometer, range and speed of a beam."""
+def set_offset(fault, plant, rate, acceleration, reach, speed, flow):
+    """What is added to the reading: of a gyro, an accelerometer, range and speed of a beam, a flow meter."""
     i, instruments = fault.component, plant.instruments
     if fault.of == GYRO:
         instruments.gyro[i].offset = rate
     elif fault.of == ACCELEROMETER:
         instruments.accelerometer[i].offset = acceleration
+    elif fault.of == FLOW_METER:
+        instruments.flow[i].offset = flow
     else:
         instruments.range[i].offset = reach
         instruments.speed[i].offset = speed
@@ -139,7 +146,7 @@ def reading_bias(fault, case, since, command, plant):
     """Add a constant."""
     p = fault.params.reading_bias
     on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, on * p.rate, on * p.acceleration, on * p.range, on * p.speed)
+    set_offset(fault, plant, on * p.rate, on * p.acceleration, on * p.range, on * p.speed, on * p.flow)
 
 
 @kernel
@@ -147,7 +154,7 @@ def reading_drift(fault, case, since, command, plant):
     """Add what has grown since."""
     p = fault.params.reading_drift
     age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, age * p.rate, age * p.acceleration, age * p.range, age * p.speed)
+    set_offset(fault, plant, age * p.rate, age * p.acceleration, age * p.range, age * p.speed, age * p.flow)
 
 
 @kernel
@@ -159,6 +166,8 @@ def reading_noise(fault, case, since, command, plant):
         instruments.gyro[i].noise = on * p.rate
     elif fault.of == ACCELEROMETER:
         instruments.accelerometer[i].noise = on * p.acceleration
+    elif fault.of == FLOW_METER:
+        instruments.flow[i].noise = on * p.flow
     else:
         instruments.range[i].noise = on * p.range
         instruments.speed[i].noise = on * p.speed
@@ -206,7 +215,7 @@ def false_lock(fault, case, since, command, plant):
     p = fault.params.false_lock
     on = lasts(p.duration, since, plant.t)
     set_mode(fault, plant, FALSE_LOCK if on else WORKING)
-    set_offset(fault, plant, 0.0, 0.0, p.range if on else 0.0, p.speed if on else 0.0)
+    set_offset(fault, plant, 0.0, 0.0, p.range if on else 0.0, p.speed if on else 0.0, 0.0)
 
 
 @kernel

@@ -32,10 +32,12 @@ def next_scheduled(case, plant, t_end):
 
 
 @kernel
-def remember_start(plant, work):
+def remember_start(case, plant, work):
     """Keep what a step changes and the integrator does not keep itself."""
     for i in range(work.level0.shape[0]):
         work.level0[i] = plant.valves.level[i]
+    for k in range(case.branches.count):
+        work.branch_used0[k] = plant.branch_used[k]
     put3(work.velocity_gain0, 0, take3(plant.velocity_gain, 0))
 
 
@@ -46,6 +48,8 @@ def restart(case, tables, plant, outputs, work):
         plant.y[i] = work.y0[i]
     for i in range(work.level0.shape[0]):
         plant.valves.level[i] = work.level0[i]
+    for k in range(case.branches.count):
+        plant.branch_used[k] = work.branch_used0[k]
     put3(plant.velocity_gain, 0, take3(work.velocity_gain0, 0))
     plant.t = work.t0
     evaluate(case, tables, plant, outputs, work)
@@ -59,7 +63,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
     The root is found by false position, with bisection every third pass against a one-sided stall; the step
     ends at the side of the bracket where the event has come.
     """
-    remember_start(plant, work)
+    remember_start(case, plant, work)
     if not step(case, tables, plant, outputs, work, t_end):
         return False, False
     f_high = until_event(case, plant, outputs)

@@ -102,7 +102,8 @@ def lay_down_inputs(case, plant, rotation, h):
         inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 and plant.blocked[k] == 0 else 0
     inputs.middle = plant.t + 0.5 * h
     set_goals(case, plant, h)
-    fire(case.vehicle.rcs, case.feeds.thrusters, plant.valves, plant.t, h, inputs)
+    feeds, branch = case.feeds.thrusters, case.branches.of
+    fire(case.vehicle.rcs, feeds, branch, plant.valves, plant.t, h, inputs, plant.branch_used)
     put3(inputs.noncentral_I, 0, noncentral_I(case.planet, rotation, halfway(plant.y, h)))
 
 

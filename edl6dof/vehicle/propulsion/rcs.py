@@ -9,16 +9,17 @@ does the displacement that it leaves.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
-from edl6dof.interface.capacities import MAX_TANKS, MAX_THRUSTERS
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
+from edl6dof.vehicle.propulsion.branches import Branch
 from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
 
@@ -50,12 +51,23 @@ class Thruster(Hardware):
     def _unit_length(cls, value: Vec3) -> Vec3:
         return unit_vector(value)
 
+    @property
+    def full_flow_kg_s(self) -> float:
+        """Propellant flow at full thrust."""
+        return self.thrust_n / (self.specific_impulse_s * G0)
+
 
 class RcsParams(Hardware):
     """The thruster set and its interaction with the flow."""
 
     thrusters: Annotated[list[Thruster], Capacity(MAX_THRUSTERS)] = param(
         None, "thrusters; empty for none", factory=list, max_length=MAX_THRUSTERS
+    )
+    branches: Annotated[list[Branch], Capacity(MAX_BRANCHES)] = param(
+        None,
+        "propellant branches, each behind one latch valve; empty: every thruster on one of its own",
+        record=False,
+        factory=list,
     )
     flow_loss: float = param(
         0.0, "fraction of thrust lost at the reference dynamic pressure", status="estimate", ge=0.0, lt=1.0
@@ -64,10 +76,15 @@ class RcsParams(Hardware):
         5000.0, "dynamic pressure at which flow_loss applies", status="estimate", gt=0.0
     )
 
-    @field_validator("thrusters")
+    @field_validator("thrusters", "branches")
     @classmethod
-    def _unique_names(cls, value: list[Thruster]) -> list[Thruster]:
+    def _unique_names(cls, value: list[Any]) -> list[Any]:
         return unique_names(value)
+
+    @property
+    def laid_branches(self) -> list[Branch]:
+        """The branches: those given, or one for every thruster, named as it."""
+        return self.branches or [Branch(name=jet.name, thrusters=[jet.name]) for jet in self.thrusters]
 
 
 RCS = dtype_of(RcsParams)
@@ -113,16 +130,16 @@ def efficiency(rcs, dynamic_pressure):
 
 
 @kernel
-def fire(rcs, loads, valves, t, step, inputs):
-    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: the flow
-    goes with the thrust, or a speed would not follow from the propellant used.  What the air takes of the
-    force (:func:`efficiency`) changes within the step.
+def fire(rcs, loads, branch, valves, t, step, inputs, used):
+    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: unless a
+    fault parts them, the flow goes with the thrust, or a speed would not follow from the propellant used.
+    What the air takes of the force (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
     as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
     ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s), ``rcs_flow`` (mean, kg/s out of each tank) and
     ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are
-    the thrusters' ``FEEDS``.
+    the thrusters' ``FEEDS``, ``branch`` says on which each lies, and ``used`` (kg) counts on for each branch.
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0
@@ -137,14 +154,18 @@ def fire(rcs, loads, valves, t, step, inputs):
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
-        mean *= 1.0 - valves.lost[i]
-        slope *= 1.0 - valves.lost[i]
-        valves.mean[i] = mean if within > 0.0 else 0.0
-        if valves.mean[i] == 0.0:
+        if mean == 0.0 or within == 0.0:
+            valves.mean[i] = 0.0
             continue
         full_flow = jet.thrust / (jet.specific_impulse * G0)
-        draw(loads, i, inputs.filled, within, mean * full_flow, inputs.rcs_flow, 0)
-        draw(loads, i, inputs.filled, within, slope * full_flow, inputs.rcs_flow_slope, 0)
+        drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
+        draw(loads, i, inputs.filled, within, mean * drawn * full_flow, inputs.rcs_flow, 0)
+        draw(loads, i, inputs.filled, within, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
+        used[branch[i]] += mean * drawn * full_flow * step
+        kept = (1.0 - valves.lost[i]) * (1.0 - valves.feed_lost)
+        mean *= kept
+        slope *= kept
+        valves.mean[i] = mean
         full = scale(jet.thrust, take3(jet.direction, 0))
         arm = cross(take3(jet.position, 0), full)
         force, moment = add(force, scale(mean, full)), add(moment, scale(mean, arm))

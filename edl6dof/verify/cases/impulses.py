@@ -33,6 +33,7 @@ _SCENE = (
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
     "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.rcs.thrusters=[{_JET}]",
+    "vehicle.rcs.branches=[]",
     "flight_software.check_out.thrusters=[]",
     "initial.speed_m_s=0",
     "initial.rate_deg_s=[0, 0, 0]",

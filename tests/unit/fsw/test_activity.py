@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect, remember
+from edl6dof.fsw.modulation import MODULATION, modulate
 from edl6dof.interface.sensed import SENSED
+from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.sensors.imu import READINGS, ImuParams, measure
 from edl6dof.vehicle.plant import OUTPUTS, RATE, STATE
+from edl6dof.vehicle.propulsion.rcs import linear_level
 
 CYCLE = 0.04
 
@@ -35,15 +38,42 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
         remember(opens, closes, 5, memory)
 
 
+@pytest.mark.parametrize("slot", [0, 16])
+def test_share_is_what_the_valve_gives_of_pulses_that_go_on_over_several_cycles(shared_onboard, slot):
+    """Thrust rises and decays in 12 ms, for which half of it stands as lag: 1.5 ms where a cycle ends in a
+    ramp, nothing in the sum.
+    """
+    rng, onboard, ramp, delay = np.random.default_rng(5), shared_onboard[0], 0.012, 0.02
+    memory, modulator = np.zeros(1, ACTIVITY)[0], np.zeros(1, MODULATION)[0]
+    duty, opens, closes, effect = np.zeros(32), np.zeros(32), np.zeros(32), np.ones((32, 6))
+    level, halves, shares = 0.0, [0.0], []
+    for k in range(3000):
+        t = k * CYCLE
+        expect(effect, 22, t - delay - CYCLE, t - delay, 0.5 * ramp, memory)
+        shares.append(memory["share"][slot])
+        duty[slot] = rng.uniform(0.0, 1.0) if k % 10 == 0 else duty[slot]
+        modulate(onboard["modulation"], onboard["vehicle"], duty, t, CYCLE, modulator, opens, closes)
+        remember(opens, closes, 22, memory)
+        for half in (t, t + delay):
+            mean, _, level = linear_level(level, ramp, ramp, half, delay, opens[slot], closes[slot])
+            halves.append(mean)
+    given = 0.5 * (np.array(halves[0:-2:2]) + np.array(halves[1:-1:2]))
+    wide = np.diff(np.flatnonzero(np.diff(np.array(shares) > 0.99)))
+    assert np.max(wide) > 3  # pulses of more than three cycles were among them
+    assert np.array(shares)[2:] == pytest.approx(given[1:-1], abs=0.04)
+    assert np.cumsum(shares)[2:] == pytest.approx(np.cumsum(given)[1:-1], abs=0.04)
+
+
 @pytest.mark.parametrize("delay", [0, 1, 5, 7])
 def test_readings_arrive_so_many_cycles_late_and_unchanged(delay):
     params = np.zeros(1, [("delay_cycles", "i8")])[0]
     params["delay_cycles"] = ImuParams(delay_cycles=delay).delay_cycles
     plant, readings, sensed = np.zeros(1, STATE)[0], np.zeros(1, READINGS)[0], np.zeros(1, SENSED)[0]
     outputs, nothing = np.zeros(1, OUTPUTS)[0], np.zeros(1)[0]
+    case = np.zeros(1, [("branches", BRANCHES)])[0]
     for k in range(40):
         plant["y"][RATE : RATE + 3], plant["velocity_gain"] = (k, -k, 2 * k), (3 * k, k, 0)
-        measure(params, nothing, nothing, nothing, plant, outputs, readings, sensed)
+        measure(params, nothing, case, nothing, plant, outputs, readings, sensed)
         then = max(k - delay, 0)
         assert (
             sensed["imu_rate_B"].tolist() == [then, -then, 2 * then] and sensed["imu_gain_B"][0] == 3 * then

@@ -11,8 +11,7 @@ import pytest
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.effectiveness import effectiveness_matrix
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, KIND_NAMES, DiagnosisParams, diagnose
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence
-from edl6dof.fsw.diagnosis.probe import NONE
+from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
 from edl6dof.scenario.schema import load_scenario
@@ -34,24 +33,37 @@ def effectiveness(shared_onboard):
 
 
 class Watch:
-    """The diagnosis with a valve schedule and a true fault to look at."""
+    """The diagnosis with a valve schedule and a true fault to look at.
 
-    def __init__(self, effectiveness, seed=0, **settings):
+    ``metered``: whether there are flow meters, with errors of the sizes that are believed.
+    """
+
+    def __init__(self, onboard, effectiveness, seed=0, metered=True, **settings):
+        self.vehicle, self.instruments = onboard[0]["vehicle"], onboard[0]["instruments"]
         self.effectiveness, self.rng = effectiveness, np.random.default_rng(seed)
         self.params = np.zeros(1, dtype_of(DiagnosisParams))
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory = np.zeros(1, DIAGNOSIS)
-        self.memory["probe"]["suspect"] = NONE
+        self.memory["leak"]["branch"] = self.memory["hypotheses"]["meter"] = NONE
         self.activity, self.healthy, self.shut = (
             np.zeros(1, ACTIVITY),
             np.ones(32, "i8"),
             np.zeros(32, "i8"),
         )
-        self.t, self.asked = 0.0, np.zeros(32)
+        self.t, self.asked, self.metered = 0.0, np.zeros(32), metered
+        jets = self.vehicle["thrusters"][: len(NAMES)]
+        self.flow = jets["thrust"] / (jets["specific_impulse"] * 9.80665)
+        self.branch = self.vehicle["branches"]["of"][: len(NAMES)]
+        self.used = np.zeros(32)
+        self.scale = 1.0 + self.rng.normal(0.0, 0.01, 32)
+        self.dead_meters = []
 
-    def cycle(self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None, against=()):
+    def cycle(
+        self, fault=None, disturbance=0.0, load=0.0, use=0.15, who=None, against=(), flows=True, common=0.0
+    ):
         """One control cycle with ``fault`` = (thruster number, kind, loss); ``who`` may fire, each for the
-        share ``use`` of cycles, and those ``against`` it throughout.
+        share ``use`` of cycles, and those ``against`` it throughout.  Of a fault with ``flows`` false the
+        propellant flows as if there were none; ``common`` is a loss of all thrusters.
         """
         firing = self.rng.random(32) < use
         if who is not None:
@@ -60,26 +72,42 @@ class Watch:
         share[len(NAMES) :] = 0.0
         share[list(against)] = self.healthy[list(against)]
         self.asked += share
-        given = share.copy()
-        if fault is not None:
-            i, kind, loss = fault
+        given = (1.0 - common) * share
+        for i, kind, loss in [fault] if fault is not None else []:
             given[i] = 1.0 if kind == "stuck on" else (1.0 - loss) * share[i]
-        given[self.shut != 0] = 0.0
+        open_to = np.append(self.shut[self.branch] == 0, np.ones(32 - len(NAMES), bool))
+        given[~open_to] = 0.0
         noise = np.concatenate([self.rng.normal(0, 2.0, 3), self.rng.normal(0, 1.0, 3)])
         unexplained = (given - share) @ self.effectiveness + noise + disturbance
         self.activity["share"], self.activity["wrench"] = share, share @ self.effectiveness
-        arguments = (
+        self.count(given if flows else share)
+        diagnose(
             self.params[0],
-            len(NAMES),
+            self.metered,
+            self.instruments,
+            self.vehicle,
+            self.used,
             self.effectiveness,
             self.activity[0],
             load,
             unexplained,
             self.t,
             DT,
+            self.memory[0],
+            self.healthy,
+            self.shut,
         )
-        diagnose(*arguments, self.memory[0], self.healthy, self.shut)
         self.t += DT
+
+    def count(self, given):
+        """Let the meters count what the thrusters let through."""
+        for b in range(int(self.vehicle["branches"]["count"])):
+            mine = self.branch == b
+            full = self.flow[mine].sum()
+            read = self.scale[b] * given[: len(NAMES)][mine] @ self.flow[mine] + self.rng.normal(
+                0, 0.005 * full
+            )
+            self.used[b] += (0.0 if b in self.dead_meters else read) * DT
 
     @property
     def found(self):
@@ -89,126 +117,186 @@ class Watch:
             for slot in memory["isolated"][: memory["n_isolated"]]
         ]
 
+    def mates(self, i):
+        """Thrusters on the branch of ``i``, itself among them."""
+        return np.flatnonzero(self.branch == self.branch[i])
+
+
+@pytest.fixture(scope="module")
+def watch_of(shared_onboard, effectiveness):
+    return lambda *args, **settings: Watch(shared_onboard, effectiveness, *args, **settings)
+
+
+FAULTS = [("stuck off", 1.0), ("stuck on", 0.0), ("degraded", 0.5), ("degraded", 0.2)]
+
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize(("kind", "loss"), [("stuck off", 1.0), ("stuck on", 0.0), ("degraded", 0.5)])
-def test_every_thruster_is_named_with_its_fault(effectiveness, name, kind, loss):
-    """22 thrusters times three faults, first flown sound for 4 s: nothing else is ever named."""
-    if kind == "degraded" and name.startswith("F"):
-        pytest.skip("12 N is what the residual of a sound vehicle is allowed")
-    fine = np.array([other.startswith("F") for other in NAMES])
-    # 25 N are within the tolerance of the models while 250 N thrusters fire
-    who = fine if name.startswith("F") else ~fine
-    watch = Watch(effectiveness, seed=NAMES.index(name))
+@pytest.mark.parametrize(("kind", "loss"), FAULTS)
+@pytest.mark.parametrize("load", [0.0, 35e3])
+def test_every_thruster_is_named_with_its_fault(watch_of, name, kind, loss, load):
+    """22 thrusters times four faults, first flown sound for 4 s; in free fall, and in air that shakes the
+    vehicle with 1 % of its load.  Nothing else is ever named.
+    """
+    watch, number = watch_of(NAMES.index(name)), NAMES.index(name)
+
+    def air():
+        return 0.01 * load * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+
+    for _ in range(100):
+        watch.cycle(disturbance=air(), load=load)
+    assert watch.found == []
+    for _ in range(300):
+        watch.cycle((number, kind, loss), disturbance=air(), load=load)
+    assert watch.found == [(name, kind)]
+    unused = watch.mates(number) if kind == "stuck on" else [] if loss == 0.2 else [number]
+    assert np.flatnonzero(watch.healthy == 0).tolist() == list(unused)
+    assert np.flatnonzero(watch.shut).tolist() == ([watch.branch[number]] if kind == "stuck on" else [])
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if not name.startswith("F")])
+@pytest.mark.parametrize(("kind", "loss"), [("stuck off", 1.0), ("degraded", 0.5)])
+def test_without_meters_force_and_torque_name_the_250_n_thrusters(watch_of, name, kind, loss):
+    watch, number = watch_of(NAMES.index(name), metered=False), NAMES.index(name)
+    who = np.array([not other.startswith("F") for other in NAMES])
     for _ in range(100):
         watch.cycle(who=who)
+    while not watch.found and watch.t < 120.0:
+        watch.cycle((number, kind, loss), who=who)
+    assert watch.found == [(name, kind)] and watch.healthy[number] == 0
+
+
+@pytest.mark.parametrize("name", ["D1", "A2", "P3"])
+def test_a_cold_catalyst_is_named_by_force_and_torque_though_the_flow_is_sound(watch_of, name):
+    watch, number = watch_of(3), NAMES.index(name)
+    for k in range(800):
+        watch.cycle((number, "degraded", 0.6) if k > 100 else None, flows=False)
+    assert watch.found == [(name, "degraded")]
+
+
+@pytest.mark.parametrize("branch", range(11))
+def test_a_dead_meter_costs_no_thruster_where_force_and_torque_speak(watch_of, branch):
+    watch = watch_of(branch)
+    for k in range(800):
+        watch.dead_meters = [branch] if k > 100 else []
+        watch.cycle()
+    if watch.flow[watch.branch == branch].max() > 0.05:  # 25 N are next to nothing beside 250 N
+        assert watch.found == [] and np.all(watch.healthy == 1)
+        assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [branch]
+
+
+def test_a_meter_that_reads_a_flow_through_a_shut_valve_has_failed(watch_of):
+    watch = watch_of()
+    for _ in range(40):
+        watch.used[3] += 0.09 * DT
+        watch.cycle(use=0.0)
+    assert watch.found == [] and np.all(watch.healthy == 1) and not watch.shut.any()
+    assert np.flatnonzero(watch.memory["flow"]["meter_failed"][0]).tolist() == [3]
+
+
+@pytest.mark.parametrize("loss", [0.1, 0.2, 0.35])
+def test_a_loss_of_all_thrusters_is_the_propellants_and_nobodys_fault(watch_of, loss):
+    watch = watch_of(5)
+    for k in range(1500):
+        watch.cycle(common=loss if k > 100 else 0.0)
     assert watch.found == []
-    for _ in range(600):
-        watch.cycle((NAMES.index(name), kind, loss), who=who)
-    assert [who for who, _ in watch.found] == [name]
-    if not name.startswith("F"):  # the loss of 25 N is measured to a tenth or two: it may pass for degraded
-        assert watch.found == [(name, kind)]
-    assert watch.healthy[NAMES.index(name)] == 0 and watch.shut[NAMES.index(name)] == 1
-    assert watch.healthy[: len(NAMES)].sum() == len(NAMES) - 1
+    assert watch.memory["flow"]["common"][0] == pytest.approx(loss, abs=0.04)
 
 
-def test_dead_thruster_is_named_after_a_few_cycles_of_use(effectiveness):
-    """Its use between fault and isolation, in cycles at full thrust, for the eight horizontal thrusters."""
-    for i in range(8):
-        watch = Watch(effectiveness, seed=i)
+@pytest.mark.parametrize("load", [0.0, 35e3])
+def test_a_leak_is_shut_off_within_four_cycles_and_its_thruster_named_within_two_seconds(watch_of, load):
+    """Nothing is fired: the flow alone, and what the latch valve does to force and torque."""
+    for i, name in enumerate(NAMES):
+        watch, slow, began, shut, named = watch_of(i), np.zeros(6), None, None, None
+        for k in range(200):
+            slow += -slow * DT + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, 0.003 * load, 6) * [
+                0,
+                1,
+                1,
+                0,
+                1,
+                1,
+            ]
+            began = watch.t if k == 60 else began
+            watch.cycle((i, "stuck on", 0.0) if k >= 60 else None, disturbance=slow, load=load, use=0.0)
+            if watch.shut.any() and shut is None:
+                shut = watch.t - began
+            if watch.found and named is None:
+                named = watch.t - began
+        assert watch.found == [(name, "stuck on")]
+        assert shut <= 4.1 * DT and named < 2.0
+
+
+def test_a_leak_older_than_the_slow_disturbance_is_found_all_the_same(watch_of):
+    """It was there before anyone looked at force and torque."""
+    for i in range(len(NAMES)):
+        watch = watch_of(i)
+        watch.params["enabled"] = 0
+        for _ in range(60):
+            watch.cycle((i, "stuck on", 0.0), use=0.0)
+        watch.params["enabled"] = 1
+        for _ in range(100):
+            watch.cycle((i, "stuck on", 0.0), use=0.0)
+        assert watch.found == [(NAMES[i], "stuck on")]
+
+
+def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
+    """The meter of their branch cannot tell them apart: each is doubtful, and tried alone."""
+    for i in range(len(NAMES)):
+        watch, pair = watch_of(i), watch_of().mates(i)
+        for k in range(150):
+            doubtful = np.flatnonzero(watch.memory["flow"]["doubtful"][0])
+            fire = doubtful[:1] if len(doubtful) else pair if k % 25 < 3 else ()
+            watch.cycle((i, "stuck off", 1.0) if k > 30 else None, use=0.0, against=fire)
+        assert watch.found == [(NAMES[i], "stuck off")] and watch.healthy[pair].sum() == 1
+
+
+def test_dead_thruster_is_named_after_a_few_cycles_of_use(watch_of):
+    """Its use between fault and isolation, in cycles at full thrust, for all thrusters."""
+    for i in range(len(NAMES)):
+        watch = watch_of(i)
         for _ in range(60):
             watch.cycle()
         before = watch.asked[i]
         while not watch.found:
             watch.cycle((i, "stuck off", 1.0))
-        assert watch.asked[i] - before < 8.0
+        assert watch.asked[i] - before < 4.0
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_a_coloured_disturbance_as_large_as_the_thrusters_isolates_nothing(effectiveness, seed):
+def test_a_coloured_disturbance_as_large_as_the_thrusters_isolates_nothing(watch_of, seed):
     """Lateral force and torque wander by 250 N and N m within a second, as those of air and riser may under
     their load.
     """
-    watch, slow = Watch(effectiveness, seed), np.zeros(6)
+    watch, slow = watch_of(seed), np.zeros(6)
     for _ in range(2500):
         slow += -slow * DT / 1.0 + np.sqrt(2.0 * DT) * watch.rng.normal(0.0, [0, 250, 250, 0, 250, 250])
         watch.cycle(disturbance=slow, load=10000.0)
     assert watch.found == []
 
 
-def test_sound_vehicle_is_left_alone_for_an_hour(effectiveness):
-    watch = Watch(effectiveness, 5)
+def test_sound_vehicle_is_left_alone_for_an_hour(watch_of):
+    watch = watch_of(5)
     for _ in range(90000):
         watch.cycle()
     assert watch.found == [] and np.all(watch.healthy == 1)
 
 
-def test_thruster_stuck_on_since_before_anyone_looked_is_found_by_shutting_it_off(effectiveness):
-    """Nothing is fired, and the thrust is there from the first cycle after a restart: part of the slow
-    disturbance.
-    """
-    for i in range(20):
-        watch = Watch(effectiveness, i)
-        restart_residual(watch.memory[0]["residual"])
-        for _ in range(100):
-            watch.cycle((i, "stuck on", 0.0), use=0.0)
-        assert watch.found == ([(NAMES[i], "stuck on")] if i < 16 else [])  # 25 N may be misalignment
-        assert np.sum(watch.shut) == (1 if i < 16 else 0)
-
-
-def test_probe_of_a_sound_thruster_gives_it_back(effectiveness):
-    """A constant disturbance that looks exactly like D1 stuck on."""
-    watch, shut = Watch(effectiveness), 0
-    restart_residual(watch.memory[0]["residual"])
-    for _ in range(300):
-        watch.cycle(disturbance=effectiveness[0], use=0.0)
-        shut += int(watch.shut[0])
-    assert watch.found == [] and 5 < shut < 60 and watch.healthy[0] == 1 and watch.shut[0] == 0
-
-
-def test_a_swing_under_the_canopy_makes_no_thruster_suspect(effectiveness):
-    """The riser turns the vehicle to and fro once in a second, with three times the torque of a thruster: the
-    mean that is taken for the slow disturbance looks like one at times.
-    """
-    watch, shut = Watch(effectiveness, 3), 0
-    restart_residual(watch.memory[0]["residual"])
-    for k in range(2000):
-        swing = np.sin(2.0 * np.pi * k * DT) * np.array([0.0, 250.0, 180.0, 0.0, 560.0, -800.0])
-        watch.cycle(disturbance=swing, load=14000.0, use=0.0)
-        shut += int(watch.shut.sum())
-    assert shut == 0 and watch.found == []
-
-
-def test_a_probe_that_decides_nothing_trusts_nobody(effectiveness):
-    """P2 is shut just when P1, which fired all the time, rests: P1 dead and P2 stuck on look alike."""
-    p1, p2 = NAMES.index("P1"), NAMES.index("P2")
-    watch = Watch(effectiveness)
-    nobody = np.zeros(len(NAMES), bool)
-    for k in range(120):
-        fault = (p2, "stuck on", 0.0) if k > 60 else None
-        fires = fault is not None and watch.shut[p2] == 0
-        watch.cycle(fault, use=0.0, who=nobody, against=(p1,) if fires else ())
-    assert watch.shut.sum() <= 1 and watch.healthy[p1] == 1
-    assert watch.memory[0]["probe"]["trusted_until"][p2] == 0.0
-    assert watch.found in ([], [("P2", "stuck on")])
-
-
-def test_switched_off_it_neither_names_nor_isolates(effectiveness):
-    watch = Watch(effectiveness, enabled=False)
+def test_switched_off_it_neither_names_nor_isolates(watch_of):
+    watch = watch_of(enabled=False)
     for _ in range(200):
         watch.cycle((3, "stuck on", 0.0))
     assert watch.found == [] and np.all(watch.healthy == 1)
 
 
-def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(effectiveness):
-    watch = Watch(effectiveness, 2)
+def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(watch_of):
+    watch = watch_of(2)
     for k in range(120):
         watch.cycle((6, "stuck off", 1.0) if k > 50 else None)
         assert 0.0 <= watch.memory["hypotheses"]["confidence"][0] <= 1.0
     assert 0.999 <= watch.memory["isolated"][0][0]["confidence"] <= 1.0
 
 
-def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance(effectiveness):
+def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
     """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
     limit of large residuals.
     """

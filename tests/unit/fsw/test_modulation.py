@@ -1,4 +1,6 @@
-"""Pulse modulation: impulse is conserved, pulses keep the minimum length, small demands are left alone."""
+"""Pulse modulation: impulse is conserved, widths follow the duty, pulses and gaps keep their least length,
+small demands are left alone; against the law of steady duties, and a modulator written anew in ticks.
+"""
 
 import numpy as np
 import pytest
@@ -6,8 +8,9 @@ import pytest
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.modulation import MODULATION, ModulationParams, modulate
 from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.vehicle.propulsion.rcs import linear_level
 
-CYCLE = 0.04
+CYCLE, GAP = 0.04, 0.012
 
 
 @pytest.fixture
@@ -19,9 +22,9 @@ def jets(shared_onboard):
     return thrusters
 
 
-def settings(deadband=0.03):
+def settings(**changes):
     record = np.zeros(1, dtype_of(ModulationParams))
-    fill(record[0], ModulationParams(deadband=deadband))
+    fill(record[0], ModulationParams(shortest_gap_s=GAP, **changes))
     return record[0]
 
 
@@ -95,7 +98,7 @@ def test_duty_inside_the_deadband_never_opens_a_valve_and_just_outside_does(jets
 def test_residual_is_dropped_when_the_thruster_is_no_longer_asked_for(jets):
     """Alternating half-pulse demands with a pause between must not add up to a pulse in the pause."""
     duties = np.zeros((300, 8))
-    duties[::2] = 0.9
+    duties[::2] = 0.6  # 24 ms due, and a valve opens at 26 ms
     on, _ = operate(jets, duties)
     assert np.all(on[1::2] == 0.0)
 
@@ -119,8 +122,88 @@ def test_128_ms_pulse_spans_control_cycles(jets):
 
 def test_pulse_started_goes_on_when_demand_stops_after_one_cycle(jets):
     duties = np.zeros((12, 8))
-    duties[:4, 4] = 1.0  # 0.16 s due by the fourth cycle: opens there
+    duties[:3, 4] = 1.0  # 0.12 s due by the third cycle, more than 0.65 of 0.128 s: opens there
     on, pulses = operate(jets, duties)
-    assert pulses[4][0][0] == pytest.approx(0.12)
+    assert pulses[4][0][0] == pytest.approx(0.08)
     assert pulses[4][0][1] - pulses[4][0][0] == pytest.approx(0.128)
-    assert np.sum(on[7:, 4]) == 0.0
+    assert np.sum(on[6:, 4]) == 0.0
+
+
+@pytest.mark.parametrize("share", [0.5, 0.65, 1.0])
+def test_steady_duty_gives_the_widths_of_the_law_and_the_mean_of_the_duty(jets, share):
+    """Width w max(1, h / (1 - d)), every width / d, where cycles are short beside pulses and gaps."""
+    cycle, p = 0.0005, settings(opening_share=share)
+    for duty in (0.05, 0.2, 0.4, 0.6, 0.7):
+        _, pulses = operate(jets, np.full((40000, 8), duty), cycle, p)
+        for i in (0, 4):
+            opens, closes = np.array(pulses[i][1:-1]).T
+            width = jets["minimum_pulse"][i] * max(1.0, share / (1.0 - duty))
+            assert closes - opens == pytest.approx(width, abs=2.0 * cycle / (1.0 - duty))
+            assert np.diff(opens) == pytest.approx(width / duty, abs=2.0 * cycle / (1.0 - duty) / duty)
+
+
+@pytest.mark.parametrize("duty", [0.3, 0.5, 0.6, 0.7, 0.9])
+def test_control_cycle_of_one_minimum_pulse_gives_pulses_of_other_widths(jets, duty):
+    """With the cycle of the flight as with any other: 250 N thrusters know more than 0 and 40 ms."""
+    _, pulses = operate(jets, np.full((2000, 8), duty))
+    opens, closes = np.array(pulses[0][1:-1]).T
+    whole_cycles = (closes - opens) / CYCLE
+    assert np.all(whole_cycles > 1.0 + 1e-3)
+    assert np.mean(np.abs(whole_cycles - np.round(whole_cycles)) > 0.05) > 0.2
+
+
+def ticking(duties, shortest, p, cycle, ticks=40):
+    """One thruster, tick by tick (a ``ticks``-th of a cycle): shape (cycles,), s of open valve in each."""
+    tick = cycle / ticks
+    due, is_open, since, on = 0.0, False, 0.0, np.zeros(len(duties))
+    for k, duty in enumerate(duties):
+        asked = 0.0 if duty <= p["deadband"] else 1.0 if duty > 1.0 - p["deadband"] else duty
+        due = due + asked * cycle if asked else 0.0
+        if not is_open and due >= p["opening_share"] * shortest - 1e-9:
+            is_open, since = True, 0.0
+        for j in range(ticks):
+            must_go_on = since < shortest - 1e-9
+            too_late_to_close = 0 < (ticks - j) * tick < p["shortest_gap"] - 1e-9
+            is_open = is_open and (due > 1e-9 or must_go_on or too_late_to_close)
+            if is_open:
+                due, since, on[k] = due - tick, since + tick, on[k] + tick
+        due = max(due, -shortest)
+    return on
+
+
+@pytest.mark.parametrize(("slot", "shortest"), [(0, 0.040), (4, 0.128)])
+def test_same_valve_as_a_modulator_that_counts_ticks(jets, slot, shortest):
+    rng, p = np.random.default_rng(3), settings()
+    duties = np.zeros((3000, 8))
+    # whole ticks of a millisecond, so that both close at the same time
+    duties[:, slot] = np.repeat(rng.integers(0, 41, 600) / 40.0, 5)
+    on, _ = operate(jets, duties, p=p)
+    assert on[:, slot] == pytest.approx(ticking(duties[:, slot], shortest, p, CYCLE), abs=1e-9)
+
+
+@pytest.mark.parametrize("slot", [0, 4])
+def test_delivered_impulse_is_linear_in_the_duty_with_deadband_and_saturation(jets, slot):
+    """Through the valve, whose thrust rises and decays: the law of Hu et al. 2022, section 4.2."""
+    cycles, deadband, lag = 4000, 0.03, 0.012
+    for duty in (0.0, 0.02, 0.031, 0.1, 0.35, 0.5, 0.65, 0.8, 0.9, 0.96, 0.98, 1.0):
+        duties = np.zeros((cycles, 8))
+        duties[:, slot] = duty
+        _, pulses = operate(jets, duties)
+        impulse, level = 0.0, 0.0
+        edges = [0.0, *np.ravel(pulses[slot]).tolist(), cycles * CYCLE]
+        for begin, end in zip(edges[:-1], edges[1:], strict=True):
+            if end > begin:
+                is_open = [begin, end] in pulses[slot]
+                opens, closes = (begin, end) if is_open else (end, end)
+                mean, _, level = linear_level(level, lag, lag, begin, end - begin, opens, closes)
+                impulse += mean * (end - begin)
+        expected = 0.0 if duty <= deadband else 1.0 if duty > 1.0 - deadband else duty
+        assert impulse / (cycles * CYCLE) == pytest.approx(expected, abs=2e-3), duty
+
+
+def test_valve_never_closes_for_so_short_a_time_that_thrust_would_not_end(jets):
+    rng = np.random.default_rng(4)
+    _, pulses = operate(jets, rng.uniform(0.3, 0.999, (4000, 8)))
+    for i in range(8):
+        edges = np.array(pulses[i])
+        assert len(edges) > 50 and np.all(edges[1:, 0] - edges[:-1, 1] >= GAP - 1e-9)

@@ -1,10 +1,11 @@
 """Powered guidance and terminal laws flown on point masses."""
 
-from math import acos, atan, hypot, radians, tan
+from math import acos, atan, cos, hypot, radians, sin, tan
 
 import numpy as np
 import pytest
 
+from edl6dof.fsw.control.frames import shortest_arc
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.terminal import (
@@ -16,7 +17,10 @@ from edl6dof.fsw.guidance.powered.terminal import (
     start_or_throttle,
     throttle,
 )
+from edl6dof.fsw.guidance.update import GUIDANCE, descend_by_engine
+from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 G = 3.72
@@ -63,32 +67,64 @@ def terminal(onboard):
     "height, descent, north, east",
     [(1200.0, 70.0, 0.0, 0.0), (1500.0, 85.0, 12.0, -8.0), (800.0, 60.0, -15.0, 3.0)],
 )
-def test_polynomial_law_follows_the_cubic_that_ends_at_rest_at_the_final_height(
+def test_polynomial_law_follows_a_cubic_down_and_a_quartic_sideways_that_ends_upright(
     onboard, height, descent, north, east
 ):
-    """Acceleration linear in time with r(T) = r_f, v(T) = 0 has the closed form used here."""
+    """The polynomials with r(T) = r_f, v(T) = 0, and sideways a(T) = 0 as well, solved here as linear
+    equations.
+    """
     record = onboard[0]
-    record["guidance"]["powered"]["polynomial"]["time_floor"] = 0.3
+    p = record["guidance"]["powered"]["polynomial"]
+    p["time_floor"] = p["lateral_time_floor"] = 0.3
     body, memory = PointMass(height, (north, east, descent)), law_memory()
     law = POWERED_LAWS.names.index("polynomial")
-    dt, seen = 0.02, []
+    dt, seen, pushes = 0.02, [], []
     powered_guidance(law, *given(record), body.nav, memory, body.out)
     duration = float(body.out["time_to_go"])
     lead = memory["polynomial"]["target_L"]
-    goal = np.array([lead[1], lead[0], record["guidance"]["powered"]["polynomial"]["final_height"]])
-    r0, v0 = body.r.copy(), body.v * (1.0, 1.0, -1.0)
+    goal = np.array([lead[1], lead[0], p["final_height"]])
+    start = body.r.copy(), body.v * (1.0, 1.0, -1.0)
     while body.out["time_to_go"] > 0.35:
         n, e, u, limit = powered_guidance(law, *given(record), body.nav, memory, body.out)
-        assert limit == pytest.approx(record["guidance"]["powered"]["polynomial"]["tilt_limit"])
+        assert limit == pytest.approx(p["tilt_limit"])
         seen.append((body.t, *body.r))
+        pushes.append(hypot(n, e))
         body.move(n, e, u, dt)
-    a0 = 6.0 * (goal - r0) / duration**2 - 4.0 * v0 / duration
-    jerk = -(v0 + a0 * duration) * 2.0 / duration**2
-    t, path = np.array(seen)[:, :1], np.array(seen)[:, 1:]
-    assert np.max(np.abs(path - (r0 + v0 * t + a0 * t**2 / 2.0 + jerk * t**3 / 6.0))) < 2.0
+    t, path = np.array(seen)[:, 0], np.array(seen)[:, 1:]
+    for axis, conditions in enumerate((3, 3, 2)):
+        curve = braking_polynomial(start[0][axis], start[1][axis], goal[axis], duration, conditions)
+        assert np.max(np.abs(path[:, axis] - curve(t))) < 2.0
+    assert max(pushes[-5:]) < 0.1 * max(pushes)
     assert np.linalg.norm(body.v) < 2.5
     assert body.r == pytest.approx(goal, abs=1.0)
     assert body.t == pytest.approx(duration, abs=0.4)
+
+
+def braking_polynomial(r, v, goal, duration, conditions):
+    """The polynomial of lowest order with this start that at ``duration`` is at ``goal``, at rest, and with
+    three ``conditions`` without acceleration.
+    """
+    powers = np.arange(2, 2 + conditions)
+    rows = [powers**0 * duration**powers, powers * duration ** (powers - 1)]
+    rows.append(powers * (powers - 1) * duration ** (powers - 2))
+    wanted = [goal - r - v * duration, -v, 0.0]
+    return np.polynomial.Polynomial((r, v, *np.linalg.solve(rows[:conditions], wanted[:conditions])))
+
+
+def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
+    """Hung like this the thrust points 12 deg from the vertical towards the north-east: that is asked for."""
+    body, memory = PointMass(1200.0, (8.0, 5.0, 58.0)), np.zeros(1, GUIDANCE)[0]
+    state, tilt, azimuth = np.zeros(1, VEHICLE_STATE)[0], radians(12.0), radians(40.0)
+    body.nav["north_I"], body.nav["east_I"], body.nav["up_I"] = np.eye(3)
+    held = (sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth), cos(tilt))
+    body.nav["q_I2B"] = shortest_arc((-1.0, 0.0, 0.0), held)
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, memory, body.out)
+    assert body.out["thrust_direction_N"] == pytest.approx((held[0], held[1], -held[2]), abs=1e-12)
+    assert memory["powered"]["polynomial"]["started"] == 0  # planned from where the engine lights
+    state["ignited"], state["mass"], state["engine"] = 1, 950.0, onboard[0]["vehicle"]["engines"][0]
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, memory, body.out)
+    assert memory["powered"]["polynomial"]["started"] == 1
+    assert body.out["thrust_direction_N"][:2] @ held[:2] < 0.0  # against the drift
 
 
 def test_polynomial_law_diverts_against_the_drift_away_from_the_backshell(onboard):

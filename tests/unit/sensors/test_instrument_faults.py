@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from instrument_bench import Bench
+from test_flow_meters import meters
 from test_inertial_unit import unit
 from test_radar import UP, radar
 from test_star_tracker import tracker
@@ -14,7 +15,7 @@ from edl6dof.vehicle.faults.fault import inflict
 
 H = 0.02
 DEG = np.pi / 180.0
-CARRIED = ["sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar]"]
+CARRIED = ["sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar, flow_meters]"]
 #: Names of the axes of the bench's unit and of the radar's beams, as the scenario has them.
 NAMES = [
     *(f"sensors.inertial_unit.{kind}.axes=[{{name: x, axis: [1, 0, 0]}}, {{name: y, axis: [0, 1, 0]}}]"
@@ -30,6 +31,7 @@ def faulty(bench, fault, cycles=100, **motion):
     for k in range(cycles):
         bench.put(t=k * H)
         bench.plant["velocity_gain"] = np.array(motion.get("force", (0.0, 0.0, 0.0))) * k * H
+        bench.plant["branch_used"] = motion.get("flow", 0.0) * k * H
         rows.append(bench.measure(w=motion.get("rate", (0.0, 0.0, 0.0))).copy())
         inflict(case, command, bench.plant)
     return np.array(rows, dtype=rows[0].dtype)
@@ -140,6 +142,36 @@ def test_beam_sticks_scatters_and_locks_on_nothing_real():
     assert not locked["locked"][:51].any() and not locked["locked"][:, 1:].any()
     assert np.all(locked["range"][51:, 0] == 77.0) and np.all(locked["speed"][51:, 0] == 3.0)
     assert locked["locked"][51:, 0].all()
+
+
+@pytest.mark.parametrize(
+    "fault, first, last",
+    [
+        ("reading_bias, reading_bias: {flow_kg_s: 0.03}", 0.13, 0.13),
+        ("reading_drift, reading_drift: {flow_kg_s2: 0.01, duration_s: 0.9}", 0.1, 0.1),
+        ("reading_drift, reading_drift: {flow_kg_s2: 0.01}", 0.1, 0.1096),
+        ("reading_outage", 0.0, 0.0),
+        ("reading_outage, reading_outage: {duration_s: 0.5}", 0.0, 0.1),
+    ],
+)
+def test_flow_meter_is_off_by_its_fault(fault, first, last):
+    counts = faulty(meters(), f"flow_meter: A13, kind: {fault}", flow=0.1)["branch_used"][:, :11]
+    flow = np.diff(counts, axis=0) / H
+    np.testing.assert_allclose(flow[:50], 0.1)
+    assert flow[[50, -1], 4] == pytest.approx([first, last], abs=1e-9)
+    np.testing.assert_allclose(np.delete(flow, 4, axis=1), 0.1)
+
+
+def test_flow_meter_sticks_and_scatters():
+    noise = "flow_meter: D16, kind: reading_noise, reading_noise: {flow_kg_s: 0.02}"
+    flow = np.diff(faulty(meters(), noise, cycles=2050, flow=0.1)["branch_used"][:, :2], axis=0) / H
+    assert flow[50:, 0].std() == pytest.approx(0.02, rel=5.0 / np.sqrt(4000.0))
+    assert flow[50:, 0].mean() == pytest.approx(0.1, abs=5.0 * 0.02 / np.sqrt(2000.0))
+    np.testing.assert_allclose(flow[:, 1], 0.1)
+    stuck = "flow_meter: D16, kind: reading_stuck"
+    held = np.diff(faulty(meters(noise_pct=1.0), stuck, flow=0.1)["branch_used"][:, :2], axis=0) / H
+    np.testing.assert_allclose(held[50:, 0], held[49, 0])
+    assert held[:50, 0].std() > 0.0 and held[50:, 1].std() > 0.0
 
 
 def test_sound_instruments_on_the_same_bench_say_nothing():

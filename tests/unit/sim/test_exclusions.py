@@ -16,11 +16,17 @@ COMPONENTS = {
     "beam": ["b1", "b2"],
     "star_tracker": ["star_tracker"],
     "inertial_unit": ["inertial_unit"],
+    "branch": ["left", "right"],
+    "flow_meter": ["left", "right"],
 }
 
 
-def log(*changes):
+def log(*changes, meters=()):
+    """``meters``: number and time of flow meters that are believed no more."""
     fsw = np.zeros(1, FSW)
+    for number, t in meters:
+        fsw["diagnosis"]["flow"]["meter_failed"][0, number] = 1
+        fsw["diagnosis"]["flow"]["failed_at"][0, number] = t
     record = fsw["navigation"]["exclusions"][0]
     record["n_changes"] = len(changes)
     record["changes"][: len(changes)] = list(changes)
@@ -79,3 +85,14 @@ def test_figures_are_declared():
     found = log((10.0, GYROS + 1, 0))
     declared = {figure.name for figure in FIGURES if figure.source == "exclusions"}
     assert figures(found, ("hardover", "gyro", "g2", 9.5)).keys() == declared
+
+
+def test_flow_meters_stand_among_the_others_in_the_order_of_time():
+    found = log((1.0, GYROS, 0), (3.0, BEAMS, 0), meters=[(1, 2.0)])
+    assert [one.label for one in found] == [
+        "gyro g1 excluded",
+        "flow meter right excluded",
+        "beam b1 excluded",
+    ]
+    named = figures(found, ("reading_outage", "flow_meter", "right", 1.5))
+    assert named == {"instrument_false_alarms": 2.0, "time_to_exclude_s": pytest.approx(0.5)}

@@ -7,13 +7,14 @@ from __future__ import annotations
 from io import StringIO
 from math import nan
 
+import numpy as np
 import pytest
 from rich.console import Console
 
 import edl6dof
 from edl6dof.config.document.locate import shipped_names
 from edl6dof.config.units import split_unit
-from edl6dof.metrics.diagnosis import diagnosis_figures
+from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
 from edl6dof.metrics.figures import FIGURES, figure_of_merit
 from edl6dof.metrics.published import PublishedFigure
@@ -25,6 +26,7 @@ from edl6dof.runs.folder import atomic_folder
 from edl6dof.runs.results import summary, write_run
 from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import LimitParams
+from edl6dof.vehicle.plant import STATE
 
 DECLARED = {figure.name for figure in FIGURES}
 FAULT = "faults=[{thruster: D7, kind: stuck_off, at: {phase: hazard_avoidance, plus_s: 2}}]"
@@ -58,12 +60,35 @@ def test_figures_come_from_where_the_table_says(nominal, faulty):
     }
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
-    assert (
-        diagnosis_figures(
-            faulty.isolated_faults, faulty.loaded.truth.faults, faulty.loaded.truth.vehicle, faulty.plant[0]
-        ).keys()
-        == by_source["diagnosis"]
+    truth = faulty.loaded.truth
+    figures = diagnosis_figures(
+        faulty.isolated_faults, truth.faults, truth.components, truth.branches, faulty.plant[0]
     )
+    assert figures.keys() == by_source["diagnosis"]
+
+
+@pytest.mark.parametrize(
+    "fault, failed, kind",
+    [
+        ("thruster: D7, kind: stuck_on", ["D7"], "stuck on"),
+        ("branch: F34, kind: branch_dead", ["F3", "F4"], "stuck off"),
+        ("kind: weak_thrusters", edl6dof.load("tianwen1").scenario.thruster_names, "degraded"),
+        ("kind: wing_lost", [], "stuck off"),
+    ],
+)
+def test_verdicts_are_right_on_thrusters_that_a_fault_makes_fail_with_its_kind(fault, failed, kind):
+    truth = edl6dof.load("tianwen1", [f"faults=[{{{fault}, at: {{time_s: 1}}}}]"]).truth
+    names, branches = truth.components, truth.branches
+    assert list(failed_thrusters(truth.faults[0], names, branches)) == failed
+    plant = np.zeros(1, STATE)
+    plant["fault_since"][0, 0] = 1.0
+    for thruster in truth.thruster_names:
+        for said in ("stuck off", "stuck on", "degraded"):
+            found = [IsolatedFault(thruster, said, 0.9999, 1.0, 3.0)]
+            figures = diagnosis_figures(found, truth.faults, names, branches, plant[0])
+            right = thruster in failed and said == kind
+            assert figures["false_alarms"] == (0.0 if right else 1.0)
+            assert figures.get("time_to_detect_s") == (2.0 if right else None)
 
 
 def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(nominal):

@@ -8,6 +8,7 @@ from pyquaternion import Quaternion
 
 import edl6dof
 from edl6dof.telemetry.channels import CHANNELS
+from edl6dof.telemetry.columns import describe
 
 
 def test_telemetry_has_every_channel_and_thruster(nominal):
@@ -15,9 +16,28 @@ def test_telemetry_has_every_channel_and_thruster(nominal):
         f"{kind}.{name}" for kind in ("rcs", "fault", "valve") for name in nominal.scenario.thruster_names
     }
     per_beam = {f"range.{name}_m" for name in nominal.scenario.beam_names}
-    names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster | per_beam
+    kinds = ("used.{}_kg", "metered.{}_kg", "expected.{}_kg_s")
+    per_branch = {kind.format(name) for kind in kinds for name in nominal.scenario.branches}
+    names = {channel.name for channel in CHANNELS} | {"t_s"} | per_thruster | per_beam | per_branch
     assert set(nominal.telemetry) == names
     assert all(len(column) == len(nominal.log) for column in nominal.telemetry.values())
+
+
+def test_branches_use_what_the_tank_loses_until_the_engine_burns_and_meters_count_it(nominal):
+    table = nominal.telemetry
+    until = int(np.searchsorted(table["t_s"], nominal.metrics["backshell_s"])) - 1
+    lost = table["truth.propellant_kg"][0] - table["truth.propellant_kg"][until]
+    used = {name: table[f"used.{name}_kg"][until] for name in nominal.scenario.branches}
+    assert sum(used.values()) == pytest.approx(lost, abs=1e-9) and lost > 5.0
+    full = dict(zip(used, nominal.case[0]["branches"]["full_flow"], strict=False))
+    for name, kg in used.items():
+        # five standard deviations of scale and of bias over the flight
+        allowed = 5.0 * np.hypot(0.01 * kg, 0.002 * full[name] * table["t_s"][until])
+        assert table[f"metered.{name}_kg"][until] == pytest.approx(kg, abs=allowed)
+        called_for = np.sum(table[f"expected.{name}_kg_s"][:until]) * (table["t_s"][1] - table["t_s"][0])
+        assert called_for == pytest.approx(kg, rel=0.03, abs=1e-4)
+        assert describe(f"metered.{name}_kg")[0] == "kg" and name in describe(f"used.{name}_kg")[1]
+        assert describe(f"expected.{name}_kg_s")[0] == "kg/s"
 
 
 def test_results_outlive_the_released_log():

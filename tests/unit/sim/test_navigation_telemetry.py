@@ -84,8 +84,11 @@ def test_readings_name_what_is_saturated_and_the_range_of_beams_with_an_echo():
     sensed["inertial"]["gyro_saturated"][[0, 2]] = 1
     sensed["inertial"]["accelerometer_saturated"][1] = 1
     sensed["radar"]["range"][:3], sensed["radar"]["locked"][:3] = (900.0, 800.0, 700.0), (1, 0, 1)
-    record_readings(sensed, log[0])
-    telemetry = Telemetry(log, ["D1"], ["left", "mid", "right"])
+    sensed["branch_used"][:3] = (0.25, 0.5, 9.0)
+    record_readings(sensed, 2, log[0])
+    telemetry = Telemetry(log, ["D1"], ["left", "mid", "right"], ["a", "b"])
+    assert [telemetry[f"metered.{branch}_kg"][0] for branch in "ab"] == [0.25, 0.5]
+    assert log["metered"][0, 2] == 0.0
     assert (telemetry["sensed.gyros_saturated"], telemetry["sensed.accelerometers_saturated"]) == (5, 2)
     assert [telemetry[f"range.{beam}_m"][0] for beam in ("left", "mid", "right")] == [900.0, 0.0, 700.0]
     assert list(telemetry.rows(0, 1)) == list(telemetry) and len(telemetry) == len(list(telemetry))

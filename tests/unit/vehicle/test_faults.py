@@ -52,7 +52,8 @@ def impulse(case, plant, command, cycles, pulse=None):
         actuate(case, command, plant)
         inputs, loads = plant["inputs"], case["feeds"]["thrusters"]
         inputs["filled"] = 1
-        fire(case["vehicle"]["rcs"], loads, plant["valves"], plant["t"], CYCLE, inputs)
+        branch, counts = case["branches"]["of"], plant["branch_used"]
+        fire(case["vehicle"]["rcs"], loads, branch, plant["valves"], plant["t"], CYCLE, inputs, counts)
         total += inputs["rcs_force"] * CYCLE
         used += inputs["rcs_flow"].sum() * CYCLE
     return total, used
@@ -69,11 +70,11 @@ def test_thruster_that_dies_within_a_pulse_has_given_the_part_before(tables):
     assert impulse(case, plant, command, 40, (D7, 0.1, 0.5))[0][2] == pytest.approx(-250.0 * 0.2)
 
 
-def test_stuck_thruster_burns_from_its_time_on_until_it_is_isolated(tables):
+def test_stuck_thruster_burns_from_its_time_on_until_its_branch_is_shut(tables):
     case, plant, command = broken(tables, "{thruster: D7, kind: stuck_on, at: {time_s: 0.2}}")
     # 12 ms rise, no decay yet
     assert impulse(case, plant, command, 25)[0][2] == pytest.approx(-250.0 * (0.3 - 0.006))
-    command["isolate"][D7] = 1
+    command["shut"][case["branches"]["of"][D7]] = 1
     plant["valves"]["level"][:] = 0.0
     assert impulse(case, plant, command, 25)[0] == pytest.approx((0.0, 0.0, 0.0))
 
@@ -85,6 +86,36 @@ def test_weak_thruster_gives_its_share_of_impulse_and_uses_its_share_of_propella
     push, used = impulse(case, plant, command, 40, (D7, 0.1, 0.5))
     assert push[2] == pytest.approx(-0.3 * 250.0 * 0.4)
     assert used == pytest.approx(0.3 * 250.0 * 0.4 / (270.0 * 9.80665))
+
+
+def test_bad_catalyst_takes_thrust_and_leaves_the_flow(tables):
+    degraded = "degraded: {thrust_factor: 0.3, flow_factor: 0.9}"
+    case, plant, command = broken(tables, f"{{thruster: D7, kind: degraded, {degraded}, at: {{time_s: 0}}}}")
+    push, used = impulse(case, plant, command, 40, (D7, 0.1, 0.5))
+    assert push[2] == pytest.approx(-0.3 * 250.0 * 0.4)
+    assert used == pytest.approx(0.9 * 250.0 * 0.4 / (270.0 * 9.80665))
+    assert plant["branch_used"].sum() == pytest.approx(used, rel=1e-12)
+
+
+@pytest.mark.parametrize("thruster", [D7, D8])
+def test_weak_feed_takes_its_share_of_thrust_and_flow_from_all_and_adds_to_other_faults(tables, thruster):
+    weak = "{kind: weak_thrusters, weak_thrusters: {thrust_factor: 0.7}, at: {time_s: 0}}"
+    own = "{thruster: D7, kind: degraded, degraded: {thrust_factor: 0.5}, at: {time_s: 0}}"
+    left = 0.7 * (0.5 if thruster == D7 else 1.0)
+    for faults in ((weak, own), (own, weak)):
+        case, plant, command = broken(tables, *faults)
+        push, used = impulse(case, plant, command, 40, (thruster, 0.1, 0.5))
+        assert push[2] == pytest.approx(-left * 250.0 * 0.4)
+        assert used == pytest.approx(left * 250.0 * 0.4 / (270.0 * 9.80665))
+
+
+def test_latch_valve_that_fails_shut_stops_its_branch_and_no_other(tables):
+    names = edl6dof.load("tianwen1").scenario.thruster_names
+    case, plant, command = broken(tables, "{kind: branch_dead, branch: D47, at: {time_s: 0.1}}")
+    for name, pushed in (("D4", 0.0), ("D7", 0.0), ("D8", -250.0 * 0.4)):
+        assert impulse(case, plant, command, 40, (names.index(name), 0.2, 0.6))[0][2] == pytest.approx(pushed)
+        command["closes"] = 0.0
+    assert [names[i] for i in np.flatnonzero(plant["valves"]["fault"])] == ["D4", "D7"]
 
 
 def test_fault_of_a_phase_counts_from_the_cycle_in_which_that_phase_was_entered(tables):
@@ -248,8 +279,10 @@ def without_wing(event):
 # ---- all kinds ---------------------------------------------------------------------------------
 
 
-INSTRUMENTS = "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar]"
-NAMED = {"thruster": "thruster: D7, ", "gyro": "gyro: g2, ", "beam": "beam: b3, "}
+INSTRUMENTS = (
+    "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar, flow_meters]"
+)
+NAMED = {"thruster": "thruster: D7, ", "branch": "branch: D47, ", "gyro": "gyro: g2, ", "beam": "beam: b3, "}
 
 
 def of_kind(tables, kind, time_s):

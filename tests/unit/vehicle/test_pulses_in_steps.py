@@ -27,6 +27,7 @@ SCENE = (
     "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.rcs.thrusters=[{{name: up, direction: [0, 0, 1], {_JET}, {_VALVE}}}, "
     f"{{name: down, direction: [0, 0, -1], {_JET}, {_VALVE}}}]",
+    "vehicle.rcs.branches=[]",
     "flight_software.check_out.thrusters=[]",
     "initial.speed_m_s=0",
     "initial.rate_deg_s=[0, 0, 0]",

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from scipy.integrate import cumulative_trapezoid
 
 from edl6dof.config.dtype import fill
+from edl6dof.interface.capacities import MAX_BRANCHES
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.plant import INPUTS, VALVES
 from edl6dof.vehicle.propulsion.rcs import RCS, RcsParams, Thruster, climb, efficiency, linear_level
@@ -44,7 +45,8 @@ def fire(rcs, valves, t, step):
     feeds, inputs = np.zeros(1, FEEDS)[0], np.zeros(1, INPUTS)[0]
     fill_feeds(feeds["thrusters"], [()] * rcs.n_thrusters, [Tank(name="main", mass_kg=9.0)])
     inputs["filled"][0] = 1
-    fire_from_tanks(rcs, feeds["thrusters"], valves, t, step, inputs)
+    own, used = np.arange(MAX_BRANCHES), np.zeros(MAX_BRANCHES)
+    fire_from_tanks(rcs, feeds["thrusters"], own, valves, t, step, inputs, used)
     return (*inputs["rcs_force"].tolist(), *inputs["rcs_moment"].tolist(), float(inputs["rcs_flow"][0]))
 
 

@@ -27,6 +27,7 @@ SCENE = (
     "vehicle.tanks=[{name: main, mass_kg: 190, centre_m: [-0.85, 0, 0]}]",
     f"vehicle.rcs.thrusters=[{{name: A, direction: [1, 0, 0], {_JET}}}, {_OPPOSED}]",
     "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
+    "vehicle.rcs.branches=[]",
     "flight_software.check_out.thrusters=[]",
     "initial.altitude_m=500",
     "initial.speed_m_s=0",

@@ -1,10 +1,11 @@
-"""Polynomial guidance: acceleration linear in time that meets a final position and zero velocity at a given
-time to go.
+"""Polynomial guidance: the thrust acceleration that meets a final position at rest at a given time to go.
 
-a = 6 (r_f - r) / t_go^2 - 4 v / t_go, plus gravity.  Source: the quadratic law of Apollo's powered descent
-(Klumpp, Automatica 10 (1974) 133-146) with free final acceleration; used for Tianwen-1's powered deceleration
-as an estimate (the flown law is published elsewhere).  The final point lies above a divert target that keeps
-clear of the backshell.
+Upwards a = 6 (r_f - r) / t_go^2 - 4 v / t_go, linear in time, with free final acceleration; sideways
+a = 12 (r_f - r) / t_go^2 - 6 v / t_go, quadratic in time, whose final acceleration is zero: the thrust ends
+upright, as S1 6.2 asks, and most of the divert comes at the start.  Gravity is added.  The final point lies
+above a divert target that keeps clear of the backshell.  Source: the quadratic law of Apollo's powered
+descent (Klumpp, Automatica 10 (1974) 133-146), without and with a given final acceleration; used for
+Tianwen-1's powered deceleration as an estimate (the flown law is published elsewhere).
 """
 
 from __future__ import annotations
@@ -36,7 +37,10 @@ class PolynomialParams(Params):
         120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0
     )
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
-    time_floor_s: float = param(2.5, "smallest time to go used in the gains", gt=0.0)
+    time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)
+    lateral_time_floor_s: float = param(
+        10.0, "smallest time to go used in the lateral gains, which the attitude has to follow", gt=0.0
+    )
 
 
 MEMORY = np.dtype([("started", FLAG), ("end", "f8"), ("target_L", "f8", (2,))], align=True)
@@ -59,10 +63,11 @@ def guide(params, vehicle, nav, memory, out):
         memory.target_L[1] = nav.site_L[1] + ahead * north - p.divert * back_n
     out.time_to_go = memory.end - nav.t
     t_go = max(out.time_to_go, p.time_floor)
-    k_r, k_v = 6.0 / (t_go * t_go), 4.0 / t_go
+    up = 6.0 * (p.final_height - nav.height) / (t_go * t_go) + 4.0 * nav.v_N[2] / t_go
+    t_go = max(out.time_to_go, p.lateral_time_floor)
+    k_r, k_v = 12.0 / (t_go * t_go), 6.0 / t_go
     north = k_r * (memory.target_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
     east = k_r * (memory.target_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
-    up = k_r * (p.final_height - nav.height) + k_v * nav.v_N[2]
     return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0), p.tilt_limit
 
 

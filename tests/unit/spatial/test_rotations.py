@@ -7,7 +7,7 @@ import pytest
 from pyquaternion import Quaternion
 from scipy.spatial.transform import Rotation
 
-from edl6dof.replay.scene import rotations as turns
+from edl6dof.spatial import rotations as turns
 
 RNG = np.random.default_rng(11)
 

@@ -1,0 +1,255 @@
+"""What the flow meters of the propellant branches say of each thruster.
+
+A thruster i that was to fire for the share e of a cycle lets the flow e f_i through its branch.  What a meter
+reads beyond what the branch was to let through is
+
+    - L e f_i         it lets the fraction L less through than it should (L = 1: stuck off)
+    + (1 - e) f_i     its valve stays open
+
+whatever air, riser and engine do to the vehicle, and for as long as the fault lasts.  The errors of a meter
+are known, so the evidence is the plain log likelihood ratio against "sound": a running sum that never falls
+below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss.  A
+cycle that tells another loss than those before it starts afresh: the fault is younger than they are.  What is
+missing while several of a branch fire makes each of them doubtful; each is then tried alone.
+
+A loss that all branches show is the propellant's and no thruster's: it is taken off first.  So before a
+thruster is called degraded, other branches have to be seen in use since the first sign of it; one that lets
+nothing through is dead, whatever the others do.
+
+Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
+torque alone.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
+
+G0 = 9.80665
+LEAST_USE = 0.1  # share of a cycle from which a prediction counts
+LARGEST = 200.0  # evidence beyond which nothing changes any more
+MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone never tells it
+STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
+POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
+ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
+DOUBT = 4.0  # standard deviations of a meter from which something is missing
+LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
+LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
+
+
+class FlowParams(Params):
+    """Evidence of the flow meters."""
+
+    model_error: float = param(
+        0.03,
+        "fraction by which the believed flow of a thruster may be wrong within a cycle, valve times among it",
+        status="estimate",
+        ge=0.0,
+        le=1.0,
+    )
+    loss_least: float = param(
+        0.12, "fraction of flow lost from which a thruster is named", status="estimate", gt=0.0, le=1.0
+    )
+    common_least: float = param(
+        0.03, "loss in all branches from which it is the propellant's", status="estimate", gt=0.0, le=1.0
+    )
+    meter_prior: float = param(
+        12.0, "log of the odds for a thruster, and not the meter, to have failed", ge=0.0, le=100.0
+    )
+
+
+#: Sums over cycles: residual times prediction and prediction squared, weighted; number of cycles.
+LOSS = np.dtype([("cross", "f8"), ("own", "f8"), ("cycles", COUNT)], align=True)
+
+FLOW = np.dtype(
+    [
+        ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
+        ("started", FLAG),
+        ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
+        ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
+        ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+        (
+            "pool",
+            LOSS,
+            (MAX_BRANCHES,),
+        ),  # loss of each branch, since the first sign of a loss if there is one
+        ("seen", COUNT),  # branches in use since then
+        ("suspecting", FLAG),  # whether there is one
+        ("common", "f8"),  # loss of all branches
+        ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+        ("meter_failed", FLAG, (MAX_BRANCHES,)),
+        ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
+        ("off", LOSS, (MAX_THRUSTERS,)),
+        ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
+        (
+            "doubtful",
+            FLAG,
+            (MAX_THRUSTERS,),
+        ),  # whether something was missing while others of its branch fired
+    ],
+    align=True,
+)
+
+
+@kernel
+def full_flow(thruster):
+    """Propellant flow at full thrust, kg/s."""
+    return thruster.thrust / (thruster.specific_impulse * G0)
+
+
+@kernel
+def forget_loss(loss):
+    """Start a loss afresh."""
+    loss.cross = loss.own = 0.0
+    loss.cycles = 0
+
+
+@kernel
+def read_meters(params, instruments, vehicle, used, share, dt, memory):
+    """Residual and weight of each branch for the measured cycle; returns whether there was one before it.
+
+    Args:
+        params: flow record.
+        instruments: ``INSTRUMENTS`` record (errors of the meters).
+        vehicle: believed vehicle (thrusters, branches).
+        used: counts of the meters, kg, of the end of the measured cycle.
+        share: share of that cycle in which each thruster should have given thrust.
+        dt: control cycle, s.
+        memory: ``FLOW`` record, updated.
+    """
+    branches = vehicle.branches
+    idle = instruments.flow_noise_share**2 / dt + instruments.flow_bias_share**2
+    running = instruments.flow_scale_sigma**2 + params.model_error**2
+    for b in range(branches.count):
+        memory.residual[b] = (used[b] - memory.used[b]) / dt
+        memory.used[b] = used[b]
+        memory.expected[b] = 0.0
+    for i in range(vehicle.n_thrusters):
+        memory.expected[branches.of[i]] += (
+            share[i] * (1.0 - memory.known_loss[i]) * full_flow(vehicle.thrusters[i])
+        )
+    for b in range(branches.count):
+        expected, full = memory.expected[b], branches.full_flow[b]
+        memory.weight[b] = 1.0 / (idle * full * full + running * expected * expected)
+        memory.residual[b] -= expected
+    started = memory.started != 0
+    memory.started = 1
+    return started
+
+
+@kernel
+def take_off_common_loss(params, branches, memory):
+    """Find the loss that all branches in use show, and take it off their residuals."""
+    memory.seen, least = 0, 1.0
+    for b in range(branches.count):
+        pool, expected = memory.pool[b], memory.expected[b]
+        if memory.meter_failed[b] == 0 and expected > 0.0:
+            pool.cross = POOLED * pool.cross - expected * memory.residual[b] * memory.weight[b]
+            pool.own = POOLED * pool.own + expected * expected * memory.weight[b]
+            pool.cycles += 1
+        if pool.cycles > 0:
+            memory.seen += 1
+            least = min(least, pool.cross / pool.own)
+    if memory.seen >= min(LEAST_BRANCHES, branches.count):
+        memory.common = least if least > params.common_least else 0.0
+    for b in range(branches.count):
+        memory.residual[b] += memory.common * memory.expected[b]
+
+
+@kernel
+def look_out(count, branches, memory):
+    """With the first sign of a loss, begin to see afresh what the branches lose."""
+    signs = 0
+    for i in range(count):
+        signs += memory.off[i].cycles
+    if signs > 0 and memory.suspecting == 0:
+        for b in range(branches.count):
+            forget_loss(memory.pool[b])
+        memory.seen = 0
+    memory.suspecting = 1 if signs > 0 else 0
+
+
+@kernel
+def is_waiting(branches, memory):
+    """Whether a loss is suspected and too few branches have been seen in use to tell whose it is."""
+    return memory.suspecting != 0 and memory.seen < min(LEAST_BRANCHES, branches.count)
+
+
+@kernel
+def weigh_loss(params, residual, prediction, weight, keep, loss):
+    """Let a cycle in which a sound thruster would let ``-prediction`` (kg/s) through count for its loss."""
+    cross, own = residual * prediction * weight, prediction * prediction * weight
+    now = cross / own
+    before = loss.cross / loss.own if loss.cycles > 0 else now
+    if now < params.loss_least:
+        forget_loss(loss)
+        return
+    if abs(now - before) > max(STEADY, 3.0 / sqrt(own)):
+        forget_loss(loss)
+    loss.cross = keep * loss.cross + cross
+    loss.own = keep * loss.own + own
+    loss.cycles += 1
+
+
+@kernel
+def weigh_flow(params, keep, vehicle, share, shut, memory):
+    """Let one cycle count for every thruster whose meter is believed and whose branch is open.
+
+    Args:
+        params: flow record.
+        keep: what a cycle leaves of those before it.
+        vehicle: believed vehicle (thrusters, branches).
+        share: share of the measured cycle in which each thruster should have given thrust.
+        shut: branches whose latch valve is shut.
+        memory: ``FLOW`` record, updated.
+    """
+    take_off_common_loss(params, vehicle.branches, memory)
+    for i in range(vehicle.n_thrusters):
+        b = vehicle.branches.of[i]
+        if memory.meter_failed[b] != 0 or shut[b] != 0:
+            memory.on[i] = 0.0
+            forget_loss(memory.off[i])
+            continue
+        residual, weight, flow = memory.residual[b], memory.weight[b], full_flow(vehicle.thrusters[i])
+        if share[i] > LEAST_USE:
+            given = share[i] * (1.0 - memory.known_loss[i]) * flow
+            if memory.expected[b] - given < ALONE * given:
+                weigh_loss(params, residual, -given, weight, keep, memory.off[i])
+                memory.doubtful[i] = 0
+            elif -residual > params.loss_least * given and residual * residual * weight > DOUBT * DOUBT:
+                memory.doubtful[i] = 1
+        idle = (1.0 - share[i]) * flow
+        told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
+        memory.on[i] = min(max(memory.on[i] + told, 0.0), LARGEST)
+    look_out(vehicle.n_thrusters, vehicle.branches, memory)
+
+
+@kernel
+def forget_branch(vehicle, b, memory):
+    """Forget what the flow of branch ``b`` said of its thrusters: it was about the one now named."""
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            memory.on[i] = 0.0
+            memory.doubtful[i] = 0
+            forget_loss(memory.off[i])
+
+
+@kernel
+def needs_trial(i, memory):
+    """Whether thruster ``i`` has to be tried alone before a loss can be told or refuted."""
+    return memory.doubtful[i] != 0 or 0 < memory.off[i].cycles < LEAST_CYCLES
+
+
+@kernel
+def loss_told(loss):
+    """Fraction of flow lost and the evidence for it; zeros before it is told by enough cycles."""
+    if loss.cycles < LEAST_CYCLES:
+        return 0.0, 0.0
+    size = min(loss.cross / loss.own, 1.0)
+    return size, min(size * (loss.cross - 0.5 * size * loss.own), LARGEST)

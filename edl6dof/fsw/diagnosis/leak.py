@@ -1,0 +1,183 @@
+"""Which thruster of a branch stays open: the latch valve is shut, and force and torque tell who went with it.
+
+A flow through a branch that nobody asked for is told by its meter within two cycles, and the branch is shut
+at once: that costs its sound thrusters too.  What the leak did to the vehicle shows in the change of the
+unexplained force and torque from before to after: when it began, and each time the latch valve moves.  The
+change c is compared with what each thruster i of the branch would have done, b_i: over n looks the sum of
+squares S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as in
+:mod:`edl6dof.fsw.diagnosis.hypotheses`.  A change within some tenths of a second is hardly spoilt by air or
+riser; where one look does not decide, the branch is opened and shut again, at the cost of that leak.
+
+If the meter reads a flow while the branch is shut, the meter has failed and the branch is given back.
+
+Source: none; keying an input to tell its effect from drifts is the lock-in of measurement technique.
+"""
+
+from __future__ import annotations
+
+from math import exp
+
+import numpy as np
+
+from edl6dof.fsw.diagnosis.flow import LARGEST, full_flow
+from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence, forget, weights
+from edl6dof.fsw.diagnosis.residual import WINDOW, product
+from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG, whole
+
+UNDER_WAY, NAMED, METER_FAILED = range(3)
+#: Control cycles after the latch valve moved that are mixed, and those after them that make a look.
+MIXED, LOOK = 1, 3
+SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
+MOST_LOOKS = 12  # after which the likeliest is named, however likely
+
+LEAK = np.dtype(
+    [
+        ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is looked into
+        ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
+        ("open", FLAG),  # the latch valve
+        ("cycles", COUNT),  # since it moved
+        ("looks", COUNT),
+        ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
+        ("after", "f8", (6,)),  # and since
+        ("flow", "f8"),  # kg/s, mean since
+        ("sums", SUMS, (MAX_THRUSTERS,)),
+        ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    ],
+    align=True,
+)
+
+
+@kernel
+def leaking_branch(params, vehicle, healthy, flow):
+    """The branch through which most evidence says that something flows unasked, or ``NONE``."""
+    found, most = NONE, params.prior
+    for i in range(vehicle.n_thrusters):
+        b = vehicle.branches.of[i]
+        if healthy[i] != 0 and flow.on[i] > most and flow.meter_failed[b] == 0:
+            found, most = b, flow.on[i]
+    return found
+
+
+@kernel
+def mean_of(residual, first, last, mean):
+    """Mean of the unexplained force and torque of the cycles from ``last`` back to ``first`` ago."""
+    for j in range(6):
+        mean[j] = 0.0
+        for back in range(first, last + 1):
+            mean[j] += residual.recent[(residual.taken - back) % WINDOW, j] / (last - first + 1)
+
+
+@kernel
+def take_look(params, count, effectiveness, wrench, load, sign, memory):
+    """Compare the change from before to after with ``sign`` times what each candidate does."""
+    weight = weights(params, wrench, load)
+    before, after = memory.before, memory.after
+    change = (
+        0.0,
+        after[1] - before[1],
+        after[2] - before[2],
+        after[3] - before[3],
+        after[4] - before[4],
+        after[5] - before[5],
+    )
+    every = product(change, change, weight)
+    for i in range(count):
+        if memory.candidate[i] != 0:
+            b = effectiveness[i]
+            collect(memory.sums[i], 1.0, sign, product(change, b, weight), product(b, b, weight), every)
+    memory.looks += 1
+
+
+@kernel
+def open_leak(params, vehicle, effectiveness, wrench, load, b, residual, memory, healthy, shut):
+    """Shut branch ``b`` to look into a leak; how it began is the first look."""
+    memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
+    for i in range(vehicle.n_thrusters):
+        forget(memory.sums[i])
+        memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
+    shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, shut)
+    mean_of(residual, 1, 1, memory.after)
+    if residual.taken >= SURELY_BEFORE + LOOK:
+        mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
+        take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, 1.0, memory)
+    look_again(memory)
+
+
+@kernel
+def look_again(memory):
+    """What was after the last move of the valve is before the next one."""
+    for j in range(6):
+        memory.before[j], memory.after[j] = memory.after[j], 0.0
+    memory.flow, memory.cycles = 0.0, 0
+
+
+@kernel
+def likeliest(count, memory):
+    """Find the candidate that explains the looks best; returns its probability among all of them."""
+    most, total = -LARGEST, 0.0
+    for i in range(count):
+        if memory.candidate[i] != 0:
+            told = evidence(memory.sums[i], 1.0)
+            if told > most:
+                total = total * exp(most - told) + 1.0
+                memory.best, most = i, told
+            else:
+                total += exp(told - most)
+    return 1.0 / total
+
+
+@kernel
+def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow, memory, shut):
+    """One control cycle with the branch shut, or open for a look: what is known, and the confidence."""
+    b = memory.branch
+    memory.cycles += 1
+    if memory.cycles <= MIXED:
+        return UNDER_WAY, 0.0
+    for j in range(6):
+        memory.after[j] += unexplained[j] / LOOK
+    memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
+    if memory.cycles < MIXED + LOOK:
+        return UNDER_WAY, 0.0
+    if memory.open == 0 and memory.flow > 0.5 * least_flow(vehicle, memory.candidate):
+        return METER_FAILED, 1.0
+    sign = 1.0 if memory.open != 0 else -1.0
+    take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
+    confidence = likeliest(vehicle.n_thrusters, memory)
+    if confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+        memory.open = 0
+        shut[b] = 1
+        return NAMED, confidence
+    memory.open = 1 - memory.open
+    shut[b] = 1 - memory.open
+    look_again(memory)
+    return UNDER_WAY, confidence
+
+
+@kernel
+def least_flow(vehicle, candidate):
+    """Full flow of the smallest candidate, kg/s."""
+    least = LARGEST
+    for i in range(vehicle.n_thrusters):
+        if candidate[i] != 0:
+            least = min(least, full_flow(vehicle.thrusters[i]))
+    return least
+
+
+@kernel
+def shut_branch(branches, count, b, healthy, shut):
+    """Shut the latch valve of branch ``b``: none of its thrusters can be used."""
+    shut[b] = 1
+    for i in range(count):
+        if branches.of[i] == b:
+            healthy[i] = 0
+
+
+@kernel
+def give_back(count, memory, healthy, shut):
+    """Open the branch again: its candidates are sound."""
+    shut[memory.branch] = 0
+    for i in range(count):
+        if memory.candidate[i] != 0:
+            healthy[i] = 1

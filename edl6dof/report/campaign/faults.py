@@ -1,0 +1,232 @@
+"""Faults in the report of a campaign: what was required, shares and times of each kind, and maps of
+components and moments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.campaign.design.fault_matrix import AND
+from edl6dof.campaign.fault_figures import REQUIREMENTS, can_be_known, fault_figures
+from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
+from edl6dof.report.campaign.results import Results
+from edl6dof.report.document import Block, Cell, Table, Text
+from edl6dof.report.figure import BLACK, GREEN, ORANGE, PURPLE, SKY, Axis, Figure, Heat, Panel, Trace
+
+#: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
+_BECAME = (
+    ("never used: cannot be known", "#e6e8eb"),
+    ("right name and kind", GREEN),
+    ("not named, or not all", SKY),
+    ("named with a wrong kind", ORANGE),
+    ("another named", PURPLE),
+)
+_CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _ANOTHER = range(len(_BECAME))
+_LOST = "not within limits"
+#: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
+_LONGEST_S = 15.0
+_SCALE = ("#d3eecd", "#a8ddb5", "#4eb3d3", "#1a6fb0", "#08306b")
+#: Moments named along an axis, and lines of a table.
+_NAMED, _LINES = 9, 200
+_ROW_PX = 15
+
+
+def headline(results: Results) -> str:
+    """How many flights are within limits, and how many faults are rightly named."""
+    every = fault_figures(results.table.to_pylist())["all"]
+    return (
+        f"{every['within_limits']} of {counted(every['flights'], 'flight')} within limits; "
+        f"{every['kind_right']} of {counted(every['can_be_known'], 'fault')} that can be known rightly named"
+    )
+
+
+def blocks(results: Results) -> Iterator[Block]:
+    """Everything that a report says about the faults of a matrix; nothing where there is none."""
+    if not results.has_faults:
+        return
+    rows = results.table.to_pylist()
+    figures = fault_figures(rows)
+    if figures["acceptance"]:
+        yield _required(figures["acceptance"])
+    yield _groups(figures["groups"])
+    yield Text(
+        "Regime: at the first use, or leak, after the fault; without any, at the fault.  Known: a fault "
+        "whose component is used or leaks before touchdown; shares of right verdicts are of these.  Kind: "
+        "right component and right kind of fault.  Times (s) from the first use to the right verdict."
+    )
+    for kind in dict.fromkeys(row["kind"] for row in rows):
+        some = [row for row in rows if row["kind"] == kind]
+        yield from _pairs(kind, some) if AND in some[0]["component"] else [_over_time(kind, some)]
+    if lost := [row for row in rows if not row["success"]]:
+        yield _listed("Not within limits", "outcome", lost)
+    if wrong := [row for row in rows if row.get("wrongly_named")]:
+        yield _listed("Wrong verdicts", "wrongly_named", wrong)
+    if missed := [row for row in rows if can_be_known(row) and not row["name_right"]]:
+        yield _listed("In use, and not named", "used_s", missed)
+
+
+def became(row: Row) -> int:
+    """What became of a fault, as an index of the list above."""
+    if row.get("wrongly_named") and not row["name_right"]:
+        return _ANOTHER
+    if row.get("name_right"):
+        return _RIGHT if row["kind_right"] else _WRONG_KIND
+    return _NOT_NAMED if can_be_known(row) else _CANNOT_BE_KNOWN
+
+
+def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
+    meant = {one.figure: one for one in REQUIREMENTS}
+    rows = []
+    for item in acceptance:
+        one = meant[item["figure"]]
+        limit = f"at most {one.at_most:g}" if one.at_most is not None else f"at least {one.at_least:g}"
+        value = Cell(f"{item['value']:.2f} {one.unit}", "good" if item["met"] else "bad")
+        rows.append((one.meaning, value, f"{limit} {one.unit}"))
+    return Table(("", "flown>", "required>"), rows, "What is required")
+
+
+def _groups(groups: Sequence[dict[str, Any]]) -> Table:
+    columns = ("fault", "regime", "flights>", "within limits>", "known>", "name>", "kind>", "wrong>",
+               "median>", "95 %>", "longest>")  # fmt: skip
+    rows = []
+    for group in groups:
+        known, times = group["can_be_known"], group["from_use_s"] or {}
+        rows.append(
+            (
+                group["kind"].replace("_", " "),
+                group["regime"],
+                str(group["flights"]),
+                _share(group["within_limits"], group["flights"]),
+                str(known),
+                _share(group["name_right"], known),
+                _share(group["kind_right"], known),
+                str(group["with_wrong_verdicts"]),
+                *(f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst")),
+            )
+        )
+    return Table(columns, rows, "Each kind of fault")
+
+
+def _share(part: int, whole: int) -> str:
+    return f"{100.0 * part / whole:.1f} %" if whole else ""
+
+
+def _over_time(kind: str, rows: Sequence[Row]) -> Figure:
+    """Components by moments."""
+    across = list(dict.fromkeys(row["moment"] for row in rows))
+    down = list(dict.fromkeys(row["component"] for row in rows))[::-1]
+    places = [(down.index(row["component"]), across.index(row["moment"])) for row in rows]
+    return _figure(f"faults_{kind}", kind, kind, rows, places, across, down, "moment of the fault")
+
+
+def _pairs(kind: str, rows: Sequence[Row]) -> Iterator[Figure]:
+    """One component by the other, for each moment."""
+    names = list(dict.fromkeys(name for row in rows for name in row["component"].split(AND)))
+    for number, moment in enumerate(dict.fromkeys(row["moment"] for row in rows)):
+        some = [row for row in rows if row["moment"] == moment]
+        places = [tuple(names.index(name) for name in row["component"].split(AND)[::-1]) for row in some]
+        title = f"{kind}, pairs at {moment}"
+        yield _figure(f"faults_{kind}_{number}", title, kind, some, places, names, names, "fails with")
+
+
+def _figure(
+    key: str,
+    title: str,
+    kind: str,
+    rows: Sequence[Row],
+    places: Sequence[Sequence[int]],
+    across: Sequence[str],
+    down: Sequence[str],
+    along: str,
+) -> Figure:
+    """Two maps: what became of a fault, and how long it took; ``places``: row and column of each flight."""
+    shape = len(down), len(across)
+    cells: dict[tuple[int, int], list[Row]] = {}
+    for (i, j), row in zip(places, rows, strict=True):
+        cells.setdefault((i, j), []).append(row)
+    what, times = np.full(shape, np.nan), np.full(shape, np.nan)
+    labels = [["" for _ in across] for _ in down]
+    for (i, j), some in cells.items():
+        what[i, j] = max(map(became, some))
+        found = [row["verdict_from_use_s"] for row in some if row["kind_right"]]
+        times[i, j] = np.median(found) if found else np.nan
+        labels[i][j] = _words(some)
+    lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
+    x, y = np.arange(len(across)), np.arange(len(down))
+    kinds = Heat(x, y, what, "", 0, len(_BECAME) - 1, [colour for _, colour in _BECAME], labels)
+    taken = Heat(x, y, times, "s", 0.0, _LONGEST_S, _SCALE, labels)
+    axes = Axis(along, names=_thinned(across)), Axis("", names=down)
+    panels = [
+        Panel(*axes, _legend(what, lost), heat=kinds, title="What became of it"),
+        Panel(*axes, _crosses(lost), heat=taken, title="Time from first use to the right verdict (s)"),
+    ]
+    caption = (
+        f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and the "
+        "median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
+    )
+    return Figure(
+        key, title.replace("_", " "), panels, caption, share_x=True, height=90 + _ROW_PX * len(down)
+    )
+
+
+def _legend(what: np.ndarray, lost: Sequence[tuple[int, int]]) -> list[Trace]:
+    """A name for every colour that there is, and the crosses."""
+    nowhere = np.array([np.nan])
+    named = [
+        Trace(nowhere, nowhere, name, "points", colour, width=3.0, symbol="square")
+        for number, (name, colour) in enumerate(_BECAME)
+        if (what == number).any()
+    ]
+    return named + _crosses(lost)
+
+
+def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
+    if not lost:
+        return []
+    y, x = np.array(lost, float).T
+    return [Trace(x, y, _LOST, "points", BLACK, symbol="x", width=1.2)]
+
+
+def _thinned(names: Sequence[str]) -> list[str]:
+    """Every so many of the names; the others are empty."""
+    step = -(-len(names) // _NAMED) if len(names) > 2 * _NAMED else 1
+    return [name if k % step == 0 else "" for k, name in enumerate(names)]
+
+
+def _words(rows: Sequence[Row]) -> str:
+    """What a cell holds."""
+    head = f"{rows[0]['component']} {rows[0]['kind']} at {rows[0]['moment']}"
+    lines = []
+    for row in rows[:8]:
+        after = row.get("verdict_from_use_s")
+        found = f"{row['named'] or 'nobody'} named" + (f", {after:.2f} s after first use" if after else "")
+        lines.append(f"case {row['case']}: {row['outcome']}; {found}")
+    return "<br>".join([head, *lines])
+
+
+def _listed(title: str, column: str, rows: Sequence[Row]) -> Table:
+    columns = ("case>", "component", "kind", "moment", "regime", column.replace("_", " "))
+    words = title if len(rows) <= _LINES else f"{title}: the first {_LINES} of {len(rows)}"
+    return Table(
+        columns,
+        [
+            (
+                str(row["case"]),
+                row["component"],
+                row["kind"],
+                row["moment"],
+                row["regime"] or "",
+                _text(row[column]),
+            )
+            for row in rows[:_LINES]
+        ],
+        words,
+    )
+
+
+def _text(value: Any) -> str:
+    return f"{value:.2f}" if isinstance(value, float) else str(value)

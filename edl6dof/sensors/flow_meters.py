@@ -1,0 +1,131 @@
+"""Flow meters: one in each propellant branch, which counts the propellant that goes through.
+
+An ultrasonic meter tells the flow from the difference of two transit times of sound, with and against it, in
+a few milliseconds and without a part in the flow.  So its errors are those of a line: a scale factor, a zero
+offset, and white noise; the latter two relative to the flow with all thrusters of the branch open.
+A count loses nothing between two readings, as that of an inertial unit, and arrives as late.
+
+Left out: the mixture ratio (both propellants are metered as one), temperature, and water hammer.
+
+Source: such meters are made for bipropellant satellites (Moog Bradford, Ultrasonic Flow Meter, data sheet);
+their errors are estimates.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.config.dtype import in_si
+from edl6dof.interface.capacities import MAX_BRANCHES
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT
+from edl6dof.registry import Member
+from edl6dof.sensors.counters import broken
+from edl6dof.spatial.lookups import wrapped
+from edl6dof.spatial.noise import normal_pair
+from edl6dof.vehicle.instruments import WORKING
+
+#: Readings that can be under way.
+DEPTH = 8
+#: Normals that the meters may use in a cycle; of them, these and the following are for the noise of faults.
+_NORMALS, _FAULTY = 64, 32
+
+
+class FlowMetersParams(Params):
+    """Flow meters of the propellant branches; errors as standard deviations, drawn for each case."""
+
+    delay_cycles: int = param(
+        1,
+        "base cycles between a reading and its arrival in the flight computer, as of the inertial unit",
+        status="estimate",
+        ge=0,
+        le=DEPTH - 1,
+    )
+    scale_pct: float = param(1.0, "error of the scale factor", status="estimate", ge=0.0, le=50.0)
+    bias_pct: float = param(
+        0.2, "zero offset, of the full flow of the branch", status="estimate", ge=0.0, le=50.0
+    )
+    noise_pct: float = param(
+        0.1,
+        "white noise of a mean over one second, of the full flow; 0.5 in a control cycle of 40 ms",
+        status="estimate",
+        ge=0.0,
+        le=50.0,
+    )
+    quantum_kg: float = param(1e-6, "mass of one count; 0: none", status="estimate", ge=0.0, le=1.0)
+
+
+#: Errors of the copies that fly.
+UNIT = np.dtype(
+    [
+        ("scale", "f8", (MAX_BRANCHES,)),  # relative
+        ("bias", "f8", (MAX_BRANCHES,)),  # of the full flow
+        ("key", "i8"),  # of the noise
+    ],
+    align=True,
+)
+
+#: Memory of the meters: when they counted last, what had flowed and been counted, readings under way.
+MEMORY = np.dtype(
+    [
+        ("taken", COUNT),
+        ("t", "f8"),  # s
+        ("flowed", "f8", (MAX_BRANCHES,)),  # kg
+        ("count", "f8", (MAX_BRANCHES,)),  # kg
+        ("last", "f8", (MAX_BRANCHES,)),  # kg, counted in the last cycle
+        ("under_way", "f8", (DEPTH, MAX_BRANCHES)),  # kg
+    ],
+    align=True,
+)
+
+
+@kernel
+def measure(params, unit, case, tables, plant, outputs, memory, sensed):
+    """Count what has flowed since the last reading and hand out the count of ``delay_cycles`` ago (the first
+    one while there is no older).
+    """
+    cycle, dt = memory.taken, plant.t - memory.t
+    now, old = cycle % DEPTH, max(cycle - params.delay_cycles, 0) % DEPTH
+    walk, second = params.noise * sqrt(dt), 0.0
+    for k in range(case.branches.count):
+        if k % 2 == 0:
+            white, second = normal_pair(unit.key, _NORMALS * cycle + k)
+        else:
+            white = second
+        full, fault = case.branches.full_flow[k], plant.instruments.flow[k]
+        error = (unit.bias[k] * dt + walk * white) * full + fault.offset * dt
+        if fault.noise > 0.0:
+            error += fault.noise * dt * normal_pair(unit.key, _NORMALS * cycle + _FAULTY + k)[0]
+        counted = (1.0 + unit.scale[k]) * (plant.branch_used[k] - memory.flowed[k]) + error
+        if fault.mode != WORKING:
+            counted = broken(fault.mode, memory.last[k], counted, full * dt)
+        memory.last[k], memory.flowed[k] = counted, plant.branch_used[k]
+        memory.count[k] += counted
+        total = memory.count[k]
+        memory.under_way[now, k] = total - wrapped(total, params.quantum) if params.quantum > 0.0 else total
+        sensed.branch_used[k] = memory.under_way[old, k]
+    memory.t = plant.t
+    memory.taken += 1
+
+
+def plan(params: FlowMetersParams, rng: np.random.Generator, unit: np.void) -> None:
+    """Draw the errors of the copies that fly."""
+    given = in_si(params)
+    unit["scale"] = given["scale"] * rng.standard_normal(MAX_BRANCHES)
+    unit["bias"] = given["bias"] * rng.standard_normal(MAX_BRANCHES)
+    unit["key"] = rng.integers(2**62)
+
+
+MEMBER = Member(
+    "flow_meters",
+    FlowMetersParams,
+    {"measure": measure},
+    "Moog Bradford, Ultrasonic Flow Meter, data sheet",
+    memory=MEMORY,
+    tables=UNIT,
+    plan=plan,
+    writes=("branch_used",),
+)
