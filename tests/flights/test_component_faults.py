@@ -130,7 +130,7 @@ def test_late_engine_lights_late_and_lands(nominal):
 # ---- what the phase table and guidance make of them --------------------------------------------------------
 
 
-@pytest.mark.parametrize("time_s", [281, 300, 350, 400, 430, 440, 446])
+@pytest.mark.parametrize("time_s", [281, 300, 350, 400, 415, 420, 430, 440, 446])
 def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time_s):
     """Far up it leaves the backshell at 4 km, faster than it was ever meant to; without that branch it met
     the ground at 85 to 160 m/s.
@@ -139,7 +139,7 @@ def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time
     assert flight.landed, flight.outcome
     assert flight.metrics["touchdown_vertical_m_s"] < 3.0
     assert flight.metrics["backshell_height_m"] < 4100.0
-    assert flight.success or "at backshell release" in flight.cause
+    assert flight.success or ("at backshell release" in flight.cause and time_s < 410)
     straight_on = flown(
         f"{{kind: riser_torn, at: {{time_s: {time_s}}}}}", sets=["mission.phases.parachute.ways_out=[]"]
     )
