@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
-from edl6dof.campaign.fault_response import AIR, POWERED
+from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
 from edl6dof.campaign.rows import Row
 from edl6dof.vehicle.plant import THRUSTER_KINDS
 
-REGIMES = (AIR, POWERED)
+REGIMES = (AIR, POWERED, NOT_BEGUN_YET)
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,12 @@ class Requirement:
     at_least: float | None = None
     at_most: float | None = None
 
+    @property
+    def limit(self) -> str:
+        """``at least 99.5 %``."""
+        bound = f"at most {self.at_most:g}" if self.at_least is None else f"at least {self.at_least:g}"
+        return f"{bound} {self.unit}"
+
     def met(self, value: float) -> bool:
         """Whether a value is as good as required."""
         least = -np.inf if self.at_least is None else self.at_least
@@ -38,8 +44,8 @@ class Requirement:
         return bool(least <= value <= most)
 
 
-#: What is required where single thrusters fail.
-REQUIREMENTS = (
+#: What is required where single thrusters fail, and where two fail together.
+REQUIRED = (
     Requirement("within_limits_pct", "within limits", "%", at_least=99.5),
     Requirement("kind_right_pct", "right name and kind, of those that fire or leak", "%", at_least=99.0),
     Requirement("wrong_verdicts_pct", "flights with a wrong verdict on anything", "%", at_most=1.0),
@@ -47,6 +53,7 @@ REQUIREMENTS = (
     Requirement("powered_median_s", "median time to the verdict in powered flight", "s", at_most=1.0),
     Requirement("worst_s", "longest time to the verdict", "s", at_most=15.0),
 )
+REQUIRED_OF_PAIRS = (Requirement("within_limits_pct", "within limits", "%", at_least=100.0),)
 
 
 def can_be_known(row: Row) -> bool:
@@ -61,10 +68,15 @@ def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
         {"kind": kind, "regime": regime, **_counts(some)}
         for kind in kinds
         for regime in REGIMES
-        if (some := [row for row in rows if row["kind"] == kind and row.get("regime") == regime])
+        if (some := [row for row in rows if row["kind"] == kind and _regime(row) == regime])
     ]
     whole = _counts(rows)
     return {"all": whole, "groups": groups, "acceptance": _acceptance(rows, whole)}
+
+
+def _regime(row: Row) -> str:
+    """That of the first use; a case that could not fly has none."""
+    return row.get("regime") or NOT_BEGUN_YET
 
 
 def _counts(rows: Sequence[Row]) -> dict[str, Any]:
@@ -74,8 +86,8 @@ def _counts(rows: Sequence[Row]) -> dict[str, Any]:
     return {
         "flights": len(rows),
         "within_limits": sum(bool(row["success"]) for row in rows),
-        "over_before_the_fault": sum(row.get("fault_s") is None for row in rows),
-        "never_used": sum(row.get("fault_s") is not None and not can_be_known(row) for row in rows),
+        "not_begun": sum(_regime(row) == NOT_BEGUN_YET for row in rows),
+        "never_used": sum(_regime(row) != NOT_BEGUN_YET and not can_be_known(row) for row in rows),
         "can_be_known": len(known),
         "name_right": sum(bool(row["name_right"]) for row in known),
         "kind_right": len(right),
@@ -93,12 +105,19 @@ def _times(times: Sequence[float]) -> dict[str, float] | None:
     return {"median": float(median), "p95": float(most), "worst": float(max(times))}
 
 
+def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
+    """What is required where single thrusters, or two of them, fail; nothing of other components."""
+    if any(row["kind"] not in THRUSTER_KINDS for row in rows):
+        return ()
+    together = {AND in row["component"] for row in rows}
+    return REQUIRED_OF_PAIRS if together == {True} else REQUIRED if together == {False} else ()
+
+
 def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, Any]]:
-    """The required figures that these flights have; none where other than single thrusters fail."""
-    if any(row["kind"] not in THRUSTER_KINDS or AND in row["component"] for row in rows):
-        return []
-    regimes = {regime: _counts([row for row in rows if row.get("regime") == regime]) for regime in REGIMES}
-    times = {regime: counts["from_use_s"] for regime, counts in regimes.items()}
+    """The required figures that these flights have."""
+    times = {
+        regime: _counts([row for row in rows if _regime(row) == regime])["from_use_s"] for regime in REGIMES
+    }
     values = {
         "within_limits_pct": _percent(whole["within_limits"], whole["flights"]),
         "kind_right_pct": _percent(whole["kind_right"], whole["can_be_known"]),
@@ -108,8 +127,8 @@ def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, An
         "worst_s": whole["from_use_s"] and whole["from_use_s"]["worst"],
     }
     return [
-        {"figure": one.figure, "value": value, "met": one.met(value)}
-        for one in REQUIREMENTS
+        {"meaning": one.meaning, "value": value, "unit": one.unit, "limit": one.limit, "met": one.met(value)}
+        for one in required_of(rows)
         if (value := values[one.figure]) is not None
     ]
 

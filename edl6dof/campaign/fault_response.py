@@ -19,8 +19,8 @@ from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FaultParams
 from edl6dof.vehicle.plant import NOT_BEGUN
 
-#: Until the backshell is released, and from then on.
-AIR, POWERED = "air", "powered"
+#: Until the backshell is released, and from then on; of a fault that did not begin before touchdown.
+AIR, POWERED, NOT_BEGUN_YET = "air", "powered", "not begun"
 
 
 @dataclass(frozen=True)
@@ -81,12 +81,21 @@ def verdicts(flight: Flight) -> list[Verdict]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """What a fault makes fail: a component, or all thrusters of a branch or of the vehicle."""
-    if thrusters := failed_thrusters(fault, truth.components, truth.branches):
-        kind = kind_of_failure(fault).replace(" ", "_")
-        return [Failure("thruster", name, kind) for name in thrusters]
+    """What is to be named where a fault happens: its component; of a dead branch, every thruster behind it.
+
+    That the feed of all thrusters is weak is nobody's verdict; calling one of them degraded is not wrong.
+    """
+    if fault.component == "branch":
+        return _thrusters(fault, truth)
     said = None if fault.component in INSTRUMENTS else fault.kind
     return [Failure(fault.component, fault.acts_on(truth.components), said)]
+
+
+def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
+    """Every thruster that a fault makes fail."""
+    kind = kind_of_failure(fault).replace(" ", "_")
+    names = failed_thrusters(fault, truth.components, truth.branches)
+    return [Failure("thruster", name, kind) for name in names]
 
 
 def fault_response(flight: Flight) -> Mapping[str, Any]:
@@ -98,27 +107,27 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     from the fault, and from the first use, to the verdict on the last of them, null if one was not named.
     ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
     they failed, and those named with a wrong kind.  ``regime``: air or powered, at the first use, or else at
-    the fault.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between fault and
-    touchdown.
+    the fault, if that began.  ``peak_attitude_error_deg``: largest error of pitch and yaw control between
+    fault and touchdown.
     """
     truth, named = flight.loaded.truth, verdicts(flight)
-    failed = [
-        (failure, fault, float(since))
-        for fault, since in zip(truth.faults, flight.plant["fault_since"][0], strict=False)
-        for failure in failures(fault, truth)
+    begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
+    failed = [(failure, fault, since) for fault, since in begun for failure in failures(fault, truth)]
+    true = [
+        (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
     end = flight.metrics.get("touchdown_s", flight.time_s)
     row: dict[str, Any] = {
         "fault_s": None,
         "first_use_s": None,
         "used_s": None,
-        "regime": None,
+        "regime": NOT_BEGUN_YET,
         "named": _list(named),
         "name_right": False,
         "kind_right": False,
         "verdict_s": None,
         "verdict_from_use_s": None,
-        "wrongly_named": _list(one for one in named if not _is_right(one, failed)),
+        "wrongly_named": _list(one for one in named if not _is_right(one, true)),
         "peak_attitude_error_deg": None,
     }
     if any(since == NOT_BEGUN or since >= end for _, _, since in failed):
@@ -130,10 +139,10 @@ def _list(verdicts: Iterable[Verdict]) -> str | None:
     return ", ".join(one.label for one in verdicts) or None
 
 
-def _is_right(verdict: Verdict, failed: Iterable[tuple[Failure, FaultParams, float]]) -> bool:
-    """Whether a verdict says what has failed, and how; that all gyros saturate accuses none of them."""
+def _is_right(verdict: Verdict, true: Iterable[tuple[Failure, float]]) -> bool:
+    """Whether a verdict says what has failed by then; that all gyros saturate accuses none of them."""
     return verdict.failure.component == "inertial_unit" or any(
-        verdict.failure == failure and verdict.t_s >= since for failure, _, since in failed
+        verdict.failure == failure and verdict.t_s >= since for failure, since in true
     )
 
 
@@ -183,6 +192,8 @@ def _in_use(flight: Flight, failure: Failure, fault: FaultParams) -> np.ndarray:
     table = flight.telemetry
     if failure.component == "thruster" and fault.kind != "stuck_on":
         return table[f"valve.{failure.name}"] != 0
+    if failure.component == "rcs":
+        return np.any([table[f"valve.{name}"] != 0 for name in flight.scenario.thruster_names], axis=0)
     if failure.component == "beam":
         return table["nav.beams_used"] != 0
     if failure.component == "star_tracker":

@@ -7,8 +7,8 @@ A count loses nothing between two readings, as that of an inertial unit, and arr
 
 Left out: the mixture ratio (both propellants are metered as one), temperature, and water hammer.
 
-Source: such meters are made for bipropellant satellites (Moog Bradford, Ultrasonic Flow Meter, data sheet);
-their errors are estimates.
+Source: such meters are made for bipropellant satellites, non-intrusive and rapid (Moog, Ultrasonic Flow
+Meter, product page); their errors are estimates.
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ MEMBER = Member(
     "flow_meters",
     FlowMetersParams,
     {"measure": measure},
-    "Moog Bradford, Ultrasonic Flow Meter, data sheet",
+    "Moog, Ultrasonic Flow Meter, product page",
     memory=MEMORY,
     tables=UNIT,
     plan=plan,

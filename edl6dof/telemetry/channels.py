@@ -146,6 +146,7 @@ CHANNELS: tuple[Channel, ...] = (
     ),
     Channel("diagnosis.confidence", "confidence of the best hypothesis about a thruster fault"),
     Channel("diagnosis.leaking", "branch whose leak is looked into, by number from 0; -1 for none"),
+    Channel("diagnosis.common_loss", "share of its flow that every propellant branch is thought to lose"),
     Channel("diagnosis.isolated", "thrusters isolated as failed"),
     Channel(
         "diagnosis.in_use",

@@ -146,6 +146,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     tick.estimate.force_x, tick.estimate.force_y, tick.estimate.force_z = take3(estimated.force, 0)
     diagnosis = fsw.diagnosis
     tick.diagnosis.confidence = diagnosis.hypotheses.confidence
+    tick.diagnosis.common_loss = diagnosis.flow.common
     tick.diagnosis.leaking, tick.diagnosis.isolated = diagnosis.leak.branch, diagnosis.n_isolated
     in_use = 0
     for i in range(case.vehicle.rcs.n_thrusters):

@@ -9,7 +9,7 @@ import pytest
 
 from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
-from edl6dof.report.campaign.faults import blocks, headline
+from edl6dof.report.campaign.faults import became, blocks, headline
 from edl6dof.report.document import Table
 from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import write_figure
@@ -53,26 +53,32 @@ def results(rows):
 
 def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     figures = fault_figures(table_of(ROWS).to_pylist())
-    every, (air, powered) = figures["all"], figures["groups"]
-    assert (every["flights"], every["within_limits"], every["over_before_the_fault"]) == (9, 6, 1)
+    every, (air, powered, neither) = figures["all"], figures["groups"]
+    assert (every["flights"], every["within_limits"], every["not_begun"]) == (9, 6, 1)
     assert (every["can_be_known"], every["never_used"]) == (7, 1)
     assert (every["name_right"], every["kind_right"], every["with_wrong_verdicts"]) == (5, 4, 2)
     assert (air["regime"], air["flights"], air["kind_right"]) == ("air", 7, 3)
     assert air["from_use_s"] == {"median": 7.0, "p95": pytest.approx(18.7), "worst": 20.0}
     assert powered["from_use_s"]["worst"] == 0.5 and powered["from_fault_s"]["worst"] == 1.5
-    required = {one["figure"]: (one["value"], one["met"]) for one in figures["acceptance"]}
+    assert (neither["regime"], neither["flights"], neither["not_begun"]) == ("not begun", 1, 1)
+    required = {one["meaning"]: (one["value"], one["met"]) for one in figures["acceptance"]}
     assert required == {
-        "within_limits_pct": (pytest.approx(100 * 6 / 9), False),
-        "kind_right_pct": (pytest.approx(100 * 4 / 7), False),
-        "wrong_verdicts_pct": (pytest.approx(100 * 2 / 9), False),
-        "air_median_s": (7.0, False),
-        "powered_median_s": (0.5, True),
-        "worst_s": (20.0, False),
+        "within limits": (pytest.approx(100 * 6 / 9), False),
+        "right name and kind, of those that fire or leak": (pytest.approx(100 * 4 / 7), False),
+        "flights with a wrong verdict on anything": (pytest.approx(100 * 2 / 9), False),
+        "median time to the verdict in the air": (7.0, False),
+        "median time to the verdict in powered flight": (0.5, True),
+        "longest time to the verdict": (20.0, False),
     }
 
 
-def test_nothing_is_required_of_pairs_and_other_components():
-    assert fault_figures([row(0, "A1 + A2", "10 s")])["acceptance"] == []
+def test_of_pairs_only_the_limits_are_required_and_nothing_of_other_components():
+    (one,) = fault_figures([row(0, "A1 + A2", "10 s"), row(1, "A1 + A3", "10 s", success=False)])[
+        "acceptance"
+    ]
+    assert one == {
+        "meaning": "within limits", "value": 50.0, "unit": "%", "limit": "at least 100 %", "met": False,
+    }  # fmt: skip
     assert fault_figures([row(0, "main", "10 s", kind="engine_shortfall")])["acceptance"] == []
 
 
@@ -83,8 +89,8 @@ def test_map_shows_what_became_of_each_fault_the_worst_of_several(tmp_path):
     assert (became.x.names, became.y.names) == (["10 s", "20 s", "30 s"], ["A3", "A2", "A1"])
     names = [trace.name for trace in became.traces]
     assert names == [
-        "never used: cannot be known", "right name and kind", "not named, or not all",
-        "named with a wrong kind", "another named", "not within limits",
+        "never used after it: cannot be known", "right name and kind", "not named, or not all",
+        "named with a wrong kind", "a sound one named", "not within limits",
     ]  # fmt: skip
     colours = {trace.name: trace.colour for trace in became.traces}
     assert [colours[name] for name in names[:5]] == list(became.heat.colours)
@@ -115,10 +121,14 @@ def test_what_is_lost_wrong_or_missed_is_listed_by_its_case():
     assert cases["Not within limits"] == ["4", "7", "8"]
     assert cases["Wrong verdicts"] == ["4", "5"]
     assert cases["In use, and not named"] == ["1", "5"]
-    assert (
-        headline(results(ROWS))
-        == "6 of 9 flights within limits; 4 of 7 faults that can be known rightly named"
-    )
+    words = "6 of 9 flights within limits; 4 of 7 faults that can be known rightly named"
+    assert headline(results(ROWS)) == (words, "warn")
+    assert headline(results(ROWS[3:4]))[1] == "good"
+
+
+def test_a_sound_one_named_beside_the_right_one_spoils_the_cell():
+    right = row(0, "A1", "10 s", use=0.0, verdict=1.0, named="A1 stuck_off, A2 stuck_on", **FOUND)
+    assert became(right) == 1 and became(right | {"wrongly_named": "A2 stuck_on"}) == 4
 
 
 def test_pairs_are_a_map_of_one_by_the_other_for_each_moment(tmp_path):

@@ -12,16 +12,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from math import comb
 from typing import Any
 
 from pydantic import ValidationError
 
 from edl6dof.campaign.design.dispersions import Locator
 from edl6dof.campaign.design.params import FaultMatrixParams
+from edl6dof.config.wording import counted
 from edl6dof.vehicle.faults.fault import FaultParams, fault_problems
 
 #: Between the names of components that fail together.
 AND = " + "
+
+#: More cells, or flights in all of them, are a slip of the pen.
+_MOST_CELLS, _MOST_FLIGHTS = 100_000, 10_000_000
 
 
 @dataclass(frozen=True)
@@ -42,9 +47,16 @@ def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
                 yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
 
 
-def check_matrix(matrix: FaultMatrixParams, locator: Locator) -> None:
-    """Problems of the faults, found before anything flies; they go to the locator."""
+def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
+    """Problems of the faults, found before anything flies; they go to the locator.  ``vehicles``: on which
+    each cell is flown.
+    """
     scenario = locator.loaded.scenario
+    number = sum(len(group.moments) * comb(len(group.names), matrix.together) for group in matrix.groups)
+    if number > _MOST_CELLS or number * vehicles > _MOST_FLIGHTS:
+        words = f"makes {number:,} cells on {counted(vehicles, 'vehicle')}"
+        most = f"at most {_MOST_CELLS:,} cells and {_MOST_FLIGHTS:,} flights"
+        locator.refuse(("fault_matrix",), f"{words}; {most}")
     if scenario.faults or locator.loaded.truth.faults:
         locator.refuse(("fault_matrix",), "the scenario has faults of its own, which would join every cell")
     for index, group in enumerate(matrix.groups):

@@ -203,7 +203,7 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
     if campaign is not None:
         check_faults(campaign, locator)
     if matrix is not None:
-        check_matrix(matrix, locator)
+        check_matrix(matrix, campaign.cases if campaign is not None else 1, locator)
     locator.finish()
     points = tuple(product(cells(matrix) if matrix else [None], product(*(values for _, values in axes))))
     pinned = _with_pins(loaded, draws, axes)

@@ -250,7 +250,7 @@ def diagnose(
         )  # fmt: skip
         return
     if known > 0:
-        weigh(params, count, effectiveness, activity, load, memory.residual, best)
+        weigh(params, vehicle, metered, effectiveness, activity, load, memory.residual, flow, best)
     before = (best.thruster, best.kind)
     compare(params, vehicle, metered, healthy, flow, best)
     follow_streak(params, before, memory)

@@ -21,6 +21,9 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
 
+#: Control cycles after a pulse by whose end its flow has been measured.
+ANSWER = 3
+
 
 class ExerciseParams(Params):
     """Opposed test pulses."""
@@ -61,12 +64,26 @@ def is_free(i, t, healthy, busy_until, opens, closes):
 
 
 @kernel
-def retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t):
+def has_answered(branches, b, count, busy_until, t, dt, memory):
+    """Whether what branch ``b`` was last used for has been measured."""
+    for i in range(count):
+        if branches.of[i] == b and t < max(busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9:
+            return False
+    return True
+
+
+@kernel
+def retest(params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory):
     """The thruster to try alone, the suspect of force and torque with its opposite number, or twice
     ``NONE``.
     """
+    branches, count = vehicle.branches, vehicle.n_thrusters
     for i in range(count):
-        if needs_trial(i, diagnosis.flow) and is_free(i, t, healthy, busy_until, opens, closes):
+        if (
+            needs_trial(i, diagnosis.flow)
+            and is_free(i, t, healthy, busy_until, opens, closes)
+            and has_answered(branches, branches.of[i], count, busy_until, t, dt, memory)
+        ):
             return i, NONE
     best = diagnosis.hypotheses
     if best.kind in (NOTHING, STUCK_ON) or best.evidence <= params.suspicion:
@@ -91,6 +108,7 @@ def longest_rested(
     closes,
     sideways,
     waiting,
+    flow,
     start,
     t,
     memory,
@@ -100,7 +118,7 @@ def longest_rested(
     for i in range(count):
         often = waiting or sideways and thrusters[i].group == HORIZONTAL
         due = t - params.rest if often else max(start, t - params.every)
-        if memory.used[i] < min(due, oldest):
+        if memory.used[i] < min(due, oldest) and not needs_trial(i, flow):
             j = opposite(effectiveness, count, i)
             if is_free(j, t, healthy, busy_until, opens, closes) and is_free(
                 i, t, healthy, busy_until, opens, closes
@@ -149,7 +167,9 @@ def pair_to_test(
     for i in range(count):
         if closes[i] > opens[i] + 0.5 * dt:
             memory.used[i] = t
-    i, j = retest(params, effectiveness, count, healthy, diagnosis, busy_until, opens, closes, t)
+    i, j = retest(
+        params, vehicle, effectiveness, healthy, diagnosis, busy_until, opens, closes, t, dt, memory
+    )
     if i == NONE:
         waiting = is_waiting(vehicle.branches, diagnosis.flow)
         pause = params.spacing if sideways or waiting else params.pause
@@ -157,7 +177,7 @@ def pair_to_test(
             return NONE, NONE
         i, j = longest_rested(
             params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
-            waiting, start, t, memory,
+            waiting, diagnosis.flow, start, t, memory,
         )  # fmt: skip
     if i != NONE:
         memory.tested = memory.used[i] = t

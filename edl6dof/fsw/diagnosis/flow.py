@@ -12,9 +12,9 @@ below zero for a valve that stays open (Page's test), a regression over the last
 cycle that tells another loss than those before it starts afresh: the fault is younger than they are.  What is
 missing while several of a branch fire makes each of them doubtful; each is then tried alone.
 
-A loss that all branches show is the propellant's and no thruster's: it is taken off first.  So before a
-thruster is called degraded, other branches have to be seen in use since the first sign of it; one that lets
-nothing through is dead, whatever the others do.
+A loss that all branches show is the propellant's and no thruster's: only what goes beyond it counts.  So
+before a thruster is called degraded, other branches have to be seen in use since the first sign of it; one
+that lets nothing through is dead, whatever the others do.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -40,6 +40,7 @@ POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a b
 ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
 DOUBT = 4.0  # standard deviations of a meter from which something is missing
 LEAST_CYCLES = 2  # of use before a loss is told: the fault may have begun within the first
+TOLD = 900.0  # inverse variance of the loss of a branch from which it tells: good for 3 %
 LEAST_BRANCHES = 3  # branches that must tell a loss before it is the propellant's
 
 
@@ -144,8 +145,8 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 
 @kernel
-def take_off_common_loss(params, branches, memory):
-    """Find the loss that all branches in use show, and take it off their residuals."""
+def find_common_loss(params, branches, memory):
+    """Find the loss that all branches in use show."""
     memory.seen, least = 0, 1.0
     for b in range(branches.count):
         pool, expected = memory.pool[b], memory.expected[b]
@@ -153,13 +154,11 @@ def take_off_common_loss(params, branches, memory):
             pool.cross = POOLED * pool.cross - expected * memory.residual[b] * memory.weight[b]
             pool.own = POOLED * pool.own + expected * expected * memory.weight[b]
             pool.cycles += 1
-        if pool.cycles > 0:
+        if pool.own > TOLD:
             memory.seen += 1
             least = min(least, pool.cross / pool.own)
     if memory.seen >= min(LEAST_BRANCHES, branches.count):
         memory.common = least if least > params.common_least else 0.0
-    for b in range(branches.count):
-        memory.residual[b] += memory.common * memory.expected[b]
 
 
 @kernel
@@ -182,12 +181,20 @@ def is_waiting(branches, memory):
 
 
 @kernel
-def weigh_loss(params, residual, prediction, weight, keep, loss):
+def fires_alone(expected, given):
+    """Whether of the flow that a branch is to let through hardly any is another's than the one that is to
+    let ``given`` through.
+    """
+    return expected - given < ALONE * given
+
+
+@kernel
+def weigh_loss(params, residual, prediction, weight, keep, common, loss):
     """Let a cycle in which a sound thruster would let ``-prediction`` (kg/s) through count for its loss."""
     cross, own = residual * prediction * weight, prediction * prediction * weight
     now = cross / own
     before = loss.cross / loss.own if loss.cycles > 0 else now
-    if now < params.loss_least:
+    if now - common < params.loss_least:
         forget_loss(loss)
         return
     if abs(now - before) > max(STEADY, 3.0 / sqrt(own)):
@@ -209,7 +216,7 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
         shut: branches whose latch valve is shut.
         memory: ``FLOW`` record, updated.
     """
-    take_off_common_loss(params, vehicle.branches, memory)
+    find_common_loss(params, vehicle.branches, memory)
     for i in range(vehicle.n_thrusters):
         b = vehicle.branches.of[i]
         if memory.meter_failed[b] != 0 or shut[b] != 0:
@@ -219,10 +226,13 @@ def weigh_flow(params, keep, vehicle, share, shut, memory):
         residual, weight, flow = memory.residual[b], memory.weight[b], full_flow(vehicle.thrusters[i])
         if share[i] > LEAST_USE:
             given = share[i] * (1.0 - memory.known_loss[i]) * flow
-            if memory.expected[b] - given < ALONE * given:
-                weigh_loss(params, residual, -given, weight, keep, memory.off[i])
+            if fires_alone(memory.expected[b], given):
+                weigh_loss(params, residual, -given, weight, keep, memory.common, memory.off[i])
                 memory.doubtful[i] = 0
-            elif -residual > params.loss_least * given and residual * residual * weight > DOUBT * DOUBT:
+            elif (
+                -residual > (params.loss_least + memory.common) * given
+                and residual * residual * weight > DOUBT * DOUBT
+            ):
                 memory.doubtful[i] = 1
         idle = (1.0 - share[i]) * flow
         told = min((residual - 0.5 * idle) * idle * weight, MOST_A_CYCLE)
@@ -247,9 +257,13 @@ def needs_trial(i, memory):
 
 
 @kernel
-def loss_told(loss):
-    """Fraction of flow lost and the evidence for it; zeros before it is told by enough cycles."""
+def loss_told(params, common, loss):
+    """Fraction of flow lost beyond the ``common`` loss and the evidence for it; zeros before enough cycles
+    tell it, and for too small a one.
+    """
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0
-    size = min(loss.cross / loss.own, 1.0)
-    return size, min(size * (loss.cross - 0.5 * size * loss.own), LARGEST)
+    beyond = min(loss.cross / loss.own, 1.0) - common
+    if beyond < params.loss_least:
+        return 0.0, 0.0
+    return beyond / (1.0 - common), min(0.5 * beyond * beyond * loss.own, LARGEST)

@@ -29,7 +29,7 @@ from math import exp, log
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, is_waiting, loss_told
+from edl6dof.fsw.diagnosis.flow import LARGEST, LEAST_USE, fires_alone, full_flow, is_waiting, loss_told
 from edl6dof.fsw.diagnosis.residual import product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
@@ -131,16 +131,20 @@ def weights(params, wrench, load):
 
 
 @kernel
-def weigh(params, count, effectiveness, activity, load, residual, memory):
-    """Let one cycle count for every hypothesis in which it predicts something."""
+def weigh(params, vehicle, metered, effectiveness, activity, load, residual, flow, memory):
+    """Let one cycle count for every hypothesis in which it predicts something; where there are meters, for a
+    loss only if the thruster fires alone in its branch, so that both speak of the same cycles.
+    """
     weight = weights(params, activity.wrench, load)
     keep = 1.0 - 1.0 / params.memory_cycles
     every = product(residual.value, residual.value, weight)
-    for i in range(count):
+    for i in range(vehicle.n_thrusters):
         share = activity.share[i]
         along = product(residual.value, effectiveness[i], weight)
         square = product(effectiveness[i], effectiveness[i], weight)
-        if share > LEAST_USE:
+        expected = flow.expected[vehicle.branches.of[i]]
+        alone = not metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
+        if share > LEAST_USE and alone:
             collect(memory.off[i], keep, -share, along, square, every)
         if share < 1.0 - LEAST_USE:
             collect(memory.on[i], keep, 1.0 - share, along, square, every)
@@ -189,12 +193,12 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_flow(params, branches, i, flow, memory):
+def by_flow(params, waiting, i, flow, memory):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
     torque.
     """
-    loss, told = loss_told(flow.off[i])
-    if loss < params.loss_dead and is_waiting(branches, flow):
+    loss, told = loss_told(params.flow, flow.common, flow.off[i])
+    if loss < params.loss_dead and waiting:
         told = 0.0
     felt = evidence(memory.off[i], loss) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
     return kind_of(params, loss), loss, told + felt, told
@@ -212,6 +216,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     suspected_meter, memory.meter = 0.0, NONE
+    waiting = metered and is_waiting(vehicle.branches, flow)
     memory.kind = NOTHING
     for i in range(vehicle.n_thrusters):
         if healthy[i] == 0:
@@ -220,8 +225,10 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         afresh = flow.off[i].cycles == 0  # else force and torque are to say what they think of that loss
         kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least, afresh)
         if metered and flow.meter_failed[b] == 0:
-            most -= params.prior
-            told_kind, told_loss, together, told = by_flow(params, vehicle.branches, i, flow, memory)
+            most -= 0.5 * params.prior
+            if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
+                most = 0.0
+            told_kind, told_loss, together, told = by_flow(params, waiting, i, flow, memory)
             if together > most:
                 kind, loss, most = told_kind, told_loss, together
             if told - params.flow.meter_prior > suspected_meter:

@@ -19,7 +19,7 @@ from math import exp
 
 import numpy as np
 
-from edl6dof.fsw.diagnosis.flow import LARGEST, full_flow
+from edl6dof.fsw.diagnosis.flow import LARGEST
 from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence, forget, weights
 from edl6dof.fsw.diagnosis.residual import WINDOW, product
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
@@ -30,6 +30,8 @@ UNDER_WAY, NAMED, METER_FAILED = range(3)
 #: Control cycles after the latch valve moved that are mixed, and those after them that make a look.
 MIXED, LOOK = 1, 3
 SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
+LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
+METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
 MOST_LOOKS = 12  # after which the likeliest is named, however likely
 
 LEAK = np.dtype(
@@ -140,12 +142,12 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
     memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles < MIXED + LOOK:
         return UNDER_WAY, 0.0
-    if memory.open == 0 and memory.flow > 0.5 * least_flow(vehicle, memory.candidate):
+    if memory.open == 0 and memory.flow * memory.flow * flow.weight[b] > METER_ERROR * METER_ERROR:
         return METER_FAILED, 1.0
     sign = 1.0 if memory.open != 0 else -1.0
     take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
     confidence = likeliest(vehicle.n_thrusters, memory)
-    if confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+    if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
         memory.open = 0
         shut[b] = 1
         return NAMED, confidence
@@ -153,16 +155,6 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
     shut[b] = 1 - memory.open
     look_again(memory)
     return UNDER_WAY, confidence
-
-
-@kernel
-def least_flow(vehicle, candidate):
-    """Full flow of the smallest candidate, kg/s."""
-    least = LARGEST
-    for i in range(vehicle.n_thrusters):
-        if candidate[i] != 0:
-            least = min(least, full_flow(vehicle.thrusters[i]))
-    return least
 
 
 @kernel

@@ -31,14 +31,12 @@ def campaign_report(folder: Path) -> Report:
         ),
     ]
     identity = results.store.info.identity
-    success = results.success
+    words, mood = faults.headline(results) if results.has_faults else _headline(results)
     return Report(
         title=results.name,
         subtitle=str(results.document.get("description") or ""),
-        headline=faults.headline(results)
-        if results.has_faults
-        else f"{success.successes} of {success.trials} flights succeed: {success}",
-        mood=_mood(results),
+        headline=words,
+        mood=mood,
         facts=_facts(results),
         sections=[section for section in sections if section.blocks],
         footer=(
@@ -46,6 +44,11 @@ def campaign_report(folder: Path) -> Report:
             "95 %"
         ),
     )
+
+
+def _headline(results: Results) -> tuple[str, Mood]:
+    success = results.success
+    return f"{success.successes} of {success.trials} flights succeed: {success}", _mood(results)
 
 
 def _mood(results: Results) -> Mood:

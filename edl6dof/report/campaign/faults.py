@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.design.fault_matrix import AND
-from edl6dof.campaign.fault_figures import REQUIREMENTS, can_be_known, fault_figures
+from edl6dof.campaign.fault_figures import can_be_known, fault_figures
 from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Cell, Table, Text
+from edl6dof.report.document import Block, Cell, Mood, Table, Text
 from edl6dof.report.figure import BLACK, GREEN, ORANGE, PURPLE, SKY, Axis, Figure, Heat, Panel, Trace
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (
-    ("never used: cannot be known", "#e6e8eb"),
+    ("never used after it: cannot be known", "#e6e8eb"),
     ("right name and kind", GREEN),
     ("not named, or not all", SKY),
     ("named with a wrong kind", ORANGE),
-    ("another named", PURPLE),
+    ("a sound one named", PURPLE),
 )
-_CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _ANOTHER = range(len(_BECAME))
+_CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _SOUND = range(len(_BECAME))
 _LOST = "not within limits"
 #: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
 _LONGEST_S = 15.0
@@ -35,13 +35,19 @@ _NAMED, _LINES = 9, 200
 _ROW_PX = 15
 
 
-def headline(results: Results) -> str:
-    """How many flights are within limits, and how many faults are rightly named."""
-    every = fault_figures(results.table.to_pylist())["all"]
-    return (
-        f"{every['within_limits']} of {counted(every['flights'], 'flight')} within limits; "
-        f"{every['kind_right']} of {counted(every['can_be_known'], 'fault')} that can be known rightly named"
+def headline(results: Results) -> tuple[str, Mood]:
+    """How many flights are within limits, and how many faults are rightly named; and how that is to be
+    taken.
+    """
+    figures = fault_figures(results.table.to_pylist())
+    every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
+    words = (
+        f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits; "
+        f"{every['kind_right']:,} of {counted(every['can_be_known'], 'fault')} that can be known "
+        "rightly named"
     )
+    good = all(met) and (bool(met) or every["within_limits"] == every["flights"])
+    return words, "good" if good else "warn"
 
 
 def blocks(results: Results) -> Iterator[Block]:
@@ -71,21 +77,22 @@ def blocks(results: Results) -> Iterator[Block]:
 
 def became(row: Row) -> int:
     """What became of a fault, as an index of the list above."""
-    if row.get("wrongly_named") and not row["name_right"]:
-        return _ANOTHER
-    if row.get("name_right"):
-        return _RIGHT if row["kind_right"] else _WRONG_KIND
+    if row.get("wrongly_named"):
+        return _WRONG_KIND if row["name_right"] and not row["kind_right"] else _SOUND
+    if row.get("kind_right"):
+        return _RIGHT
     return _NOT_NAMED if can_be_known(row) else _CANNOT_BE_KNOWN
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    meant = {one.figure: one for one in REQUIREMENTS}
-    rows = []
-    for item in acceptance:
-        one = meant[item["figure"]]
-        limit = f"at most {one.at_most:g}" if one.at_most is not None else f"at least {one.at_least:g}"
-        value = Cell(f"{item['value']:.2f} {one.unit}", "good" if item["met"] else "bad")
-        rows.append((one.meaning, value, f"{limit} {one.unit}"))
+    rows = [
+        (
+            one["meaning"],
+            Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad"),
+            one["limit"],
+        )
+        for one in acceptance
+    ]
     return Table(("", "flown>", "required>"), rows, "What is required")
 
 

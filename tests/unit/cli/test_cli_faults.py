@@ -160,6 +160,7 @@ def test_faults_of_instruments_and_of_the_vehicle_are_kept_apart(
         (("--at", "propellant_exhausted"), "--at: no 'propellant_exhausted'"),
         (("--pairs", "--components", "D1"), "--kinds stuck_off: there are not two of thruster to fail"),
         (("--pairs", "--kinds", "wing_lost"), "--kinds wing_lost: there are not two of surface to fail"),
+        (("--pairs", "--at", "every 1"), "cells on 1 vehicle; at most 100,000 cells"),
         (("-n", "2"), "has no campaign: section that would disperse it; try tianwen1_mc"),
         (("--seed", "2"), "--seed: is that of dispersed vehicles: give -n N too"),
         (

@@ -165,7 +165,7 @@ def test_without_meters_force_and_torque_name_the_250_n_thrusters(watch_of, name
     assert watch.found == [(name, kind)] and watch.healthy[number] == 0
 
 
-@pytest.mark.parametrize("name", ["D1", "A2", "P3"])
+@pytest.mark.parametrize("name", ["D1", "D6", "P1", "P3"])
 def test_a_cold_catalyst_is_named_by_force_and_torque_though_the_flow_is_sound(watch_of, name):
     watch, number = watch_of(3), NAMES.index(name)
     for k in range(800):

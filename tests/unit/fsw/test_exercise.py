@@ -138,9 +138,10 @@ def test_suspect_of_force_and_torque_is_tested_in_the_next_cycle(vehicle, effect
 def test_two_of_which_one_let_nothing_through_are_each_tried_alone(vehicle, effectiveness):
     bench = Bench(vehicle, effectiveness, sideways=False)
     bench.diagnosis["flow"]["doubtful"][0, [3, 6]] = 1
-    assert bench.cycle() == {3}
+    tried = [bench.cycle() for _ in range(9)]
+    assert tried == [{3}, set(), set(), set(), {3}, set(), set(), set(), {3}]  # each has to be measured first
     bench.diagnosis["flow"]["doubtful"][0, 3] = 0
-    assert bench.cycle() == {6}
+    assert [bench.cycle() for _ in range(4)] == [set(), set(), set(), {6}]
 
 
 def test_where_a_loss_may_be_the_propellants_others_are_tested_at_once(vehicle, effectiveness):
