@@ -109,6 +109,13 @@ class PoweredGuidanceParams(_PoweredLaws):
     """Powered guidance: the deceleration law and the terminal phases."""
 
     full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
+    full_again: float = param(
+        1.5,
+        "demand, over the upper end of the throttle band, beyond which full thrust comes back",
+        status="estimate",
+        ge=1.0,
+        le=100.0,
+    )
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
 
 

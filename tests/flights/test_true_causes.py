@@ -64,7 +64,11 @@ def test_crash_belongs_to_the_phase_that_met_the_ground():
 
 
 def test_vehicle_with_folded_legs_crashes_however_slow_and_says_why():
-    flight = edl6dof.fly("tianwen1", ["mission.phases.parachute.events.landing_legs.when.value=900"])
+    late = [
+        f"mission.phases.{phase}.events.landing_legs.when.value=900"
+        for phase in ("parachute", "powered_deceleration")
+    ]
+    flight = edl6dof.fly("tianwen1", late)
     assert flight.metrics["touchdown_vertical_m_s"] < flight.scenario.limits.crash_speed_m_s
     assert flight.cause == "crashed in phase slow_descent with its legs folded"
 

@@ -73,7 +73,7 @@ def descend_by_engine(onboard, kind, nav, state, memory, goal):
     elif kind == G_POWERED:
         north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
         command_thrust(state.mass, (north, east, up), tilt_limit, goal)
-        start_or_throttle(engine, p.full_time, nav.t - state.ignition_time, goal)
+        start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
     elif kind == G_HOVER:
         hover(p.terminal, engine, nav, state.mass, goal)
     elif kind == G_AVOID:

@@ -206,7 +206,7 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
             7500.0,
         )
         assert out["engine_mode"] == ENGINE_THROTTLE
-    full_time = onboard[0]["guidance"]["powered"]["full_time"]
+    full_time, full_again = (onboard[0]["guidance"]["powered"][name] for name in ("full_time", "full_again"))
     out["engine_mode"] = ENGINE_FULL
     sequence = []
     for elapsed, wish in (
@@ -214,12 +214,16 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
         (0.9 * full_time, 3000.0),
         (1.1 * full_time, 6000.0),
         (2.0 * full_time, 4900.0),
-        (9.0, 8000.0),
+        (9.0, 0.99 * full_again * 5000.0),
+        (9.1, 1.01 * full_again * 5000.0),
+        (9.2, 5001.0),
+        (9.3, 4000.0),
     ):
         out["thrust"] = wish
-        start_or_throttle(engine, full_time, elapsed, out)
+        start_or_throttle(engine, full_time, full_again, elapsed, out)
         sequence.append((int(out["engine_mode"]), float(out["thrust"])))
-    assert sequence == [(ENGINE_FULL, 7500.0)] * 3 + [(ENGINE_THROTTLE, 4900.0), (ENGINE_THROTTLE, 5000.0)]
+    full, band = (ENGINE_FULL, 7500.0), [(ENGINE_THROTTLE, thrust) for thrust in (4900.0, 5000.0, 4000.0)]
+    assert sequence == [full, full, full, band[0], band[1], full, full, band[2]]
 
 
 def fly_terminal(step, body, mass, duration, dt=0.1, lateral=True):

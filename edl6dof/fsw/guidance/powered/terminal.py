@@ -87,17 +87,19 @@ def throttle(engine, out):
 
 
 @kernel
-def start_or_throttle(engine, full_time, elapsed, out):
-    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band;
-    never back.
+def start_or_throttle(engine, full_time, full_again, elapsed, out):
+    """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; back
+    to it where the demand is far beyond the band, as after a fast release or of a weak engine.
 
     Args:
         engine: ``ENGINE_ABILITY`` record of those that burn.
         full_time: shortest time at full level, s.
+        full_again: demand, over the upper end of the band, beyond which full level comes back.
         elapsed: time since ignition, s.
         out: ``GUIDE`` record: thrust and engine mode are written.
     """
-    if out.engine_mode != ENGINE_THROTTLE and (out.thrust > engine.throttle_max or elapsed < full_time):
+    beyond = full_again if out.engine_mode == ENGINE_THROTTLE else 1.0
+    if out.thrust > beyond * engine.throttle_max or elapsed < full_time:
         out.engine_mode = ENGINE_FULL
         out.thrust = engine.full_thrust
     else:
