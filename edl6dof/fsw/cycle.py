@@ -18,6 +18,7 @@ from edl6dof.fsw.diagnosis.exercise import NONE, pair_to_test
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
+from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_pair
 from edl6dof.fsw.navigation.derived import derive
@@ -71,7 +72,17 @@ def run(onboard, sensed, k, fsw):
             restart(fsw.diagnosis)
 
     # guidance
-    guide(onboard, phase.guidance, k, phase.guidance != guided_by, nav, state, fsw.guidance, goal)
+    guide(
+        onboard,
+        phase.guidance,
+        k,
+        phase.guidance != guided_by,
+        nav,
+        state,
+        fsw.disturbance,
+        fsw.guidance,
+        goal,
+    )
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
@@ -142,7 +153,7 @@ def run(onboard, sensed, k, fsw):
         modulate(
             onboard.modulation, vehicle, fsw.allocation.duty, nav.t, control_dt, fsw.modulation, opens, closes
         )
-        if goal.translating != 0:
+        if phase.guidance == G_AVOID:
             i, j = pair_to_test(
                 onboard.diagnosis.exercise,
                 vehicle,
