@@ -19,7 +19,7 @@ def misaligned(request):
 
 def test_lander_with_a_misaligned_engine_comes_down_without_lateral_speed(misaligned):
     assert misaligned.outcome == "landed within limits" and misaligned.isolated_faults == []
-    assert misaligned.metrics["touchdown_horizontal_m_s"] < 0.2
+    assert misaligned.metrics["touchdown_horizontal_m_s"] < 0.4
     assert misaligned.metrics["touchdown_tilt_deg"] < 0.6
 
 

@@ -1,11 +1,11 @@
 """Opposed test pulses: a thruster and its opposite number fire together for one pulse, so that nothing moves
 unless one of them fails.
 
-In hazard avoidance a fault is to be known within a second, whichever thruster it is, and guidance uses only
-some of them at a time.  Each horizontal pair on one line of action that has rested for a while is tested in
-turn; a thruster that one test makes suspect is tested again at once.  One suspected to be stuck on is not: its
-own pulse would hide that, and its opposite's would look dead.  A test costs 8 g of propellant; how long a pair
-rests sets how many there are (docs/descent.md).
+In hazard avoidance a fault is to be known within a second, whichever thruster it is, and guidance uses
+only some of them at a time.  Each horizontal pair on one line of action that has rested for a while is
+tested in turn; a thruster that one test makes suspect is tested again at once.  One suspected to be stuck on
+is not: its own pulse would hide that, and its opposite's would look dead.  A test costs 8 g of propellant;
+how long a pair rests sets how many there are (docs/descent.md).
 Beyond Hu et al. 2022, who wait for the thruster to be used.
 """
 

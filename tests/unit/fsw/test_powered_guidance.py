@@ -261,7 +261,16 @@ def test_lateral_force_that_is_asked_for_stays_within_what_a_pair_of_thrusters_c
         onboard[0]["guidance"]["powered"]["terminal"]["lateral_force"],
     )
     descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), body.out)
+    assert body.out["translating"] == 1
     assert body.out["force_N"] == pytest.approx([-limit, limit])
+
+
+def test_horizontal_thrusters_rest_shortly_before_touchdown(onboard):
+    height = onboard[0]["guidance"]["powered"]["terminal"]["rest_height"]
+    for above, translating in ((0.1, 1), (-0.1, 0)):
+        body = PointMass(height + above, (0.3, 0.0, 1.7))
+        descend(*terminal(onboard), body.nav, 900.0, STILL, body.out)
+        assert body.out["translating"] == translating
 
 
 @pytest.mark.parametrize("time_constant", [0.5, 2.0])

@@ -60,6 +60,11 @@ class TerminalParams(Params):
     touchdown_velocity_gain: float = param(
         0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
     )
+    rest_height_m: float = param(
+        3.0,
+        "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
+        ge=0.0,
+    )
     standing_force_s: float = param(
         1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
     )
@@ -175,7 +180,11 @@ def avoid(p, engine, nav, mass, standing, memory, out):
 
 @kernel
 def descend(p, engine, nav, mass, standing, out):
-    """Come down vertically at the touchdown rate, lateral velocity taken out by the horizontal thrusters."""
+    """Come down vertically at the touchdown rate; the horizontal thrusters take out lateral velocity until
+    shortly before contact.
+    """
     gain = p.touchdown_velocity_gain
     push_sideways(p, mass, (-gain * nav.v_N[0], -gain * nav.v_N[1]), standing, out)
+    if nav.height < p.rest_height:
+        out.translating = 0
     stay_upright(p, engine, nav, mass, p.touchdown_rate, out)
