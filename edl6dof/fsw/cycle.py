@@ -19,6 +19,7 @@ from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
+from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
 from edl6dof.fsw.navigation.derived import derive
@@ -72,7 +73,17 @@ def run(onboard, sensed, k, fsw):
             restart(fsw.diagnosis)
 
     # guidance
-    guide(onboard, phase.guidance, k, phase.guidance != guided_by, nav, state, fsw.guidance, goal)
+    guide(
+        onboard,
+        phase.guidance,
+        k,
+        phase.guidance != guided_by,
+        nav,
+        state,
+        fsw.disturbance,
+        fsw.guidance,
+        goal,
+    )
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
@@ -161,7 +172,7 @@ def run(onboard, sensed, k, fsw):
             fsw.modulation.busy_until,
             opens,
             closes,
-            goal.translating != 0,
+            phase.guidance == G_AVOID,
             fsw.mission.phase_start,
             nav.t,
             control_dt,

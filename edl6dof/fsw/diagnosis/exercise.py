@@ -2,7 +2,7 @@
 nothing turns or moves sideways unless one of them fails.
 
 A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
-long rest.  In hazard avoidance, where a fault must be known within half a second, whichever thruster it is,
+long rest.  In hazard avoidance, where a fault is to be known within a second, whichever thruster it is,
 and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
 turn.  If something is missing, each of the two is tried alone at once; where the loss may be the
 propellant's, others are tested.  A test of two 250 N thrusters costs 8 g of propellant.
@@ -34,7 +34,7 @@ class ExerciseParams(Params):
     )
     settled_s: float = param(2.0, "time after the start of a phase before the first test", ge=0.0)
     pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
-    rest_s: float = param(0.2, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
+    rest_s: float = param(0.7, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
     spacing_s: float = param(0.04, "instead of pause_s while flying sideways", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 

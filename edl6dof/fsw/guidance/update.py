@@ -7,6 +7,7 @@ import numpy as np
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.standing_force import standing_force
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -65,25 +66,28 @@ def keep_thrust_axis(nav, goal):
 
 
 @kernel
-def descend_by_engine(onboard, kind, nav, state, memory, goal):
-    """Thrust, and lateral force where the phase flies sideways, of a phase on the main engine."""
-    p, engine = onboard.guidance.powered, state.engine
+def descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal):
+    """Thrust, and lateral force where the phase asks for it, of a phase on the main engine."""
+    p, engine, mass = onboard.guidance.powered, state.engine, state.mass
     if kind == G_POWERED and state.ignited == 0:
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
         north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
-        command_thrust(state.mass, (north, east, up), tilt_limit, goal)
+        command_thrust(mass, (north, east, up), tilt_limit, goal)
         start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
-    elif kind == G_HOVER:
-        hover(p.terminal, engine, nav, state.mass, goal)
+    if kind not in (G_HOVER, G_AVOID, G_DESCEND):
+        return
+    standing = standing_force(p.terminal.standing_force, nav, disturbance, dt, memory.terminal.standing)
+    if kind == G_HOVER:
+        hover(p.terminal, engine, nav, mass, standing, goal)
     elif kind == G_AVOID:
-        avoid(p.terminal, engine, nav, state.mass, memory.terminal, goal)
-    elif kind == G_DESCEND:
-        descend(p.terminal, engine, nav, state.mass, goal)
+        avoid(p.terminal, engine, nav, mass, standing, memory.terminal, goal)
+    else:
+        descend(p.terminal, engine, nav, mass, standing, goal)
 
 
 @kernel
-def guide(onboard, kind, k, begins, nav, state, memory, goal):
+def guide(onboard, kind, k, begins, nav, state, disturbance, memory, goal):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
@@ -94,6 +98,7 @@ def guide(onboard, kind, k, begins, nav, state, memory, goal):
         begins: whether this guidance begins in this cycle.
         nav: ``NAV`` record.
         state: ``VEHICLE_STATE`` record (mass, engine).
+        disturbance: ``DISTURBANCE`` record: the force is fed forward.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
     """
@@ -109,4 +114,5 @@ def guide(onboard, kind, k, begins, nav, state, memory, goal):
             else:
                 entry_guidance(entry.law, onboard, nav, memory.entry, goal)
     elif begins or k % rates.powered_guidance_every == 0:
-        descend_by_engine(onboard, kind, nav, state, memory, goal)
+        dt = rates.powered_guidance_every / rates.base
+        descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal)

@@ -40,6 +40,7 @@ class Thruster(Hardware):
     position_m: Vec3 = param(REQUIRED, "nozzle position in B")
     direction: Vec3 = param(REQUIRED, "unit vector of the force on the vehicle in B")
     thrust_n: float = param(REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0)
+    thrust_factor: float = param(1.0, "thrust delivered over thrust_n, which is believed", ge=0.0, le=1.5)
     specific_impulse_s: float = param(REQUIRED, "specific impulse, steady", gt=0.0, le=500.0)
     minimum_pulse_s: float = param(REQUIRED, "shortest commanded pulse", gt=0.0, le=1.0)
     rise_s: float = param(0.012, "time from valve opening to full thrust", status="estimate", gt=0.0, le=0.2)
@@ -157,7 +158,8 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         if mean == 0.0 or within == 0.0:
             valves.mean[i] = 0.0
             continue
-        full_flow = jet.thrust / (jet.specific_impulse * G0)
+        thrust = jet.thrust * jet.thrust_factor
+        full_flow = thrust / (jet.specific_impulse * G0)
         drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
         draw(loads, i, inputs.filled, within, mean * drawn * full_flow, inputs.rcs_flow, 0)
         draw(loads, i, inputs.filled, within, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
@@ -166,7 +168,7 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
         mean *= kept
         slope *= kept
         valves.mean[i] = mean
-        full = scale(jet.thrust, take3(jet.direction, 0))
+        full = scale(thrust, take3(jet.direction, 0))
         arm = cross(take3(jet.position, 0), full)
         force, moment = add(force, scale(mean, full)), add(moment, scale(mean, arm))
         force_slope = add(force_slope, scale(slope, full))

@@ -1,13 +1,16 @@
 """Powered guidance and terminal laws flown on point masses."""
 
-from math import acos, atan, cos, hypot, radians, sin, tan
+from math import acos, atan, cos, exp, hypot, radians, sin, tan
 
 import numpy as np
 import pytest
+from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.frames import shortest_arc
+from edl6dof.fsw.estimation.registry import DISTURBANCE
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -24,6 +27,7 @@ from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 G = 3.72
+STILL = np.zeros(2)
 
 
 class PointMass:
@@ -188,7 +192,7 @@ def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(up):
 @pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
 def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
     body = PointMass(height, (0.5, 0.0, descent))
-    hover(*terminal(onboard), body.nav, 900.0, body.out)
+    hover(*terminal(onboard), body.nav, 900.0, STILL, body.out)
     assert acos(np.clip(-body.out["thrust_direction_N"][2], -1.0, 1.0)) < radians(6.0)
 
 
@@ -226,18 +230,19 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
     assert sequence == [full, full, full, band[0], band[1], full, full, band[2]]
 
 
-def fly_terminal(step, body, mass, duration, dt=0.1, lateral=True):
+def fly_terminal(step, body, mass, duration, dt=0.1, wind=STILL):
+    """Fly a terminal law, its lateral force delivered, with a lateral force ``wind`` (N) beside."""
     for _ in range(int(duration / dt)):
         step(body)
         force = body.out["thrust"] * body.out["thrust_direction_N"]
-        side = body.out["force_N"] if lateral and body.out["translating"] else np.zeros(2)
+        side = wind + (body.out["force_N"] if body.out["translating"] else 0.0)
         assert 1500.0 <= body.out["thrust"] <= 5000.0
         body.move((force[0] + side[0]) / mass, (force[1] + side[1]) / mass, -force[2] / mass, dt)
 
 
 def test_hover_settles_at_its_height_and_stops_lateral_motion(onboard):
     body, mass = PointMass(108.0, (1.5, -1.0, 3.0)), 850.0
-    fly_terminal(lambda b: hover(*terminal(onboard), b.nav, mass, b.out), body, mass, 40.0)
+    fly_terminal(lambda b: hover(*terminal(onboard), b.nav, mass, STILL, b.out), body, mass, 40.0)
     assert body.r[2] == pytest.approx(onboard[0]["guidance"]["powered"]["terminal"]["hover_height"], abs=0.5)
     assert np.linalg.norm(body.v) < 0.1
 
@@ -254,7 +259,7 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 
     def step(b):
         nonlocal fastest
-        avoid(*terminal(onboard), b.nav, mass, memory, b.out)
+        avoid(*terminal(onboard), b.nav, mass, STILL, memory, b.out)
         assert b.out["thrust_direction_N"] == pytest.approx((0.0, 0.0, -1.0))
         fastest = max(fastest, np.hypot(b.v[0], b.v[1]))
 
@@ -267,6 +272,58 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 def test_descent_comes_down_at_the_touchdown_rate_without_lateral_speed(onboard):
     p = onboard[0]["guidance"]["powered"]["terminal"]
     body, mass = PointMass(60.0, (0.2, 0.1, 2.5)), 850.0
-    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, b.out), body, mass, 20.0)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, b.out), body, mass, 20.0)
     assert body.v[2] == pytest.approx(p["touchdown_rate"], abs=0.02)
     assert np.hypot(body.v[0], body.v[1]) < 0.15
+
+
+def test_known_standing_force_moves_the_vehicle_in_none_of_the_terminal_phases(onboard):
+    """An engine of 3.5 kN that is 2 deg out of line pushes with 120 N; not told of it, guidance drifts."""
+    wind, mass, memory = np.array([120.0, -90.0]), 900.0, np.zeros(1, TERMINAL)[0]
+    laws = (
+        lambda b, known: hover(*terminal(onboard), b.nav, mass, known, b.out),
+        lambda b, known: avoid(*terminal(onboard), b.nav, mass, known, memory, b.out),
+        lambda b, known: descend(*terminal(onboard), b.nav, mass, known, b.out),
+    )
+    for law in laws:
+        drifts = []
+        for known in (wind, STILL):
+            body = PointMass(60.0, (0.0, 0.0, 1.0))
+            memory["target_set"] = 1  # at the origin: the vehicle is there already
+            fly_terminal(lambda b, law=law, known=known: law(b, known), body, mass, 20.0, wind=wind)
+            drifts.append(np.hypot(body.r[0], body.r[1]))
+        assert drifts[0] < 0.05 and drifts[1] > 0.5
+
+
+def test_lateral_force_that_is_asked_for_stays_within_what_a_pair_of_thrusters_can_give(onboard):
+    body, limit = (
+        PointMass(10.0, (9.0, -9.0, 1.0)),
+        onboard[0]["guidance"]["powered"]["terminal"]["lateral_force"],
+    )
+    descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), body.out)
+    assert body.out["translating"] == 1
+    assert body.out["force_N"] == pytest.approx([-limit, limit])
+
+
+def test_horizontal_thrusters_rest_shortly_before_touchdown(onboard):
+    height = onboard[0]["guidance"]["powered"]["terminal"]["rest_height"]
+    for above, translating in ((0.1, 1), (-0.1, 0)):
+        body = PointMass(height + above, (0.3, 0.0, 1.7))
+        descend(*terminal(onboard), body.nav, 900.0, STILL, body.out)
+        assert body.out["translating"] == translating
+
+
+@pytest.mark.parametrize("time_constant", [0.5, 2.0])
+def test_standing_force_is_the_lateral_disturbance_in_north_and_east_smoothed(time_constant):
+    rng = np.random.default_rng(6)
+    nav, disturbance = np.zeros(1, NAV)[0], np.zeros(1, DISTURBANCE)[0]
+    memory, dt = np.zeros(1, STANDING_FORCE)[0], 0.1
+    attitude = Quaternion(rng.normal(size=4)).normalised
+    nav["q_I2B"], nav["north_I"], nav["east_I"] = attitude.elements, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+    smoothed = None
+    for _ in range(60):
+        disturbance["force"] = rng.normal(size=3) * (4000.0, 60.0, 60.0)
+        seen = np.array(attitude.rotate([0.0, *disturbance["force"][1:]])[:2])
+        found = standing_force(time_constant, nav, disturbance, dt, memory)
+        smoothed = seen if smoothed is None else smoothed + (1 - exp(-dt / time_constant)) * (seen - smoothed)
+        assert found == pytest.approx(smoothed, abs=1e-9)

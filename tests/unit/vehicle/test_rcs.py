@@ -30,8 +30,8 @@ JET = {
 }
 
 
-def jet(name="a", position=(-1.0, 1.2, 0.0), direction=(0.0, 0.0, 1.0), thrust=THRUST):
-    return Thruster(name=name, position_m=position, direction=direction, thrust_n=thrust, **JET)
+def jet(name="a", position=(-1.0, 1.2, 0.0), direction=(0.0, 0.0, 1.0), thrust=THRUST, **changes):
+    return Thruster(name=name, position_m=position, direction=direction, thrust_n=thrust, **JET, **changes)
 
 
 def thrusters(*jets, **interaction):
@@ -214,3 +214,14 @@ def test_twin_names_and_directions_without_unit_length_are_refused():
         RcsParams(thrusters=[jet(), jet()])
     with pytest.raises(ValidationError, match="unit vector"):
         jet(direction=(0.0, 1.0, 1.0))
+
+
+def test_thruster_that_gives_more_than_is_believed_draws_more_propellant_too():
+    """The wrench of a thruster of 1.03 times the thrust is that of one with that nominal thrust."""
+    wrenches = []
+    for one in (jet(thrust_factor=1.03), jet(thrust=1.03 * THRUST), jet()):
+        rcs, valves = thrusters(one)
+        valves["opens"][0], valves["closes"][0] = 0.0, 0.05
+        wrenches.append(np.array(fire(rcs, valves, 0.0, 0.1)))
+    assert wrenches[0] == pytest.approx(wrenches[1], rel=1e-12)
+    assert wrenches[0] == pytest.approx(1.03 * wrenches[2], rel=1e-12) and wrenches[2][6] > 0.0

@@ -1,16 +1,20 @@
 """The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
 
-Height is controlled by thrust, lateral motion by the horizontal thrusters with the vehicle upright.  Source
-of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the laws are proportional-derivative, an estimate.
+Height is controlled by thrust, lateral motion in hover by a small tilt, then by the horizontal thrusters with
+the vehicle upright.  The standing lateral force is fed forward: the tilt, or the thrusters, hold against it
+before it has moved the vehicle.  Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the laws are
+proportional-derivative, an estimate.
 """
 
 from __future__ import annotations
 
 from math import sqrt
+from typing import ClassVar
 
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
@@ -19,6 +23,11 @@ from edl6dof.spatial.vector import clamp, put3
 
 class TerminalParams(Params):
     """Hover, hazard avoidance and slow descent."""
+
+    former: ClassVar = {
+        "touchdown_tilt_limit_deg": "nothing: the vehicle comes down upright",
+        "touchdown_settle_gain": "touchdown_velocity_gain: the horizontal thrusters stop lateral motion",
+    }
 
     hover_height_m: float = param(
         100.0, "height of hover and imaging", status="published", source="S1", gt=0.0
@@ -48,11 +57,16 @@ class TerminalParams(Params):
         4.0, "largest tilt used in hover to stop lateral motion", ge=0.0, le=20.0
     )
     settle_gain: float = param(0.4, "lateral acceleration per velocity in hover, by tilt, 1/s", ge=0.0)
-    touchdown_tilt_limit_deg: float = param(
-        0.6, "largest tilt used in slow descent to stop lateral motion", ge=0.0, le=5.0
+    touchdown_velocity_gain: float = param(
+        0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
     )
-    touchdown_settle_gain: float = param(
-        0.2, "lateral acceleration per velocity in slow descent, by tilt, 1/s", ge=0.0
+    rest_height_m: float = param(
+        3.0,
+        "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
+        ge=0.0,
+    )
+    standing_force_s: float = param(
+        1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
     )
 
 
@@ -60,7 +74,9 @@ class TerminalParams(Params):
 #: asks for.
 LEAST_UPWARD = 0.5
 
-TERMINAL = np.dtype([("target_set", FLAG), ("target_L", "f8", (2,))], align=True)
+TERMINAL = np.dtype(
+    [("standing", STANDING_FORCE), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True
+)
 
 
 @kernel
@@ -113,51 +129,64 @@ def vertical(p, nav, rate):
 
 
 @kernel
-def hover(p, engine, nav, mass, out):
-    """Hold the hover height and take out lateral velocity by a small tilt."""
+def hover(p, engine, nav, mass, standing, out):
+    """Hold the hover height, and take out lateral velocity and the ``standing`` force (north, east, N) by a
+    small tilt.
+    """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     out.translating = 0
-    acceleration = (-p.settle_gain * nav.v_N[0], -p.settle_gain * nav.v_N[1], vertical(p, nav, rate))
-    command_thrust(mass, acceleration, p.hover_tilt_limit, out)
+    north = -p.settle_gain * nav.v_N[0] - standing[0] / mass
+    east = -p.settle_gain * nav.v_N[1] - standing[1] / mass
+    command_thrust(mass, (north, east, vertical(p, nav, rate)), p.hover_tilt_limit, out)
     throttle(engine, out)
 
 
 @kernel
-def lateral_force(p, nav, mass, error_n, error_e, out):
-    """Lateral force that flies to a position error with limited speed."""
-    v_n, v_e = p.position_gain * error_n, p.position_gain * error_e
-    speed = sqrt(v_n * v_n + v_e * v_e)
-    if speed > p.lateral_speed:
-        v_n, v_e = v_n * p.lateral_speed / speed, v_e * p.lateral_speed / speed
-    out.translating = 1
-    limit = p.lateral_force
-    out.force_N[0] = clamp(mass * p.velocity_gain * (v_n - nav.v_N[0]), -limit, limit)
-    out.force_N[1] = clamp(mass * p.velocity_gain * (v_e - nav.v_N[1]), -limit, limit)
-
-
-@kernel
-def avoid(p, engine, nav, mass, memory, out):
-    """Fly sideways to the safe spot with the horizontal thrusters while descending."""
-    if memory.target_set == 0:
-        memory.target_set = 1
-        memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
-        memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
-    error_e, error_n = memory.target_L[0] - nav.site_L[0], memory.target_L[1] - nav.site_L[1]
-    lateral_force(p, nav, mass, error_n, error_e, out)
-    # slow down towards the final descent rate at the end of the phase
-    above = max(nav.height - p.avoidance_height, 0.0)
-    rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
+def stay_upright(p, engine, nav, mass, rate, out):
+    """Come down vertically at ``rate`` m/s."""
     command_thrust(mass, (0.0, 0.0, vertical(p, nav, rate)), 0.0, out)
     throttle(engine, out)
 
 
 @kernel
-def descend(p, engine, nav, mass, out):
-    """Come down vertically at the touchdown rate, lateral velocity taken out by a small tilt; the thrusters
-    keep to attitude.
+def push_sideways(p, mass, acceleration, standing, out):
+    """Ask for the lateral force that makes an ``acceleration`` (north, east, m/s2) against the ``standing``
+    force (N).
     """
-    out.translating = 0
-    up = vertical(p, nav, p.touchdown_rate)
-    acceleration = (-p.touchdown_settle_gain * nav.v_N[0], -p.touchdown_settle_gain * nav.v_N[1], up)
-    command_thrust(mass, acceleration, p.touchdown_tilt_limit, out)
-    throttle(engine, out)
+    limit = p.lateral_force
+    out.translating = 1
+    out.force_N[0] = clamp(mass * acceleration[0] - standing[0], -limit, limit)
+    out.force_N[1] = clamp(mass * acceleration[1] - standing[1], -limit, limit)
+
+
+@kernel
+def avoid(p, engine, nav, mass, standing, memory, out):
+    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending."""
+    if memory.target_set == 0:
+        memory.target_set = 1
+        memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
+        memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
+    v_n = p.position_gain * (memory.target_L[1] - nav.site_L[1])
+    v_e = p.position_gain * (memory.target_L[0] - nav.site_L[0])
+    slower = min(p.lateral_speed / max(sqrt(v_n * v_n + v_e * v_e), 1e-9), 1.0)
+    acceleration = (
+        p.velocity_gain * (slower * v_n - nav.v_N[0]),
+        p.velocity_gain * (slower * v_e - nav.v_N[1]),
+    )
+    push_sideways(p, mass, acceleration, standing, out)
+    # slow down towards the final descent rate at the end of the phase
+    above = max(nav.height - p.avoidance_height, 0.0)
+    rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
+    stay_upright(p, engine, nav, mass, rate, out)
+
+
+@kernel
+def descend(p, engine, nav, mass, standing, out):
+    """Come down vertically at the touchdown rate; the horizontal thrusters take out lateral velocity until
+    shortly before contact.
+    """
+    gain = p.touchdown_velocity_gain
+    push_sideways(p, mass, (-gain * nav.v_N[0], -gain * nav.v_N[1]), standing, out)
+    if nav.height < p.rest_height:
+        out.translating = 0
+    stay_upright(p, engine, nav, mass, p.touchdown_rate, out)
