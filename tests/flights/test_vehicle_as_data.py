@@ -52,8 +52,8 @@ def test_the_names_of_events_are_free(nominal):
 
     def change(table):
         for phase in table.values():
-            for k, one in enumerate(phase.get("events", [])):
-                one["name"] = f"{phase['name']}_{k}"
+            for one in phase.get("events", []):
+                one["name"] = f"own_{one['name']}"
 
     flight = edl6dof.fly("tianwen1", [phases(change)])
     assert flight.metrics == nominal.metrics
@@ -295,7 +295,7 @@ def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     # no more is asked for than the other can give
     asked = table["guide.thrust_n"]
     rows = table["t_s"] > t + 0.2
-    assert asked[rows].max() <= 2500.0 < asked[~rows].max()
+    assert asked[rows].max() <= 3750.0 < asked[~rows].max()
     assert after - before == pytest.approx(lever * thrust, rel=0.1)
     assert np.all(np.isfinite(table["truth.disturbance_z_nm"]))
 
@@ -374,7 +374,7 @@ def test_thrusters_on_a_small_tank_of_their_own_starve_and_the_engine_does_not()
     )
     empty = next(one for one in flight.events if one["key"] == "propellant_exhausted")
     assert empty["name"] == "tank rcs empty"
-    assert f"tank rcs ran empty at t = {empty['t_s']:.1f} s" in flight.outcome
+    assert f"tank rcs empty at {empty['t_s']:.1f} s" in flight.outcome
     t, table = flight.telemetry["t_s"], flight.telemetry
     after = t > empty["t_s"] + 0.02
     jets = np.stack([table[f"rcs.{jet['name']}"] for jet in own])
@@ -396,7 +396,8 @@ def test_the_backshell_may_leave_before_the_heat_shield():
             event("backshell", "jettison", "backshell", when("phase_time_s", "above", 20.0)),
             event("heat_shield", "jettison", "heat_shield", when("phase_time_s", "above", 21.0)),
         ]
-        table["powered_deceleration"]["events"].pop(0)
+        later = table["powered_deceleration"]["events"]
+        later[:] = [one for one in later if one["name"] not in ("backshell", "heat_shield")]
 
     flight = edl6dof.fly("tianwen1", [phases(change), "simulation.time_limit_s=330"])
     times = {one["key"]: one["t_s"] for one in flight.events}
