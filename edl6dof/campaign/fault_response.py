@@ -41,9 +41,11 @@ class Verdict:
 
     @property
     def label(self) -> str:
-        """``D7 stuck_off``, ``g3``."""
+        """``D7 stuck_off``, ``gyro g3``, ``star_tracker``."""
         one = self.failure
-        return f"{one.name} {one.kind}" if one.kind else one.name
+        if one.kind:
+            return f"{one.name} {one.kind}"
+        return one.name if one.name == one.component else f"{one.component} {one.name}"
 
     def names(self, failure: Failure) -> bool:
         """Whether it is about the component that failed."""

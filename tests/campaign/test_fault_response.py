@@ -103,7 +103,7 @@ def test_wrong_kinds_sound_thrusters_and_verdicts_before_the_fault_are_wrong(
 def test_a_sound_instrument_excluded_is_a_wrong_verdict_and_saturated_gyros_are_none():
     excluded = [("gyro", "g2", 70.0), ("inertial_unit", "inertial_unit", 71.0)]
     row = fault_response(made_up(DEAD, excluded=excluded))
-    assert row["named"] == "g2, inertial_unit" and row["wrongly_named"] == "g2"
+    assert row["named"] == "gyro g2, inertial_unit" and row["wrongly_named"] == "gyro g2"
 
 
 def test_every_thruster_of_a_dead_branch_is_to_be_named_and_none_of_a_weak_feed():

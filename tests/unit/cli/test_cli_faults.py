@@ -93,7 +93,9 @@ def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
     beams = [row for row in rows_of(target) if row["kind"] == "false_lock"]
     assert [row["component"] for row in beams] == ["b1", "b2", "b3", "b4"]
     for row in beams:
-        assert row["named"] == row["component"] and row["name_right"] and row["wrongly_named"] is None
+        assert (
+            row["named"] == f"beam {row['component']}" and row["name_right"] and row["wrongly_named"] is None
+        )
         assert row["instrument_false_alarms"] == 0.0
         assert 0.0 < row["verdict_from_use_s"] < 7.0
         assert abs(row["touchdown_nav_height_m"]) < 0.5
