@@ -2,7 +2,8 @@
 
 Put together they say F' = lambda_v (m a_b - F_c - F): what pulse modulation gives beyond the command, and
 what it owes, is part of that estimate.  The command is worked out again from the telemetry of a flight with
-perfect sensors, by the law of guidance and at its rate.
+perfect sensors, by the law of guidance and at its rate; the estimated force, which this product feeds
+forward, is not in it.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.powered.terminal import TerminalParams, lateral_force
+from edl6dof.fsw.guidance.powered.terminal import TerminalParams, acceleration_towards, push_sideways
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.sim.flight import Flight
@@ -38,7 +39,8 @@ def commanded_n(flight: Flight) -> np.ndarray:
     for k in range(len(rows)):
         if k % software.rates.powered_guidance_every == 0:
             nav["v_N"][:2] = v_north[k], v_east[k]
-            lateral_force(params, nav, mass[k], spot[0] - north[k], spot[1] - east[k], goal)
+            towards = acceleration_towards(params, nav, spot[0] - north[k], spot[1] - east[k])
+            push_sideways(params, mass[k], towards, (0.0, 0.0), goal)
         found[:, k] = goal["force_N"]
     return found
 

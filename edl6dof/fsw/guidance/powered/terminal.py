@@ -160,20 +160,22 @@ def push_sideways(p, mass, acceleration, standing, out):
 
 
 @kernel
+def acceleration_towards(p, nav, north, east):
+    """Lateral acceleration (north, east, m/s2) that flies to a place so far away (m) with limited speed."""
+    v_n, v_e = p.position_gain * north, p.position_gain * east
+    slower = min(p.lateral_speed / max(sqrt(v_n * v_n + v_e * v_e), 1e-9), 1.0)
+    return p.velocity_gain * (slower * v_n - nav.v_N[0]), p.velocity_gain * (slower * v_e - nav.v_N[1])
+
+
+@kernel
 def avoid(p, engine, nav, mass, standing, memory, out):
     """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending."""
     if memory.target_set == 0:
         memory.target_set = 1
         memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
         memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
-    v_n = p.position_gain * (memory.target_L[1] - nav.site_L[1])
-    v_e = p.position_gain * (memory.target_L[0] - nav.site_L[0])
-    slower = min(p.lateral_speed / max(sqrt(v_n * v_n + v_e * v_e), 1e-9), 1.0)
-    acceleration = (
-        p.velocity_gain * (slower * v_n - nav.v_N[0]),
-        p.velocity_gain * (slower * v_e - nav.v_N[1]),
-    )
-    push_sideways(p, mass, acceleration, standing, out)
+    north, east = memory.target_L[1] - nav.site_L[1], memory.target_L[0] - nav.site_L[0]
+    push_sideways(p, mass, acceleration_towards(p, nav, north, east), standing, out)
     # slow down towards the final descent rate at the end of the phase
     above = max(nav.height - p.avoidance_height, 0.0)
     rate = min(p.avoidance_rate, p.touchdown_rate + p.height_gain * above)
