@@ -35,11 +35,11 @@ from edl6dof.fsw.diagnosis.leak import (
     LEAK,
     METER_FAILED,
     NAMED,
+    SOUND,
     follow_leak,
     give_back,
     leaking_branch,
     open_leak,
-    shut_branch,
 )
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, restart_residual, without_slow_part
 from edl6dof.fsw.mission.former import WING_PATIENCE
@@ -143,12 +143,10 @@ def note(vehicle, i, kind, loss, confidence, t, memory):
 
 
 @kernel
-def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy, shut):
-    """Name a thruster, and do without it for good, unless what it has lost is little."""
+def isolate(params, vehicle, i, kind, loss, confidence, t, memory, healthy):
+    """Name a thruster that gives too little, and do without it for good, unless it has lost little."""
     note(vehicle, i, kind, loss, confidence, t, memory)
-    if kind == STUCK_ON:
-        shut_branch(vehicle.branches, vehicle.n_thrusters, vehicle.branches.of[i], healthy, shut)
-    elif kind == DEGRADED and loss < params.loss_least:
+    if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
     else:
         healthy[i] = 0
@@ -183,6 +181,10 @@ def look_into_leak(params, vehicle, effectiveness, wrench, load, unexplained, t,
     elif found == METER_FAILED:
         give_back(vehicle.n_thrusters, leak, healthy, shut)
         distrust_meter(leak.branch, t, memory)
+        leak.branch = NONE
+    elif found == SOUND:
+        give_back(vehicle.n_thrusters, leak, healthy, shut)
+        restart(memory)
         leak.branch = NONE
 
 
@@ -242,21 +244,21 @@ def diagnose(
             params, vehicle, effectiveness, activity.wrench, load, unexplained, t, memory, healthy, shut
         )
         return
-    leaking = leaking_branch(params, vehicle, healthy, flow)
+    leaking, told = leaking_branch(params, vehicle, healthy, flow), True
+    if leaking == NONE:
+        if known > 0:
+            weigh(params, vehicle, metered, effectiveness, activity, load, memory.residual, flow, best)
+        before = (best.thruster, best.kind)
+        compare(params, vehicle, metered, healthy, flow, best)
+        follow_streak(params, before, memory)
+        if memory.streak >= params.streak and best.kind == STUCK_ON:
+            leaking, told = vehicle.branches.of[best.thruster], False
     if leaking != NONE:
         open_leak(
-            params, vehicle, effectiveness, activity.wrench, load, leaking, memory.residual, memory.leak,
-            healthy, shut,
+            params, vehicle, effectiveness, activity.wrench, load, leaking, told, memory.residual,
+            memory.leak, healthy, shut,
         )  # fmt: skip
-        return
-    if known > 0:
-        weigh(params, vehicle, metered, effectiveness, activity, load, memory.residual, flow, best)
-    before = (best.thruster, best.kind)
-    compare(params, vehicle, metered, healthy, flow, best)
-    follow_streak(params, before, memory)
-    if memory.streak >= params.streak:
-        isolate(
-            params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy, shut
-        )
+    elif memory.streak >= params.streak:
+        isolate(params, vehicle, best.thruster, best.kind, best.loss, best.confidence, t, memory, healthy)
     elif best.meter != NONE and known > 0:
         distrust_meter(best.meter, t, memory)

@@ -32,7 +32,9 @@ class ExerciseParams(Params):
     every_s: float = param(
         60.0, "time without use after which a thruster is tested; all are once in a phase", gt=0.0
     )
-    settled_s: float = param(2.0, "time after the start of a phase before the first test", ge=0.0)
+    settled_s: float = param(
+        13.5, "time after the start of a phase before the first test: a parachute opens alone", ge=0.0
+    )
     pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
     rest_s: float = param(0.7, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
     spacing_s: float = param(0.04, "instead of pause_s while flying sideways", gt=0.0)

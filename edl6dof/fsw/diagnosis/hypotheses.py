@@ -177,9 +177,9 @@ def for_stuck_on(sums, least):
 
 
 @kernel
-def by_thrust(params, sums_off, sums_on, least, afresh):
+def by_thrust(params, sums_off, sums_on, least):
     """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
-    loss, off = for_loss(params, sums_off, least, afresh)
+    loss, off = for_loss(params, sums_off, least, True)
     on = for_stuck_on(sums_on, least)
     if on > off:
         return STUCK_ON, 0.0, on
@@ -193,15 +193,22 @@ def kind_of(params, loss):
 
 
 @kernel
-def by_flow(params, waiting, i, flow, memory):
+def by_both(params, waiting, i, flow, memory, least):
     """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
-    torque.
+    torque; a valve that stays open is the meter's to tell.
     """
-    loss, told = loss_told(params.flow, flow.common, flow.off[i])
-    if loss < params.loss_dead and waiting:
+    # while the flow tells a loss, force and torque are to say what they think of it
+    loss, lost = for_loss(params, memory.off[i], least, flow.off[i].cycles == 0)
+    kind, lost = kind_of(params, loss), lost - 0.5 * params.prior
+    if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
+        lost = 0.0
+    less, told = loss_told(params.flow, flow.common, flow.off[i])
+    if less < params.loss_dead and waiting:
         told = 0.0
-    felt = evidence(memory.off[i], loss) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
-    return kind_of(params, loss), loss, told + felt, told
+    felt = evidence(memory.off[i], less) if told > 0.0 and memory.off[i].cycles > 0.0 else 0.0
+    if told + felt > lost:
+        return kind_of(params, less), less, told + felt, told
+    return kind, loss, lost, told
 
 
 @kernel
@@ -211,8 +218,7 @@ def compare(params, vehicle, metered, healthy, flow, memory):
 
     The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
     Evidence below half the prior is noise: beside "no fault" all thrusters together would hold less than a
-    per cent with it.  A valve that stays open is told by the meter, if it is believed, and looked into by
-    :mod:`edl6dof.fsw.diagnosis.leak`.
+    per cent with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     suspected_meter, memory.meter = 0.0, NONE
@@ -222,17 +228,12 @@ def compare(params, vehicle, metered, healthy, flow, memory):
         if healthy[i] == 0:
             continue
         b = vehicle.branches.of[i]
-        afresh = flow.off[i].cycles == 0  # else force and torque are to say what they think of that loss
-        kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least, afresh)
         if metered and flow.meter_failed[b] == 0:
-            most -= 0.5 * params.prior
-            if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
-                most = 0.0
-            told_kind, told_loss, together, told = by_flow(params, waiting, i, flow, memory)
-            if together > most:
-                kind, loss, most = told_kind, told_loss, together
+            kind, loss, most, told = by_both(params, waiting, i, flow, memory, least)
             if told - params.flow.meter_prior > suspected_meter:
                 suspected_meter, memory.meter = told - params.flow.meter_prior, b
+        else:
+            kind, loss, most = by_thrust(params, memory.off[i], memory.on[i], least)
         if most < least:
             continue
         total += exp(most)

@@ -9,6 +9,8 @@ squares S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as
 riser; where one look does not decide, the branch is opened and shut again, at the cost of that leak.
 
 If the meter reads a flow while the branch is shut, the meter has failed and the branch is given back.
+Without a meter, a leak is what force and torque alone suspect; the branch is given back if nothing changes
+when it is shut.
 
 Source: none; keying an input to tell its effect from drifts is the lock-in of measurement technique.
 """
@@ -26,7 +28,7 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG, whole
 
-UNDER_WAY, NAMED, METER_FAILED = range(3)
+UNDER_WAY, NAMED, METER_FAILED, SOUND = range(4)
 #: Control cycles after the latch valve moved that are mixed, and those after them that make a look.
 MIXED, LOOK = 1, 3
 SURELY_BEFORE = 5  # cycles ago that a leak just told had not begun
@@ -38,6 +40,7 @@ LEAK = np.dtype(
     [
         ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is looked into
         ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
+        ("told", FLAG),  # by a meter: one of them leaks
         ("open", FLAG),  # the latch valve
         ("cycles", COUNT),  # since it moved
         ("looks", COUNT),
@@ -93,15 +96,16 @@ def take_look(params, count, effectiveness, wrench, load, sign, memory):
 
 
 @kernel
-def open_leak(params, vehicle, effectiveness, wrench, load, b, residual, memory, healthy, shut):
-    """Shut branch ``b`` to look into a leak; how it began is the first look."""
+def open_leak(params, vehicle, effectiveness, wrench, load, b, told, residual, memory, healthy, shut):
+    """Shut branch ``b`` to look into a leak, ``told`` by a meter or not; how it began is the first look."""
+    memory.told = 1 if told else 0
     memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         memory.candidate[i] = 1 if vehicle.branches.of[i] == b and healthy[i] != 0 else 0
     shut_branch(vehicle.branches, vehicle.n_thrusters, b, healthy, shut)
     mean_of(residual, 1, 1, memory.after)
-    if residual.taken >= SURELY_BEFORE + LOOK:
+    if told and residual.taken >= SURELY_BEFORE + LOOK:
         mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
         take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, 1.0, memory)
     look_again(residual, memory)
@@ -118,7 +122,9 @@ def look_again(residual, memory):
 
 @kernel
 def likeliest(count, memory):
-    """Find the candidate that explains the looks best; returns its probability among all of them."""
+    """Find the candidate that explains the looks best; returns its probability among all of them, and without
+    a meter beside that none leaks.
+    """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
@@ -128,6 +134,8 @@ def likeliest(count, memory):
                 memory.best, most = i, told
             else:
                 total += exp(told - most)
+    if memory.told == 0:
+        total += exp(min(-most, LARGEST))
     return 1.0 / total
 
 
@@ -149,7 +157,11 @@ def follow_leak(params, vehicle, effectiveness, wrench, load, unexplained, flow,
         sign = 1.0 if memory.open != 0 else -1.0
         take_look(params, vehicle.n_thrusters, effectiveness, wrench, load, sign, memory)
         confidence = likeliest(vehicle.n_thrusters, memory)
+        if memory.told == 0 and memory.looks >= LEAST_LOOKS and confidence < 1.0 - params.confidence:
+            return SOUND, confidence
         if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+            if memory.told == 0 and confidence < params.confidence:
+                return SOUND, confidence
             memory.open = 0
             shut[b] = 1
             return NAMED, confidence
