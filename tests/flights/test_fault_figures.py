@@ -14,10 +14,8 @@ from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
 FLIGHTS = 8
-INSTRUMENTS = (
-    "sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",
-    "flight_software.navigation.filter=error_state",
-)
+#: Real instruments, without flow meters.
+WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
 
 
 @pytest.fixture(scope="module")
@@ -62,32 +60,36 @@ def test_no_thruster_is_isolated_without_a_fault(tool, plan):
 
 
 @pytest.fixture(scope="module")
-def instrumented():
-    return load_plan("tianwen1_mc", INSTRUMENTS, cases=FLIGHTS)
+def without_meters():
+    return load_plan("tianwen1_mc", WITHOUT_METERS, cases=FLIGHTS)
 
 
 @pytest.mark.parametrize(("kind", "which"), [("stuck_off", "HORIZONTAL"), ("stuck_on", "STRONG")])
-def test_thruster_is_named_by_what_real_instruments_read(tool, instrumented, kind, which):
-    """With the noise of the inertial unit, its lever arm, and vibration with the engine."""
-    cases = tool.dispersed(instrumented, 7, kind, getattr(tool, which))
-    rows = list(fly_rows(instrumented.loaded, cases, collect=tool.isolated))
+def test_thruster_is_named_by_force_and_torque_where_there_are_no_meters(tool, without_meters, kind, which):
+    """With the noise of the inertial unit, its lever arm, and vibration with the engine; a dead thruster may
+    pass for a weak one.
+    """
+    cases = tool.dispersed(without_meters, 7, kind, getattr(tool, which))
+    rows = list(fly_rows(without_meters.loaded, cases, collect=tool.isolated))
     begun = [row for row in rows if row.get("fault_s") is not None]
     assert len(begun) >= FLIGHTS - 1
     assert all(row["name_right"] for row in begun)
-    assert all(row["outcome"].startswith("landed") and row["false_alarms"] == 0.0 for row in begun)
+    assert all(row["outcome"].startswith("landed") and not row["sound_named"] for row in begun)
     times = sorted(row["verdict_s"] for row in begun)
-    assert times[len(times) // 2] < 1.0
+    assert times[len(times) // 2] < 1.5
 
 
-def test_real_instruments_feign_no_fault(tool, instrumented):
-    rows = list(fly_rows(instrumented.loaded, tool.dispersed(instrumented, 7, None), collect=tool.isolated))
+def test_force_and_torque_feign_no_fault_where_there_are_no_meters(tool, without_meters):
+    rows = list(
+        fly_rows(without_meters.loaded, tool.dispersed(without_meters, 7, None), collect=tool.isolated)
+    )
     assert [row["isolated"] for row in rows] == [""] * FLIGHTS
 
 
-def test_vibration_too_strong_hides_a_fault_and_feigns_none(tool):
-    """Where diagnosis breaks it falls silent: tools/diagnosis_limits.py."""
+def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_none(tool):
+    """Where diagnosis without meters breaks it falls silent: tools/diagnosis_limits.py."""
     unit = "sensors.inertial_unit.vibration"
-    strong = (*INSTRUMENTS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
+    strong = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
     plan = load_plan("tianwen1_mc", strong, cases=4)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     assert sum(row["name_right"] for row in dead) <= 1
