@@ -39,7 +39,7 @@ _FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
 #: modulation make of it.
-_SENSED = _words(SENSED, "t", "pressure", offset(SENSORS, "sensed"))
+_SENSED = _words(SENSED, "t", "branch_used", offset(SENSORS, "sensed"))
 _PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", offset(FSW, "mission"))
 _WORKED_OUT = _words(FSW, "vehicle", "demand")
 _COMMANDED = _words(COMMAND, "closes", "alpha", offset(FSW, "command"))
