@@ -173,6 +173,7 @@ def run(onboard, sensed, k, fsw):
             opens,
             closes,
             phase.guidance == G_AVOID,
+            abs(nav.specific_force_B[0]) * state.mass,
             fsw.mission.phase_start,
             nav.t,
             control_dt,

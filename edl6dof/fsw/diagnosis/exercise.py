@@ -21,6 +21,8 @@ from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.thrusters import HORIZONTAL
 from edl6dof.jit import kernel
 
+#: Share of the measured axial force that a test may add to it.
+AXIAL_SHARE = 0.2
 #: Control cycles after a pulse by whose end its flow has been measured.
 ANSWER = 3
 
@@ -111,6 +113,7 @@ def longest_rested(
     sideways,
     waiting,
     flow,
+    axial,
     start,
     t,
     memory,
@@ -122,8 +125,10 @@ def longest_rested(
         due = t - params.rest if often else max(start, t - params.every)
         if memory.used[i] < min(due, oldest) and not needs_trial(i, flow):
             j = opposite(effectiveness, count, i)
-            if is_free(j, t, healthy, busy_until, opens, closes) and is_free(
-                i, t, healthy, busy_until, opens, closes
+            if (
+                is_free(i, t, healthy, busy_until, opens, closes)
+                and is_free(j, t, healthy, busy_until, opens, closes)
+                and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * axial
             ):
                 first, second, oldest = i, j, memory.used[i]
     return first, second
@@ -140,6 +145,7 @@ def pair_to_test(
     opens,
     closes,
     sideways,
+    axial,
     start,
     t,
     dt,
@@ -158,6 +164,7 @@ def pair_to_test(
         opens: valve openings of this control cycle, s.
         closes: valve closings, s.
         sideways: whether the vehicle flies sideways.
+        axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
         start: when the phase began, s.
         t: present time, s.
         dt: control cycle, s.
@@ -179,7 +186,7 @@ def pair_to_test(
             return NONE, NONE
         i, j = longest_rested(
             params, vehicle.thrusters, count, effectiveness, healthy, busy_until, opens, closes, sideways,
-            waiting, diagnosis.flow, start, t, memory,
+            waiting, diagnosis.flow, axial, start, t, memory,
         )  # fmt: skip
     if i != NONE:
         memory.tested = memory.used[i] = t

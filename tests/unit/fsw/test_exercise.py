@@ -49,7 +49,7 @@ class Bench:
             np.zeros(1, MODULATION),
             np.ones(32, "i8"),
         )
-        self.t, self.sideways = 100.0, sideways
+        self.t, self.sideways, self.axial = 100.0, sideways, 1e4
         self.opens, self.closes = np.zeros(32), np.zeros(32)
         self.memory["used"] = self.memory["tested"] = 99.0
         self.on_time, self.last = np.zeros(32), (NONE, NONE)
@@ -69,6 +69,7 @@ class Bench:
             opens,
             closes,
             self.sideways,
+            self.axial,
             0.0,
             self.t,
             DT,
@@ -151,6 +152,16 @@ def test_where_a_loss_may_be_the_propellants_others_are_tested_at_once(vehicle, 
     assert len(bench.cycle()) == 2
     bench.diagnosis["flow"]["seen"] = 3
     assert bench.cycle() == set()
+
+
+def test_what_would_pass_for_drag_is_not_tested(vehicle, effectiveness):
+    """Two axial thrusters push with 500 N."""
+    bench, axial = Bench(vehicle, effectiveness, sideways=False, every_s=20.0), {8, 9, 10, 11}
+    bench.memory["used"], bench.axial = bench.t - 1e3, 2499.0
+    tested = set().union(*(bench.cycle() for _ in range(round(19.0 / DT))))
+    assert tested == set(range(int(vehicle["n_thrusters"]))) - axial
+    bench.axial = 2501.0
+    assert axial <= set().union(*(bench.cycle() for _ in range(round(5.0 / DT))))
 
 
 def test_switched_off_it_tests_nothing(vehicle, effectiveness):
