@@ -80,9 +80,11 @@ def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(no
 
 
 def test_divert_begins_at_ignition_and_is_over_when_imaging_begins(nominal):
-    """S1 6.2: the final state is close to vertical.  Before ignition the backshell is still around."""
+    """S1 6.2: the final state is close to vertical.  Before ignition, 0.15 s after its command, the
+    backshell is still around.
+    """
     table, when = nominal.telemetry, first_times(nominal.events)
-    still_inside = (table["t_s"] > when["backshell"]) & (table["t_s"] < when["ignition"] - 0.1)
+    still_inside = (table["t_s"] > when["backshell"]) & (table["t_s"] < when["ignition"] - 0.2)
     error = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])
     assert np.count_nonzero(still_inside) > 10
     assert np.max(error[still_inside]) < 1.0

@@ -130,11 +130,13 @@ def test_dead_thruster_spoils_roll_under_a_pid_law_and_diagnosis_saves_it(report
 
 
 @pytest.mark.parametrize("control", ["eq. 9, table", "eq. 9, least squares"])
-def test_estimator_saves_roll_by_itself_and_diagnosis_the_way_to_the_safe_spot(report, control):
+def test_estimator_saves_roll_by_itself_and_diagnosis_most_of_what_is_left(report, control):
+    """The safe spot is reached either way: the missing force is fed forward."""
     undiagnosed, diagnosed = avoidances(report, control, False), avoidances(report, control, True)
     assert max(row["peak_error_deg"] for row in undiagnosed) < 3.0
-    missed, reached = (np.mean([row["miss_m"] for row in rows]) for rows in (undiagnosed, diagnosed))
-    assert missed > 1.4 * reached
+    spoilt, kept = (np.mean([row["peak_error_deg"] for row in rows]) for rows in (undiagnosed, diagnosed))
+    assert spoilt > 2.0 * kept
+    assert all(row["miss_m"] < 1.0 for row in (*undiagnosed, *diagnosed))
 
 
 @pytest.mark.parametrize("pole", [0.5, 2.0, 8.0])

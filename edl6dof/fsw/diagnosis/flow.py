@@ -75,11 +75,8 @@ FLOW = np.dtype(
         ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
         ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
         ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
-        (
-            "pool",
-            LOSS,
-            (MAX_BRANCHES,),
-        ),  # loss of each branch, since the first sign of a loss if there is one
+        # loss of each branch, since the first sign of a loss if there is one
+        ("pool", LOSS, (MAX_BRANCHES,)),
         ("seen", COUNT),  # branches in use since then
         ("suspecting", FLAG),  # whether there is one
         ("common", "f8"),  # loss of all branches
@@ -88,11 +85,8 @@ FLOW = np.dtype(
         ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
         ("off", LOSS, (MAX_THRUSTERS,)),
         ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
-        (
-            "doubtful",
-            FLAG,
-            (MAX_THRUSTERS,),
-        ),  # whether something was missing while others of its branch fired
+        # whether something was missing while others of its branch fired
+        ("doubtful", FLAG, (MAX_THRUSTERS,)),
     ],
     align=True,
 )
