@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from math import floor, isfinite, log10
 from pathlib import Path
 from statistics import median
@@ -109,22 +110,44 @@ def _show(study: Study, report: Report, target: Path) -> None:
         ("note", 0),
     ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
-    for finding in report.findings:
-        table.add_row(
-            finding.label,
-            finding.unit,
-            *_numbers(finding),
-            _difference(finding),
-            _mark(finding),
-            finding.note,
-        )
+    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
+        if experiment:
+            table.add_row(Text(experiment, style="bold"))
+        for finding in findings:
+            table.add_row(
+                finding.label,
+                finding.unit,
+                *_numbers(finding),
+                _difference(finding),
+                _mark(finding),
+                finding.note,
+            )
     console.print(table)
-    for remark in report.remarks:
+    for remark in (*_causes(report), *report.remarks):
         console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {listed(target)}", markup=False)
-    missed = [finding.label for finding in report.findings if not finding.ok]
-    outcome = f"broken: {', '.join(missed)}" if missed else "every published requirement is kept"
-    console.print(Text(f"{study.name}: {outcome}", style="bold red" if missed else "bold green"))
+    style = "bold green" if report.ok else "bold red"
+    console.print(Text(f"{study.name}: {_outcome(report)}", style=style))
+
+
+def _causes(report: Report) -> list[str]:
+    """A sentence for each cause why published values do not come out."""
+    causes = dict.fromkeys(finding.cause for finding in report.findings if finding.cause)
+    return [
+        f"Not reproduced ({', '.join(f.label for f in report.findings if f.cause == cause)}): {cause}."
+        for cause in causes
+    ]
+
+
+def _outcome(report: Report) -> str:
+    """What came of the study, in a line."""
+    if missed := [finding.label for finding in report.findings if not finding.ok]:
+        return f"broken: {', '.join(missed)}"
+    claimed = [finding.reproduced for finding in report.findings if finding.reproduced is not None]
+    kept = "every published requirement is kept"
+    if not claimed:
+        return kept
+    return f"{kept}; {sum(claimed)} of {len(claimed)} published values reproduced, the others explained"
 
 
 def _grid(grid: Grid) -> Table:
@@ -173,13 +196,18 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _difference(finding: Finding) -> str:
-    """Computed less published, where that is a flown value."""
+    """Computed less published, where that is a flown value; relative, where its reproduction is claimed."""
     if finding.bound or finding.published is None:
         return ""
-    return f"{finding.computed - finding.published:+.2g}"
+    off = finding.computed - finding.published
+    return f"{off:+.2g}" if finding.within_pct is None else f"{100.0 * off / abs(finding.published):+.0f} %"
 
 
 def _mark(finding: Finding) -> Text:
+    style = "green" if finding.ok else "bold red"
+    if finding.reproduced is not None:
+        where = "within" if finding.reproduced else "beyond"
+        return Text(f"{where} {finding.within_pct:g} %", style=style)
     if not finding.bound:
         return Text("")
-    return Text(VERDICT[finding.ok], style="green" if finding.ok else "bold red")
+    return Text(VERDICT[finding.ok], style=style)
