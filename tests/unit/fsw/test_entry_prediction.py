@@ -270,8 +270,7 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     )
     area, ratio = believed_aero(vehicle, 15.0)
     drag = 1.2 * 0.5 * density * 3500.0**2 * area / vehicle["entry_mass"]
-    nav["drag"] = drag
-    nav["specific_force_B"] = (-drag, 0.0, 0.8 * ratio * drag)
+    nav["drag"], nav["lift"] = drag, 0.8 * ratio * drag
     tau, dt = record["guidance"]["entry"]["air_data"]["time_constant"], 0.2
     measure_air(record, nav, memory)
     assert (memory["drag"], memory["lift"]) == (1.0, 1.0)
