@@ -45,11 +45,12 @@ def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
 
 @pytest.fixture
 def sphere(onboard):
-    """A spherical planet, for which geodetic and geocentric agree, one airframe for all Mach numbers, no trim
-    wing.
+    """A spherical planet, for which geodetic and geocentric agree, in still air, one airframe for all Mach
+    numbers, no trim wing.
     """
     record = onboard[0]
-    record["planet"]["flattening"] = 0.0
+    record["planet"]["flattening"] = record["planet"]["j2"] = 0.0
+    record["atmosphere"]["wind_north"] = record["atmosphere"]["wind_east"] = 0.0
     for name in ("drag", "lift", "drag_with_wing"):
         record["vehicle"]["airframe"][name] = 1.0
     record["vehicle"]["airframe"]["wing_mach"] = 0.0
