@@ -27,17 +27,17 @@ def drawings(
 
 
 def _estimates(h: dict[str, np.ndarray]) -> Figure:
-    t, first = h["t_s"], {"x_range": (0.0, 2.0)}
+    t, first = h["t_s"], (0.0, 2.0)
     drag = plots.curve(t, h["drag_estimate"], "estimate"), plots.reference(t, h["drag"], "true")
     rate = plots.curve(t, h["rate_estimate"], "estimate"), plots.reference(t, h["rate"], "true")
     return plots.figure(
         "fig3_estimates",
         (
             plots.panel("Drag", TIME, "drag (m/s2)", drag),
-            plots.panel("Drag at the start", TIME, "drag (m/s2)", drag, y_range=(4.0, 9.0), **first),
+            plots.panel("Drag at the start", TIME, "drag (m/s2)", drag, y_range=(4.0, 9.0), x_range=first),
             plots.panel("Drag rate", TIME, "drag rate (m/s3)", rate, y_range=(-4.0, 6.0)),
             plots.panel(
-                "Drag rate at the start", TIME, "drag rate (m/s3)", rate, y_range=(-1.0, 4.0), **first
+                "Drag rate at the start", TIME, "drag rate (m/s3)", rate, y_range=(-1.0, 4.0), x_range=first
             ),
         ),
     )
