@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import floor, isfinite, log10
@@ -93,13 +93,20 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(_grid(grid))
         console.print()
     count = f", {counted(report.runs, 'run')}" if study.counted else ""
-    table = Table(
-        title=f"{study.title}{count}",
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
+    console.print(Text(f"{study.title}{count}", style="bold"))
+    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
+        console.print(_table(experiment, findings))
+    for remark in (*_causes(report), *report.remarks):
+        console.print(remark, markup=False, soft_wrap=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
+    style = "bold green" if report.ok else "bold red"
+    console.print(Text(f"{study.name}: {_outcome(report)}", style=style))
+
+
+def _table(experiment: str, findings: Iterable[Finding]) -> Table:
+    """The findings of one experiment, under its name."""
+    title = Text(experiment, style="bold") if experiment else None
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (
         ("figure", 0),
         ("unit", 0),
@@ -110,24 +117,16 @@ def _show(study: Study, report: Report, target: Path) -> None:
         ("note", 0),
     ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
-    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
-        if experiment:
-            table.add_row(Text(experiment, style="bold"))
-        for finding in findings:
-            table.add_row(
-                finding.label,
-                finding.unit,
-                *_numbers(finding),
-                _difference(finding),
-                _mark(finding),
-                finding.note,
-            )
-    console.print(table)
-    for remark in (*_causes(report), *report.remarks):
-        console.print(remark, markup=False, soft_wrap=False)
-    console.print(f"{target}: {listed(target)}", markup=False)
-    style = "bold green" if report.ok else "bold red"
-    console.print(Text(f"{study.name}: {_outcome(report)}", style=style))
+    for finding in findings:
+        table.add_row(
+            finding.label,
+            finding.unit,
+            *_numbers(finding),
+            _difference(finding),
+            _mark(finding),
+            finding.note,
+        )
+    return table
 
 
 def _causes(report: Report) -> list[str]:
