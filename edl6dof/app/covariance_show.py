@@ -11,7 +11,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from edl6dof.campaign.covariance.alone import Alone
 from edl6dof.campaign.covariance.estimate import Spread
+from edl6dof.campaign.covariance.events import EventFigures
 from edl6dof.campaign.covariance.fly import Covariance
 from edl6dof.campaign.covariance.sampled import Sampled, along_axes
 from edl6dof.config.wording import counted
@@ -21,7 +23,7 @@ from edl6dof.report.numbers import significant
 #: Figures beside each other in the budget on a terminal.
 _COLUMNS = 4
 #: Standard errors from which on a source is told from chance.
-_CLEAR = 2.0
+_CLEAR = 3.0
 
 
 def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, took_s: float) -> None:
@@ -125,6 +127,30 @@ def contributions(found: Covariance) -> list[tuple[str, np.ndarray]]:
 def rest(found: Covariance) -> np.ndarray:
     """Standard deviation of every figure that no source apart gives, shape (figures,)."""
     return np.sqrt(np.maximum(found.spread.deviation**2 - found.budget.sum(axis=0), 0.0))
+
+
+def show_alone(found: Alone, event: EventFigures) -> None:
+    """Print slope and bend of each source alone, those that are bent more than steep marked."""
+    names = event.all[:_COLUMNS]
+    table = Table(
+        title="each alone about one flight: slope, bend over 1 sigma (*: not linear)",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    table.add_column("parameter", header_style="")
+    for name in names:
+        table.add_column(name, justify="right", header_style="")
+    targets = [target for source in found.found for draw in source.draws for target in draw.targets]
+    for target, slopes, bends in zip(targets, found.slopes, found.bends, strict=True):
+        cells = map(_slope_and_bend, slopes[: len(names)], bends[: len(names)])
+        table.add_row(target.path, *cells)
+    Console(highlight=False, soft_wrap=True).print(table)
+
+
+def _slope_and_bend(slope: float, bend: float) -> str:
+    mark = "*" if abs(bend) > abs(slope) else " "
+    return f"{significant(float(slope), 3)}, {significant(float(bend), 3)}{mark}"
 
 
 def write_budget(found: Covariance, path: Path) -> None:

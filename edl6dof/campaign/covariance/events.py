@@ -26,6 +26,9 @@ class EventFigures(NamedTuple):
 
 
 EVENTS = {
+    "entry": EventFigures(
+        (), ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
+    ),
     "parachute": EventFigures(
         ("parachute_downrange_m", "parachute_crossrange_m"),
         (

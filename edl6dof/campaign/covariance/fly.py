@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from edl6dof.campaign.covariance.estimate import Pairs, Spread, principal
 from edl6dof.campaign.covariance.events import EventFigures
+from edl6dof.campaign.covariance.flights import figures_of
 from edl6dof.campaign.covariance.signs import design
 from edl6dof.campaign.covariance.sources import Source, cases, sources
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.executor import Progress, fly_rows
-from edl6dof.campaign.rows import Row
-from edl6dof.config.document.overrides import with_values
-from edl6dof.config.errors import refusal
-from edl6dof.scenario.schema import Scenario, check_document
+from edl6dof.campaign.executor import Progress
 
 
 @dataclass(frozen=True)
@@ -73,14 +70,8 @@ def fly_covariance(
     widths = [sum(source.width for source in some) for some in (apart, together)]
     steps = design(*widths, pairs, plan.campaign.seed if plan.campaign else 0)
     flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
-    rows = list(fly_rows(plan.loaded, flown, workers=workers, progress=progress))
-    return Covariance(event, Pairs.of(steps, _figures(rows, event.all, plan.name)), apart, together)
-
-
-def ending_at_deployment(plan: Plan) -> Plan:
-    """The same flights, ended when the parachute is deployed."""
-    document = with_values(plan.loaded.document, {"mission.goal": "deployment"}, Scenario)
-    return replace(plan, loaded=check_document(document))
+    pairs_flown = Pairs.of(steps, figures_of(plan, flown, event, workers, progress))
+    return Covariance(event, pairs_flown, apart, together)
 
 
 def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:
@@ -89,15 +80,3 @@ def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...]
         return tuple(found), ()
     single = tuple(source for source in found if not source.is_list)
     return single, tuple(source for source in found if source.is_list)
-
-
-def _figures(rows: Sequence[Row], names: Sequence[str], name: str) -> np.ndarray:
-    """Figures of all flights, shape (flights, figures)."""
-    values = np.array([[row.get(figure, np.nan) for figure in names] for row in rows], dtype=float)
-    if (short := ~np.isfinite(values).all(axis=1)).any():
-        first = int(np.argmax(short))
-        raise refusal(
-            name,
-            f"{short.sum()} of {len(rows)} flights do not come to the event; one: {rows[first]['outcome']}",
-        )
-    return values
