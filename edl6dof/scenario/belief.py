@@ -115,6 +115,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     airframe = record["airframe"]
     for name in ("drag", "lift", "drag_with_wing"):
         airframe[name] = 1.0
+    airframe["alpha"] = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
     if vehicle.aero.model == "capsule":
         truth = np.zeros(1, dtype_of(VehicleParams))
         fill(truth[0], vehicle)

@@ -45,11 +45,12 @@ def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
 
 @pytest.fixture
 def sphere(onboard):
-    """A spherical planet, for which geodetic and geocentric agree, one airframe for all Mach numbers, no trim
-    wing.
+    """A spherical planet, for which geodetic and geocentric agree, in still air, one airframe for all Mach
+    numbers, no trim wing.
     """
     record = onboard[0]
-    record["planet"]["flattening"] = 0.0
+    record["planet"]["flattening"] = record["planet"]["j2"] = 0.0
+    record["atmosphere"]["wind_north"] = record["atmosphere"]["wind_east"] = 0.0
     for name in ("drag", "lift", "drag_with_wing"):
         record["vehicle"]["airframe"][name] = 1.0
     record["vehicle"]["airframe"]["wing_mach"] = 0.0
@@ -269,8 +270,7 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     )
     area, ratio = believed_aero(vehicle, 15.0)
     drag = 1.2 * 0.5 * density * 3500.0**2 * area / vehicle["entry_mass"]
-    nav["drag"] = drag
-    nav["specific_force_B"] = (-drag, 0.0, 0.8 * ratio * drag)
+    nav["drag"], nav["lift"] = drag, 0.8 * ratio * drag
     tau, dt = record["guidance"]["entry"]["air_data"]["time_constant"], 0.2
     measure_air(record, nav, memory)
     assert (memory["drag"], memory["lift"]) == (1.0, 1.0)

@@ -9,7 +9,7 @@ eqs. 33-34), first-order fading-memory filters.
 
 from __future__ import annotations
 
-from math import exp, sqrt
+from math import exp
 
 import numpy as np
 
@@ -46,8 +46,5 @@ def measure_air(onboard, nav, memory):
         return
     memory.drag += share * (clamp(nav.drag / believed, 1.0 - p.limit, 1.0 + p.limit) - memory.drag)
     if lift_to_drag > 0.0:
-        f = nav.specific_force_B
-        lift = sqrt(max(f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - nav.drag * nav.drag, 0.0))
-        memory.lift += share * (
-            clamp(lift / nav.drag / lift_to_drag, 1.0 - p.limit, 1.0 + p.limit) - memory.lift
-        )
+        ratio = nav.lift / nav.drag / lift_to_drag
+        memory.lift += share * (clamp(ratio, 1.0 - p.limit, 1.0 + p.limit) - memory.lift)
