@@ -5,14 +5,14 @@ sequencer runs its own mission from the first phase as long as it steers, and it
 commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
 alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
 angle, brings the end to the aim point.
-Source: Vinh, Busemann & Culp 1980, chapter 2, in planet-fixed Cartesian axes; the classical Runge-Kutta
-method.  Left out: the time the vehicle takes to follow the commanded bank angle, about 1 s.
+Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.  Left out: the time the
+vehicle takes to follow the commanded bank angle, about 1 s.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import asin, atan2, cos, sin, sqrt
+from math import asin, atan2, sqrt
 
 import numpy as np
 from scipy.optimize import brentq
@@ -20,20 +20,21 @@ from scipy.optimize import brentq
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.prediction.motion import acceleration, roll, step
 from edl6dof.fsw.guidance.entry.prediction.predictor import aim_direction
 from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED, reference_bank
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.fsw.guidance.update import hold_bank
 from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
-from edl6dof.fsw.navigation.derived import NAV, expected_wind, model_atmosphere
+from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.jit import kernel
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.start import Start, start_of
-from edl6dof.spatial.frames import fixed_to_ned, geodetic, ned_to_fixed
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.spatial.frames import fixed_to_ned, geodetic
+from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit
 
 #: Guidance cycles are not followed more often than this, s.
 SHORTEST_STEP = 0.1
@@ -47,6 +48,7 @@ SCRATCH = np.dtype(
     [
         ("r", "f8", (3,)),
         ("v", "f8", (3,)),
+        ("bank", "f8"),  # rad, flown
         ("nav", NAV),
         ("vehicle", VEHICLE_STATE),
         ("guide", GUIDE),
@@ -167,7 +169,7 @@ def look(onboard, t, s):
     """Write what mission, steering and reversal logics watch."""
     planet, nav = onboard.planet, s.nav
     r, v = take3(s.r, 0), take3(s.v, 0)
-    _, nav.drag, _ = motion(onboard, r, v, s.guide.bank)
+    _, nav.drag, _ = acceleration(onboard, 1.0, 1.0, r, v, 1.0, 0.0)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
     v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v)
     put3(nav.v_N, 0, v_N)
@@ -186,44 +188,14 @@ def look(onboard, t, s):
 
 
 @kernel
-def motion(onboard, r, v, bank):
-    """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and airspeed (m/s), at position and
-    velocity in F.
-    """
-    planet, vehicle = onboard.planet, onboard.vehicle
-    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
-    density, sound, _ = model_atmosphere(onboard.atmosphere, altitude)
-    north, east = expected_wind(onboard.atmosphere, altitude)
-    u = sub(v, ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, (north, east, 0.0)))
-    airspeed = norm(u)
-    area, lift_to_drag = believed_aero(vehicle, airspeed / sound)
-    drag = 0.5 * density * airspeed * airspeed * area / vehicle.entry_mass
-    x = scale(1.0 / airspeed, u)
-    right = unit(cross(x, r))
-    lifted = add(scale(cos(bank), cross(right, x)), scale(sin(bank), right))
-    a = add(scale(-drag, x), scale(lift_to_drag * drag, lifted))
-    size = norm(r)
-    z2 = r[2] * r[2] / (size * size)
-    k = 1.5 * planet.j2 * (planet.gravity_radius / size) ** 2
-    level, axial = 1.0 + k * (1.0 - 5.0 * z2), 1.0 + k * (3.0 - 5.0 * z2)
-    a = sub(a, scale(planet.mu / (size * size * size), (level * r[0], level * r[1], axial * r[2])))
-    w = planet.rotation_rate
-    return add(a, (2.0 * w * v[1] + w * w * r[0], -2.0 * w * v[0] + w * w * r[1], 0.0)), drag, airspeed
-
-
-@kernel
 def advance(onboard, s, dt):
-    """One Runge-Kutta step at the commanded bank angle."""
-    r, v, bank = take3(s.r, 0), take3(s.v, 0), s.guide.bank
-    a1, _, _ = motion(onboard, r, v, bank)
-    v2 = add(v, scale(0.5 * dt, a1))
-    a2, _, _ = motion(onboard, add(r, scale(0.5 * dt, v)), v2, bank)
-    v3 = add(v, scale(0.5 * dt, a2))
-    a3, _, _ = motion(onboard, add(r, scale(0.5 * dt, v2)), v3, bank)
-    v4 = add(v, scale(dt, a3))
-    a4, _, _ = motion(onboard, add(r, scale(dt, v3)), v4, bank)
-    put3(s.r, 0, add(r, scale(dt / 6.0, add(add(v, v4), scale(2.0, add(v2, v3))))))
-    put3(s.v, 0, add(v, scale(dt / 6.0, add(add(a1, a4), scale(2.0, add(a2, a3))))))
+    """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
+    r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
+    s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
+    a, _, _ = acceleration(onboard, 1.0, 1.0, r, v, up, right)
+    r, v = step(onboard, 1.0, 1.0, r, v, a, up, right, dt)
+    put3(s.r, 0, r)
+    put3(s.v, 0, v)
 
 
 @kernel
@@ -232,17 +204,13 @@ def note(onboard, s, here, ahead, target, row):
     aim point.
     """
     nav, radius = s.nav, onboard.planet.equatorial_radius
-    _, drag, airspeed = motion(onboard, take3(s.r, 0), take3(s.v, 0), s.guide.bank)
-    _, sound, _ = model_atmosphere(onboard.atmosphere, nav.altitude)
-    area, lift_to_drag = believed_aero(onboard.vehicle, airspeed / sound)
-    there = unit(take3(s.r, 0))
+    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
     row.t, row.altitude, row.speed, row.path_angle = nav.t, nav.altitude, nav.speed, nav.flight_path_angle
-    row.azimuth, row.energy = nav.azimuth, nav.energy
-    row.beyond = radius * (
-        atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
-    )
+    row.azimuth, row.energy, row.mach = nav.azimuth, nav.energy, nav.mach
+    there, end = unit(take3(s.r, 0)), atan2(dot(target, ahead), dot(target, here))
+    row.beyond = radius * (atan2(dot(there, ahead), dot(there, here)) - end)
     row.aside = radius * asin(dot(there, cross(ahead, here)))
     row.bank, row.side = s.guide.bank, s.steering.sign
-    row.mach, row.airspeed, row.drag = airspeed / sound, airspeed, drag
-    row.load = drag * sqrt(1.0 + lift_to_drag * lift_to_drag)
-    row.dynamic_pressure = drag * onboard.vehicle.entry_mass / area
+    row.drag, row.load = nav.drag, nav.drag * sqrt(1.0 + lift_to_drag * lift_to_drag)
+    row.dynamic_pressure = nav.drag * onboard.vehicle.entry_mass / area
+    row.density, _, _ = model_atmosphere(onboard.atmosphere, nav.altitude)

@@ -29,15 +29,16 @@ def ellipsoid(planet, r):
 
 
 def flown(record, start, rows):
-    """Vinh, Busemann & Culp 1980, chapter 2, with J2 and wind, in the inertial frame, by DOP853, at the bank
-    angles of the plan, each held for its step.
+    """Vinh, Busemann & Culp 1980, chapter 2, with J2 and wind, in the inertial frame, by DOP853, rolling at
+    the bank rate to each commanded bank angle of the plan.
     """
     planet, vehicle, air = record["planet"], record["vehicle"], record["atmosphere"]
     nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
     table, logs = vehicle["airframe"], np.log(mach_nodes())
     mu, spin, j2, size0 = (float(planet[name]) for name in ("mu", "rotation_rate", "j2", "gravity_radius"))
 
-    def rates(t, s, bank):
+    def rates(t, s, begun, before, goal):
+        bank = before + np.clip(goal - before, -roll * (t - begun), roll * (t - begun))
         r, v = s[:3], s[3:]
         omega = np.array([0.0, 0.0, spin])
         relative = v - np.cross(omega, r)
@@ -52,7 +53,7 @@ def flown(record, start, rows):
         )
         u = relative - wind
         speed = np.linalg.norm(u)
-        mach = speed / np.interp(height, nodes, air["speed_of_sound"])
+        mach = np.linalg.norm(relative) / np.interp(height, nodes, air["speed_of_sound"])
         closed = mach >= table["wing_mach"]
         area = vehicle["drag_area"] * np.interp(
             np.log(mach), logs, table["drag" if closed else "drag_with_wing"]
@@ -73,10 +74,12 @@ def flown(record, start, rows):
 
     r, v = np.array(start[:3]), np.array(start[3:])
     s = np.concatenate([r, v + np.cross([0.0, 0.0, spin], r)])
+    bank, roll = 0.0, float(record["guidance"]["entry"]["bank_rate"])
     for here, after in zip(rows, rows[1:], strict=False):
-        s = solve_ivp(
-            rates, (here["t"], after["t"]), s, "DOP853", args=(here["bank"],), rtol=1e-9, atol=1e-6
-        ).y[:, -1]
+        span, goal = (here["t"], after["t"]), here["bank"]
+        s = solve_ivp(rates, span, s, "DOP853", args=(span[0], bank, goal), rtol=1e-9, atol=1e-6).y[:, -1]
+        most = roll * (span[1] - span[0])
+        bank += np.clip(goal - bank, -most, most)
     turned = -spin * rows["t"][-1]
     back = np.array([[cos(turned), -sin(turned), 0.0], [sin(turned), cos(turned), 0.0], [0.0, 0.0, 1.0]])
     return back @ s[:3]

@@ -78,11 +78,11 @@ PLANNED = np.dtype(
         ("aside", "f8"),  # m, right of it
         ("bank", "f8"),  # rad, commanded
         ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
-        ("mach", "f8"),  # in the expected wind, as all that follows
-        ("airspeed", "f8"),  # m/s
-        ("drag", "f8"),  # m/s2
+        ("mach", "f8"),
+        ("drag", "f8"),  # m/s2, in the expected wind, as the next two
         ("load", "f8"),  # m/s2
         ("dynamic_pressure", "f8"),  # Pa
+        ("density", "f8"),  # kg/m3
     ]
 )
 
