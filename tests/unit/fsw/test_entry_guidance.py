@@ -143,7 +143,7 @@ def point(lat, lon):
     return np.array([cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)])
 
 
-def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
+def test_range_crossrange_and_downrange_to_go_are_those_of_vector_geometry(onboard):
     rng = np.random.default_rng(0)
     site = onboard[0]["site"]
     radius = onboard[0]["planet"]["equatorial_radius"]
@@ -158,12 +158,14 @@ def test_range_and_crossrange_are_those_of_vector_geometry(onboard):
         east /= np.linalg.norm(east)
         along = cos(nav["azimuth"]) * np.cross(here, east) + sin(nav["azimuth"]) * east
         left = np.cross(here, along)
-        distance, crossrange = to_target(onboard[0], nav)
+        distance, crossrange, downrange = to_target(onboard[0], nav)
         assert distance == pytest.approx(
             radius * atan2(np.linalg.norm(np.cross(here, target)), here @ target), abs=1e-3
         )
         # target on the left of the track: the velocity points to its right
         assert crossrange == pytest.approx(radius * np.arcsin(target @ left), abs=1e-3)
+        # what is flown along the track to the foot of the perpendicular from the target
+        assert downrange == pytest.approx(radius * atan2(target @ along, target @ here), abs=1e-3)
 
 
 # ---- reference trajectory ----------------------------------------------------------------------------------

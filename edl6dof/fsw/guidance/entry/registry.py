@@ -58,7 +58,7 @@ def entry_guidance(law, onboard, nav, memory, out):
     """Commanded bank angle of entry law number ``law``, written into ``out``; ``memory`` is an
     ``ENTRY_MEMORY`` record.
     """
-    out.range_to_go, out.crossrange = to_target(onboard, nav)
+    out.range_to_go, out.crossrange, out.downrange_to_go = to_target(onboard, nav)
     measure_air(onboard, nav, memory.air)
     out.drag_ratio, out.lift_ratio = memory.air.drag, memory.air.lift
     wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
