@@ -84,32 +84,8 @@ def range_from(onboard, h, v, gamma, shift, more_lift):
 
 
 @kernel
-def reference_states(onboard, entry, shift, history):
-    """Fly the reference; rows of ``history`` are (altitude, speed, path angle), one each ``STEP``.  Returns
-    the row count.
-    """
-    h, v, gamma = entry
-    count = 0
-    while v > onboard.guidance.entry.final_speed and h > -5000.0 and count < history.shape[0]:
-        history[count, 0], history[count, 1], history[count, 2] = h, v, gamma
-        count += 1
-        a = rates(onboard, h, v, gamma, shift, 0.0)
-        b = rates(
-            onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, 0.0
-        )
-        c = rates(
-            onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, 0.0
-        )
-        d = rates(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], shift, 0.0)
-        h += STEP * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
-        v += STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
-        gamma += STEP * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
-    return count
-
-
-@kernel
 def coefficients(onboard, h, v, gamma, shift):
-    """Range to go (m) and its derivatives by altitude (m/m), path angle (m/rad) and vertical L/D (m) at equal
+    """Derivatives of the range to go by altitude (m/m), path angle (m/rad) and vertical L/D (m) at equal
     speed.
     """
     up, down = (
@@ -129,32 +105,35 @@ def coefficients(onboard, h, v, gamma, shift):
         (level - steep) / (2 * D_PATH),
         (more - less) / (2 * D_LIFT),
     )
-    return range_from(onboard, h, v, gamma, shift, 0.0), by_altitude, by_path, by_lift
+    return by_altitude, by_path, by_lift
 
 
-def fill_influence(onboard: np.ndarray, entry: tuple[float, float, float], table: np.void) -> None:
-    """Tabulate the influence coefficients of the planned reference over speed.
+def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned reference and its influence coefficients over speed.
 
     Args:
         onboard: onboard record array of length one, its reference planned.
-        entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
+        planned: rows of the planned entry, ``PLANNED``.
         table: ``INFLUENCE`` record to fill.
     """
     record = onboard[0]
     shift = float(record["reference"]["shift"])
-    history = np.zeros((LONGEST, 3))
-    states = history[: reference_states(record, entry, shift, history)]
-    states = states[np.argmax(states[:, 1]) :]  # from where the speed falls
-    speeds = np.linspace(float(states[-1, 1]), float(states[0, 1]), NODES)
+    rows = planned[np.argmax(planned["speed"]) :]  # from where the speed falls
+    speeds = np.linspace(float(rows["speed"][-1]), float(rows["speed"][0]), NODES)
     table["first"], table["spacing"] = speeds[0], speeds[1] - speeds[0]
+
+    def at(name: str, v: float) -> float:
+        return float(np.interp(v, rows["speed"][::-1], rows[name][::-1]))
+
     for i, v in enumerate(speeds):
-        h, gamma = (float(np.interp(v, states[::-1, 1], states[::-1, k])) for k in (0, 2))
+        h, gamma = at("altitude", v), at("path_angle", v)
         bank = reference_bank(record, shift, v)
         _, _, path_rate, _, drag = point_mass(record, h, v, gamma, bank)
         without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
         _, _, scale_height = model_atmosphere(record["atmosphere"], h)
-        to_go, by_altitude, by_path, by_lift = coefficients(record, h, v, gamma, shift)
-        table["range"][i], table["drag"][i], table["climb"][i] = to_go, drag, v * sin(gamma)
+        by_altitude, by_path, by_lift = coefficients(record, h, v, gamma, shift)
+        table["range"][i] = float(rows["beyond"][-1]) - at("beyond", v)
+        table["drag"][i], table["climb"][i] = at("drag", v), v * sin(gamma)
         table["lift"][i] = (path_rate - without_lift) * v / drag
         table["by_drag"][i] = -by_altitude * scale_height / drag
         table["by_climb"][i] = by_path / (v * cos(gamma))
