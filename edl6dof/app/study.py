@@ -19,7 +19,6 @@ from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
-from edl6dof.report.terminal import VERDICT
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Report, Study
@@ -106,15 +105,27 @@ def _show(study: Study, report: Report, target: Path) -> None:
             *_numbers(finding),
             _difference(finding),
             _mark(finding),
-            finding.note,
+            "; ".join(filter(None, (finding.note, finding.why))),
         )
     console.print(table)
     for remark in report.remarks:
         console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {listed(target)}", markup=False)
-    missed = [finding.label for finding in report.findings if not finding.ok]
-    outcome = f"broken: {', '.join(missed)}" if missed else "every published requirement is kept"
-    console.print(Text(f"{study.name}: {outcome}", style="bold red" if missed else "bold green"))
+    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
+
+
+def _outcome(report: Report) -> str:
+    """What stands under the table: figures that are not as the study says, else how many hold."""
+    if missed := [finding.label for finding in report.findings if not finding.ok]:
+        return f"broken: {', '.join(missed)}"
+    explained = sum(bool(finding.why) for finding in report.findings)
+    values = [finding for finding in report.findings if finding.within is not None]
+    reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
+    return (
+        "every published requirement is kept"
+        if not explained
+        else "every figure that does not hold is explained"
+    ) + (reproduced if values else "")
 
 
 def _grid(grid: Grid) -> Table:
@@ -170,6 +181,5 @@ def _difference(finding: Finding) -> str:
 
 
 def _mark(finding: Finding) -> Text:
-    if not finding.bound:
-        return Text("")
-    return Text(VERDICT[finding.ok], style="green" if finding.ok else "bold red")
+    style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
+    return Text(finding.verdict, style=style)
