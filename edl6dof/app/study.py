@@ -20,7 +20,6 @@ from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
-from edl6dof.report.terminal import VERDICT
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
@@ -130,23 +129,25 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
 
 
 def _causes(report: Report) -> list[str]:
-    """A sentence for each cause why published values do not come out."""
+    """A sentence for each cause why figures do not come out."""
     causes = dict.fromkeys(finding.cause for finding in report.findings if finding.cause)
     return [
-        f"Not reproduced ({', '.join(f.label for f in report.findings if f.cause == cause)}): {cause}."
+        f"Not as published ({', '.join(f.label for f in report.findings if f.cause == cause)}): {cause}."
         for cause in causes
     ]
 
 
 def _outcome(report: Report) -> str:
-    """What came of the study, in a line."""
+    """What stands under the table: figures that are not as the study says, else how many hold."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"broken: {', '.join(missed)}"
-    claimed = [finding.reproduced for finding in report.findings if finding.reproduced is not None]
-    kept = "every published requirement is kept"
-    if not claimed:
-        return kept
-    return f"{kept}; {sum(claimed)} of {len(claimed)} published values reproduced, the others explained"
+    explained = any(finding.cause for finding in report.findings)
+    words = (
+        "every figure that does not hold is explained" if explained else "every published requirement is kept"
+    )
+    values = [finding for finding in report.findings if finding.within_pct is not None]
+    reproduced = sum(bool(finding.holds) for finding in values)
+    return f"{words}; {reproduced} of {len(values)} published values reproduced" if values else words
 
 
 def _grid(grid: Grid) -> Table:
@@ -203,10 +204,5 @@ def _difference(finding: Finding) -> str:
 
 
 def _mark(finding: Finding) -> Text:
-    style = "green" if finding.ok else "bold red"
-    if finding.reproduced is not None:
-        where = "within" if finding.reproduced else "beyond"
-        return Text(f"{where} {finding.within_pct:g} %", style=style)
-    if not finding.bound:
-        return Text("")
-    return Text(VERDICT[finding.ok], style=style)
+    style = "bold red" if not finding.ok else "yellow" if finding.cause else "green"
+    return Text(finding.verdict, style=style)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import ceil, isfinite
 from typing import Any, Literal
 
 import pyarrow as pa
@@ -32,8 +32,9 @@ class Finding:
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
         within_pct: how far the computed figure may be from the published one, to either side, to count as
-            reproduced; ``None`` where nothing is claimed.
-        cause: why it is not reproduced, where it is known not to be: then it must not be.
+            reproduced; ``None`` for a value that is set beside the computed one without a verdict.
+        cause: why a bound is not kept or a value not reproduced, which a run of the study shows: it is an error
+            as well if such a figure holds after all.
         experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
             together.
     """
@@ -50,28 +51,34 @@ class Finding:
     experiment: str = ""
 
     @property
-    def reproduced(self) -> bool | None:
-        """Whether the published value comes out, too high or too low being the same; ``None`` where that is
-        not claimed either way.
-        """
-        if self.within_pct is None or self.published is None:
+    def holds(self) -> bool | None:
+        """Whether the bound is kept or the value reproduced; ``None`` without a verdict."""
+        if self.published is None or not (self.bound or self.within_pct is not None):
             return None
-        return bool(abs(self.computed - self.published) <= 0.01 * self.within_pct * abs(self.published))
+        if self.bound:
+            return bool(
+                self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
+            )
+        most = 0.01 * (self.within_pct or 0.0) * abs(self.published)
+        return bool(abs(self.computed - self.published) <= most)
 
     @property
     def ok(self) -> bool:
-        """Whether what is said of it holds: the bound is kept, the value is reproduced or, with a cause, is
-        not; a figure that could not be formed holds nothing.
-        """
-        if self.published is None:
+        """Whether the figure is as the study says; one that could not be formed is not."""
+        if self.holds is None:
             return True
-        if self.reproduced is not None:
-            return isfinite(self.computed) and self.reproduced != bool(self.cause)
-        if not self.bound:
-            return True
-        return bool(
-            self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
-        )
+        return isfinite(self.computed) and self.holds != bool(self.cause)
+
+    @property
+    def verdict(self) -> str:
+        """In words: kept or not, reproduced within how much or not; empty without a verdict."""
+        if self.holds is None or self.published is None:
+            return ""
+        if self.bound:
+            return "kept" if self.holds else "not kept" if self.cause else "broken"
+        if not self.holds:
+            return "not reproduced"
+        return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"
 
 
 @dataclass(frozen=True)
@@ -105,7 +112,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every finding is as it is said to be."""
+        """Whether every figure is as the study says."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -138,8 +145,7 @@ class Study:
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
         findings = [
-            {**vars(finding), "reproduced": finding.reproduced, "ok": finding.ok}
-            for finding in report.findings
+            {**vars(finding), "ok": finding.ok, "verdict": finding.verdict} for finding in report.findings
         ]
         head = {
             "study": self.name,
