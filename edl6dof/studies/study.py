@@ -33,8 +33,8 @@ class Finding:
             number.
         within_pct: how far the computed figure may be from the published one, to either side, to count as
             reproduced; ``None`` for a value that is set beside the computed one without a verdict.
-        cause: why a bound is not kept or a value not reproduced, which a run of the study shows: it is an error
-            as well if such a figure holds after all.
+        cause: why a bound is not kept or a value not reproduced, which a run of the study shows: it is an
+            error as well if such a figure holds after all.
         experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
             together.
     """

@@ -19,8 +19,8 @@ from edl6dof.studies.zheng2015.tracking import error_over_bound, figures, histor
 SHARE_3, SHARE_5, RMS, ALTITUDE = 79.2, 98.2, 2.47, 9.75
 #: Half of that band.
 BAND_KM = 0.05
-#: Differences (%) at which a value is reproduced: of a statistic beside two of its sampling errors, of heights,
-#: and of times.
+#: Differences (%) at which a value is reproduced: of a statistic beside two of its sampling errors, of
+#: heights, and of times.
 STATISTIC, HEIGHT, TIME = 10.0, 5.0, 2.0
 
 NO_SUCH_DENSITY = "the printed heights have no such density error; without it, below"
@@ -29,7 +29,7 @@ THIN_AIR = "printed air too thin for 42 s at any bank; denser air, below"
 
 def grid(tables: dict[str, pa.Table]) -> Grid:
     """Every experiment in a row, the published figures in the last."""
-    rows = [(name, *_row(table)) for name, table in tables.items()]
+    rows: list[tuple[str | float, ...]] = [(name, *_row(table)) for name, table in tables.items()]
     published = ("published", RMS, SHARE_3, SHARE_5, np.nan, np.nan, ALTITUDE, 2.0 * BAND_KM)
     heads = (
         "experiment",
