@@ -23,6 +23,7 @@ from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 
+SUFFIXES = (".csv", ".png", ".pdf", ".svg")
 #: Events before whose end no flight need go on beyond the deployment of the parachute.
 ENDS_AT_DEPLOYMENT = ("parachute", "trim_wing")
 
@@ -46,8 +47,8 @@ def run_covariance(options: CovarianceOptions) -> int:
     """Fly the pairs, show what they gave, write the file asked for; returns the exit status."""
     event = figures_at(options.at)
     if (target := options.out) is not None:
-        if target.suffix != ".csv":
-            raise refusal(target, "must end in .csv")
+        if target.suffix not in SUFFIXES:
+            raise refusal(target, f"must end in {', '.join(SUFFIXES)}")
         refuse_existing_file(target, options.force)
     plan, sampled = _given(options, event)
     if options.at in ENDS_AT_DEPLOYMENT:
@@ -63,7 +64,13 @@ def run_covariance(options: CovarianceOptions) -> int:
         show_alone(fly_alone(plan, event, options.workers), event)
     if target is not None:
         with atomic_file(target, options.force) as partial:
-            write_budget(found, partial)
+            if target.suffix == ".csv":
+                write_budget(found, partial)
+            else:
+                from edl6dof.report.campaign.covariance import ellipse_figure
+                from edl6dof.report.matplotlib_figure import write_figure
+
+                write_figure(ellipse_figure(f"{plan.name}, {options.at}", found, sampled), partial)
         print(target)
     return 0
 

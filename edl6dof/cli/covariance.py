@@ -22,7 +22,7 @@ def covariance(
         str,
         typer.Option(
             metavar="EVENT",
-            help="entry (its peaks), parachute, trim_wing, heat_shield, backshell, touchdown.",
+            help="entry (its peaks), parachute, trim_wing, backshell or touchdown.",
         ),
     ] = "parachute",
     sets: Sets = None,
@@ -44,7 +44,7 @@ def covariance(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the error budget as CSV."),
+        typer.Option(metavar="FILE", help="Write the error budget (.csv) or the ellipse (.png, .pdf, .svg)."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,

@@ -40,7 +40,6 @@ EVENTS = {
         ),
     ),
     "trim_wing": EventFigures((), ("trim_wing_s", "trim_wing_mach")),
-    "heat_shield": EventFigures((), ("heat_shield_s",)),
     "backshell": EventFigures((), ("backshell_height_m", "backshell_speed_m_s", "backshell_s")),
     "touchdown": EventFigures(
         ("landing_east_m", "landing_north_m"), ("touchdown_s", "touchdown_vertical_m_s", "propellant_used_kg")

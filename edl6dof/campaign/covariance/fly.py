@@ -52,9 +52,32 @@ class Covariance:
         """Variance that each source apart gives to each figure, shape (sources, figures); what chance alone
         would give is taken off.
         """
-        ends = np.cumsum([source.width for source in self.apart])
-        squared = self.pairs.slopes[: ends[-1]] ** 2 - self.pairs.slope_error**2
-        return np.stack([part.sum(axis=0) for part in np.split(squared, ends[:-1])])
+        squared = self._slopes**2 - self.pairs.slope_error**2
+        return np.stack([part.sum(axis=0) for part in self._by_source(squared)])
+
+    @property
+    def contributions(self) -> list[tuple[str, np.ndarray]]:
+        """Each source apart with the standard deviation that it gives to every figure, signed where it is one
+        parameter; by its share in the position, or in all figures where none is told.
+        """
+        shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
+        if size := len(self.event.position):
+            shares = self.budget[:, :size]
+        parts = self._by_source(self._slopes)
+        values = [part[0] if len(part) == 1 else np.sqrt((part**2).sum(axis=0)) for part in parts]
+        return [(self.apart[k].name, values[k]) for k in np.argsort(-shares.sum(axis=1))]
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Standard deviation of every figure that no source apart gives, shape (figures,)."""
+        return np.sqrt(np.maximum(self.spread.deviation**2 - self.budget.sum(axis=0), 0.0))
+
+    @property
+    def _slopes(self) -> np.ndarray:
+        return self.pairs.slopes[: sum(source.width for source in self.apart)]
+
+    def _by_source(self, rows: np.ndarray) -> list[np.ndarray]:
+        return np.split(rows, np.cumsum([source.width for source in self.apart])[:-1])
 
 
 def fly_covariance(
