@@ -98,8 +98,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
     for remark in (*_causes(report), *report.remarks):
         console.print(remark, markup=False, soft_wrap=False)
     console.print(f"{target}: {listed(target)}", markup=False)
-    style = "bold green" if report.ok else "bold red"
-    console.print(Text(f"{study.name}: {_outcome(report)}", style=style))
+    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
 
 
 def _table(experiment: str, findings: Iterable[Finding]) -> Table:
@@ -129,11 +128,11 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
 
 
 def _causes(report: Report) -> list[str]:
-    """A sentence for each cause why figures do not come out."""
-    causes = dict.fromkeys(finding.cause for finding in report.findings if finding.cause)
+    """A sentence for each cause why published figures do not hold."""
+    causes = dict.fromkeys(finding.why for finding in report.findings if finding.why)
     return [
-        f"Not as published ({', '.join(f.label for f in report.findings if f.cause == cause)}): {cause}."
-        for cause in causes
+        f"Does not hold ({'; '.join(f.label for f in report.findings if f.why == why)}): {why}."
+        for why in causes
     ]
 
 
@@ -141,13 +140,14 @@ def _outcome(report: Report) -> str:
     """What stands under the table: figures that are not as the study says, else how many hold."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"broken: {', '.join(missed)}"
-    explained = any(finding.cause for finding in report.findings)
-    words = (
-        "every figure that does not hold is explained" if explained else "every published requirement is kept"
-    )
-    values = [finding for finding in report.findings if finding.within_pct is not None]
-    reproduced = sum(bool(finding.holds) for finding in values)
-    return f"{words}; {reproduced} of {len(values)} published values reproduced" if values else words
+    explained = sum(bool(finding.why) for finding in report.findings)
+    values = [finding for finding in report.findings if finding.within is not None]
+    reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
+    return (
+        "every published requirement is kept"
+        if not explained
+        else "every figure that does not hold is explained"
+    ) + (reproduced if values else "")
 
 
 def _grid(grid: Grid) -> Table:
@@ -196,13 +196,12 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _difference(finding: Finding) -> str:
-    """Computed less published, where that is a flown value; relative, where its reproduction is claimed."""
+    """Computed less published, where that is a flown value."""
     if finding.bound or finding.published is None:
         return ""
-    off = finding.computed - finding.published
-    return f"{off:+.2g}" if finding.within_pct is None else f"{100.0 * off / abs(finding.published):+.0f} %"
+    return f"{finding.computed - finding.published:+.2g}"
 
 
 def _mark(finding: Finding) -> Text:
-    style = "bold red" if not finding.ok else "yellow" if finding.cause else "green"
+    style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
     return Text(finding.verdict, style=style)

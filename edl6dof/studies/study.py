@@ -31,10 +31,10 @@ class Finding:
         note: what a reader must know to compare them.
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
-        within_pct: how far the computed figure may be from the published one, to either side, to count as
-            reproduced; ``None`` for a value that is set beside the computed one without a verdict.
-        cause: why a bound is not kept or a value not reproduced, which a run of the study shows: it is an
-            error as well if such a figure holds after all.
+        within: largest difference, as a share of the published value, at which it counts as reproduced;
+            ``None`` for a value that is set beside the computed one without a verdict.
+        why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
+            reproduced; it is an error as well if such a figure holds after all.
         experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
             together.
     """
@@ -46,28 +46,27 @@ class Finding:
     bound: Literal["", "<=", ">="] = ""
     note: str = ""
     spread: float | None = None
-    within_pct: float | None = None
-    cause: str = ""
+    within: float | None = None
+    why: str = ""
     experiment: str = ""
 
     @property
     def holds(self) -> bool | None:
         """Whether the bound is kept or the value reproduced; ``None`` without a verdict."""
-        if self.published is None or not (self.bound or self.within_pct is not None):
+        if self.published is None or not (self.bound or self.within is not None):
             return None
         if self.bound:
             return bool(
                 self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
             )
-        most = 0.01 * (self.within_pct or 0.0) * abs(self.published)
-        return bool(abs(self.computed - self.published) <= most)
+        return bool(abs(self.computed - self.published) <= (self.within or 0.0) * abs(self.published))
 
     @property
     def ok(self) -> bool:
         """Whether the figure is as the study says; one that could not be formed is not."""
         if self.holds is None:
             return True
-        return isfinite(self.computed) and self.holds != bool(self.cause)
+        return isfinite(self.computed) and self.holds != bool(self.why)
 
     @property
     def verdict(self) -> str:
