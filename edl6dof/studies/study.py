@@ -74,7 +74,7 @@ class Finding:
         if self.holds is None or self.published is None:
             return ""
         if self.bound:
-            return "kept" if self.holds else "not kept" if self.cause else "broken"
+            return "kept" if self.holds else "not kept" if self.why else "broken"
         if not self.holds:
             return "not reproduced"
         return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"
