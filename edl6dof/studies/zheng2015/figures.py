@@ -8,7 +8,7 @@ import pyarrow as pa
 from edl6dof.report.figure import Figure
 from edl6dof.studies import plots
 from edl6dof.studies.cases import values
-from edl6dof.studies.zheng2015.experiments import AS_PRINTED, DENSER, FLOWN, UNDISPERSED, Experiment
+from edl6dof.studies.zheng2015.experiments import AS_PRINTED, FLOWN, INFERRED, Experiment
 
 
 def drawings(history: dict[str, np.ndarray], tables: dict[str, pa.Table]) -> tuple[Figure, ...]:
@@ -55,8 +55,7 @@ def drawings(history: dict[str, np.ndarray], tables: dict[str, pa.Table]) -> tup
                 ),
             ),
         ),
-        *(_misses(experiment, tables[experiment.name]) for experiment in (AS_PRINTED, UNDISPERSED, DENSER)),
-        _misses(FLOWN, tables[FLOWN.name]),
+        *(_misses(experiment, tables[experiment.name]) for experiment in (AS_PRINTED, INFERRED, FLOWN)),
     )
 
 
