@@ -1,7 +1,7 @@
 """The entry as it is planned before the flight: the reference trajectory.
 
 A point mass over the rotating ellipsoid in the believed air and the expected wind.  The flight computer's own
-sequencer runs its own mission from the first phase as long as it steers, and its own steering makes the
+sequencer runs its own mission from the first phase, and its own steering makes the
 commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
 alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
 angle, brings the end to the aim point.
@@ -108,7 +108,8 @@ def _met(miss: Callable[[float], float], about: float | None) -> float:
 
 @kernel
 def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
-    """Fly from ``start`` to where the mission steers no longer; returns the count of rows written.
+    """Fly from ``start`` to the speed or Mach number at which the range is to be met; returns the count of
+    rows written.
 
     Args:
         onboard: ``ONBOARD`` record.
@@ -127,8 +128,8 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
     ahead = unit(sub(target, scale(dot(target, here), here)))
     k, count = 0, 0
     while count < history.shape[0]:
-        steers = decide(onboard, k * cycle, shift, s)
-        if not steers and stride > 1 and k > 0:
+        going = decide(onboard, k * cycle, shift, s)
+        if not going and stride > 1 and k > 0:
             # the end lies within the last stride: once more, cycle by cycle
             scratch[0] = scratch[1]
             k, stride = k - stride + 1, 1
@@ -136,7 +137,7 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
             continue
         note(onboard, s, here, ahead, target, history[count])
         count += 1
-        if not steers:
+        if not going:
             break
         scratch[1] = scratch[0]
         advance(onboard, s, stride * cycle)
@@ -146,8 +147,10 @@ def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
 
 @kernel
 def decide(onboard, t, shift, s):
-    """Let the flight computer look at the state, run its mission and steer; whether it still does."""
-    mission = onboard.mission
+    """Let the flight computer look at the state, run its mission and steer; whether the planned end is still
+    to come.
+    """
+    mission, entry = onboard.mission, onboard.guidance.entry
     look(onboard, t, s)
     s.request[:] = 0
     sequence(mission, s.nav, s.vehicle, s.guide, s.sequence, s.request)
@@ -157,11 +160,10 @@ def decide(onboard, t, shift, s):
     if guidance == G_HOLD_BANK:
         hold_bank(onboard, s.nav, s.guide)
     elif guidance == G_ENTRY:
-        s.guide.range_to_go, s.guide.crossrange = to_target(onboard, s.nav)
+        s.guide.range_to_go, s.guide.crossrange, s.guide.downrange_to_go = to_target(onboard, s.nav)
         steer_bank(onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed))
-    else:
-        return False
-    return s.nav.height > -TOO_LOW
+    fast = s.nav.mach > entry.final_mach if entry.final_mach > 0.0 else s.nav.speed > entry.final_speed
+    return fast and s.nav.height > -TOO_LOW
 
 
 @kernel
