@@ -57,7 +57,7 @@ def run(onboard, sensed, k, fsw):
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
-    derive(onboard.planet, onboard.atmosphere, onboard.site.frame, fsw.navigation.estimate, nav)
+    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
     if onboard.mission.n_phases == 0:
         return
 

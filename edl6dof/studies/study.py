@@ -4,8 +4,9 @@ row for each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, Literal
 
 import pyarrow as pa
@@ -30,6 +31,11 @@ class Finding:
         note: what a reader must know to compare them.
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
+        within_pct: how far the computed figure may be from the published one, to either side, to count as
+            reproduced; ``None`` where nothing is claimed.
+        cause: why it is not reproduced, where it is known not to be: then it must not be.
+        experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
+            together.
     """
 
     label: str
@@ -39,11 +45,29 @@ class Finding:
     bound: Literal["", "<=", ">="] = ""
     note: str = ""
     spread: float | None = None
+    within_pct: float | None = None
+    cause: str = ""
+    experiment: str = ""
+
+    @property
+    def reproduced(self) -> bool | None:
+        """Whether the published value comes out, too high or too low being the same; ``None`` where that is
+        not claimed either way.
+        """
+        if self.within_pct is None or self.published is None:
+            return None
+        return bool(abs(self.computed - self.published) <= 0.01 * self.within_pct * abs(self.published))
 
     @property
     def ok(self) -> bool:
-        """Whether the bound is kept; a figure that could not be formed does not keep it."""
-        if not self.bound or self.published is None:
+        """Whether what is said of it holds: the bound is kept, the value is reproduced or, with a cause, is
+        not; a figure that could not be formed holds nothing.
+        """
+        if self.published is None:
+            return True
+        if self.reproduced is not None:
+            return isfinite(self.computed) and self.reproduced != bool(self.cause)
+        if not self.bound:
             return True
         return bool(
             self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
@@ -81,7 +105,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every bound is kept."""
+        """Whether every finding is as it is said to be."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -97,6 +121,8 @@ class Study:
         runs: how many runs the source publishes.
         quick_runs: how many ``--quick`` flies.
         counted: whether the number of runs can be chosen at all.
+        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        run_parts: flies the chosen parts, as ``run`` flies all.
     """
 
     name: str
@@ -106,10 +132,15 @@ class Study:
     runs: int = 1
     quick_runs: int = 1
     counted: bool = field(default=False)
+    parts: tuple[str, ...] = ()
+    run_parts: Callable[[Sequence[str], int, Progress], Report] | None = None
 
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
-        findings = [{**vars(finding), "ok": finding.ok} for finding in report.findings]
+        findings = [
+            {**vars(finding), "reproduced": finding.reproduced, "ok": finding.ok}
+            for finding in report.findings
+        ]
         head = {
             "study": self.name,
             "title": self.title,

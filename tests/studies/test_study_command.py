@@ -116,6 +116,32 @@ def test_missed_bound_is_named_and_fails_the_command(tmp_path, capsys):
     assert "broken: bound" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    "computed, cause, ok",
+    [(9.4, "", True), (10.6, "", True), (8.9, "", False), (11.1, "", False), (float("nan"), "", False)]
+    + [(9.4, "why", False), (11.1, "why", True), (8.9, "why", True), (float("nan"), "why", False)],
+)
+def test_a_published_value_is_compared_on_both_sides_and_a_cause_must_be_needed(computed, cause, ok):
+    assert Finding("miss", "km", computed, 10.0, within_pct=10.0, cause=cause).ok is ok
+
+
+def test_experiments_stand_apart_and_causes_are_told(monkeypatch, tmp_path, capsys):
+    def flown(runs, progress):
+        findings = (
+            Finding("miss", "km", 9.5, 10.0, within_pct=10.0, experiment="as printed"),
+            Finding("spread", "km", 1.0, 10.0, within_pct=10.0, cause="it is windy", experiment="as printed"),
+            Finding("miss", "km", 3.0, experiment="flown"),
+        )
+        return Report(findings, (), pa.table({"a": [1.0]}), 1)
+
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", flown))
+    assert run_study(options("small", out=tmp_path / "s")) == 0
+    shown = capsys.readouterr().out
+    assert shown.index("as printed") < shown.index("within") < shown.index("beyond") < shown.index("flown")
+    assert "Not reproduced (spread): it is windy." in shown
+    assert "1 of 2 published values reproduced, the others explained" in shown
+
+
 def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):
     def lost(runs, progress):
         return Report((Finding("lost", "m", float("nan"), 2.0, "<="),), (), pa.table({"x_m": [1.0]}), 1)

@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.etpc import guide, lay_plan
 from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, fill_influence
+from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED
 from edl6dof.fsw.navigation.derived import NAV
 
 START = (125e3, 4800.0, radians(-11.58))
@@ -29,15 +30,40 @@ def plain(shared_onboard):
 
 
 @pytest.fixture(scope="module")
-def table(plain):
+def rows(plain):
+    """The reference as scipy flies it over a sphere at rest."""
+    by_time, final = rates(plain[0]), float(plain[0]["guidance"]["entry"]["final_speed"])
+
+    def slow(t, x):
+        return x[3] - final
+
+    slow.terminal = True
+    altitude, speed, gamma = START
+    flight = solve_ivp(
+        lambda t, x: by_time(x[3], x, 0.0)[0],
+        (0.0, 900.0),
+        [altitude, gamma, 0.0, speed],
+        events=slow,
+        rtol=1e-9,
+        atol=1e-9,
+        max_step=0.2,
+    )
+    found = np.zeros(len(flight.t), PLANNED)
+    found["altitude"], found["path_angle"], found["beyond"], found["speed"] = flight.y
+    found["drag"] = [by_time(x[3], x, 0.0)[1] for x in flight.y.T]
+    return found
+
+
+@pytest.fixture(scope="module")
+def table(plain, rows):
     influence = np.zeros(1, INFLUENCE)[0]
-    fill_influence(plain, START, influence)
+    fill_influence(plain, rows, influence)
     return influence
 
 
-def motion(record):
-    """d(altitude, path angle, range)/d(speed) of the reference flight with ``u`` added to its vertical
-    L/D.
+def rates(record):
+    """Rates of (altitude, path angle, range, speed) of the reference flight over a sphere at rest with ``u``
+    added to its vertical L/D, and the drag.
     """
     planet, vehicle, air, entry = (
         record["planet"],
@@ -49,8 +75,8 @@ def motion(record):
     radius, mu = float(planet["equatorial_radius"]), float(planet["mu"])
     bank = acos(cos(entry["reference_bank"]["fast_bank"]) + record["reference"]["shift"])
 
-    def by_speed(v, x, u):
-        h, gamma, _ = x
+    def by_time(v, x, u):
+        h, gamma = x[:2]
         r = radius + h
         g = mu / r**2
         drag = (
@@ -62,9 +88,20 @@ def motion(record):
         )
         steered = v > entry["align_speed"]
         lift = drag * (vehicle["lift_to_drag"] * (cos(bank) if steered else 1.0) + (u if steered else 0.0))
-        slowing = -drag - g * sin(gamma)
         turn = lift / v + (v / r - g / v) * cos(gamma)
-        return np.array([v * sin(gamma), turn, v * cos(gamma) * radius / r]) / slowing
+        slowing = -drag - g * sin(gamma)
+        return np.array([v * sin(gamma), turn, v * cos(gamma) * radius / r, slowing]), drag
+
+    return by_time
+
+
+def motion(record):
+    """d(altitude, path angle, range)/d(speed) of it."""
+    by_time = rates(record)
+
+    def by_speed(v, x, u):
+        rate, _ = by_time(v, x, u)
+        return rate[:3] / rate[3]
 
     return by_speed
 
@@ -148,11 +185,11 @@ def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, 
     assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.01)
 
 
-def test_lift_has_authority_over_range_only_while_it_controls_it(plain, table):
+def test_lift_has_authority_over_range_only_while_it_controls_it(plain, rows, table):
     """Heading alignment takes the bank angle over, and nothing is left to correct the range with."""
     onboard, found = plain.copy(), np.zeros(1, INFLUENCE)[0]
     onboard[0]["guidance"]["entry"]["heading"]["speed"] = 1500.0
-    fill_influence(onboard, START, found)
+    fill_influence(onboard, rows, found)
     speeds = found["first"] + found["spacing"] * np.arange(len(found["by_lift"]))
     assert np.all(found["by_lift"][speeds < 1500.0 - found["spacing"]] == 0.0)
     assert np.all(found["by_lift"][speeds > 1500.0 + found["spacing"]] > 1000.0)
@@ -180,9 +217,9 @@ def wanted(onboard, speed, drag_error=0.0, climb_error=0.0, range_error=0.0):
 
 
 @pytest.fixture(scope="module")
-def planned(plain):
+def planned(plain, rows):
     onboard = plain.copy()
-    lay_plan(onboard, START)
+    lay_plan(onboard, rows)
     return onboard
 
 

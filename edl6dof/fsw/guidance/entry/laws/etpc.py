@@ -61,9 +61,9 @@ def guide(params, plan, onboard, nav, memory, out):
     return acos(clamp(wanted / max(lift_to_drag * out.lift_ratio, 1e-3), -1.0, 1.0))
 
 
-def lay_plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
+def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
     """Tabulate the influence coefficients of the planned reference."""
-    fill_influence(onboard, entry, onboard["plan"]["etpc"][0])
+    fill_influence(onboard, planned, onboard["plan"]["etpc"][0])
 
 
 MEMBER = Member(

@@ -31,9 +31,8 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 
 NODES = 64
-#: Steps of the adjoint integration between two nodes, and of the reference flight (s).
-SUBSTEPS, STEP = 8, 0.1
-LONGEST = 20000  # rows of the reference
+#: Steps of the adjoint integration between two nodes.
+SUBSTEPS = 8
 #: Deceleration (m/s2) from which on speed tells one point of the reference from the next.
 LEAST_DECELERATION = 0.5
 #: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
@@ -53,32 +52,6 @@ INFLUENCE = np.dtype(
     ],
     align=True,
 )
-
-
-@kernel
-def reference_states(onboard, entry, shift, history):
-    """Fly the reference; rows of ``history`` are (altitude, speed, path angle, range), one each ``STEP``.
-    Returns the row count.
-    """
-    h, v, gamma = entry
-    s, count = 0.0, 0
-    while count < history.shape[0]:
-        row = history[count]
-        row[0], row[1], row[2], row[3] = h, v, gamma, s
-        count += 1
-        if v <= onboard.guidance.entry.final_speed or h < -5000.0:
-            break
-        bank = reference_bank(onboard, shift, v)
-        half = 0.5 * STEP
-        a = point_mass(onboard, h, v, gamma, bank)
-        b = point_mass(onboard, h + half * a[0], v + half * a[1], gamma + half * a[2], bank)
-        c = point_mass(onboard, h + half * b[0], v + half * b[1], gamma + half * b[2], bank)
-        d = point_mass(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], bank)
-        h += STEP * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
-        v += STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
-        gamma += STEP * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
-        s += STEP * (a[3] + 2.0 * (b[3] + c[3]) + d[3]) / 6.0
-    return count
 
 
 @kernel
@@ -139,38 +112,46 @@ def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
             z += step * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
 
 
-def fill_influence(onboard: np.ndarray, entry: tuple[float, float, float], table: np.void) -> None:
-    """Tabulate the reference and its influence coefficients over speed.
+def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned reference and its influence coefficients over speed.
 
     Args:
         onboard: onboard record array of length one, its reference planned.
-        entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
+        planned: rows of the planned entry, ``PLANNED``.
         table: ``INFLUENCE`` record to fill.
     """
     record = onboard[0]
     shift = float(record["reference"]["shift"])
-    history = np.zeros((LONGEST, 4))
-    rows = slowing(history[: reference_states(record, entry, shift, history)])
-    final = float(record["guidance"]["entry"]["final_speed"])
-    speeds = np.linspace(final, rows[0, 1], 2 * SUBSTEPS * (NODES - 1) + 1)
-    altitude, path, flown = (np.interp(speeds, rows[::-1, 1], rows[::-1, k]) for k in (0, 2, 3))
+    rows = _slowing(planned, record["planet"])
+    speeds = np.linspace(rows["speed"][-1], rows["speed"][0], 2 * SUBSTEPS * (NODES - 1) + 1)
+    altitude, path, beyond, drag = (
+        np.interp(speeds, rows["speed"][::-1], rows[name][::-1])
+        for name in ("altitude", "path_angle", "beyond", "drag")
+    )
     found = np.zeros((NODES, 3))
     integrate_adjoints(record, shift, speeds, altitude, path, found)
     table["first"], table["spacing"] = speeds[0], speeds[2 * SUBSTEPS] - speeds[0]
     for i in range(NODES):
         k = 2 * SUBSTEPS * i
         v, h, gamma = speeds[k], altitude[k], path[k]
-        _, _, path_rate, _, drag = point_mass(record, h, v, gamma, reference_bank(record, shift, v))
+        bank = reference_bank(record, shift, v)
+        _, _, path_rate, _, still_drag = point_mass(record, h, v, gamma, bank)
         without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
         _, _, scale_height = model_atmosphere(record["atmosphere"], h)
-        table["range"][i], table["drag"][i], table["climb"][i] = flown[0] - flown[k], drag, v * sin(gamma)
-        table["lift"][i] = (path_rate - without_lift) * v / drag
-        table["by_drag"][i] = -found[i, 0] * scale_height / drag
+        table["range"][i], table["drag"][i], table["climb"][i] = (
+            beyond[0] - beyond[k],
+            drag[k],
+            v * sin(gamma),
+        )
+        table["lift"][i] = (path_rate - without_lift) * v / still_drag
+        table["by_drag"][i] = -found[i, 0] * scale_height / drag[k]
         table["by_climb"][i] = found[i, 1] / (v * cos(gamma))
         table["by_lift"][i] = found[i, 2]
 
 
-def slowing(rows: np.ndarray) -> np.ndarray:
-    """The ``rows`` of ``reference_states`` from where the speed falls well and tells them apart."""
-    deceleration = -np.gradient(rows[:, 1], STEP)
-    return rows[np.flatnonzero(deceleration < LEAST_DECELERATION)[-1] + 1 :]
+def _slowing(planned: np.ndarray, planet: np.void) -> np.ndarray:
+    """The rows of the plan from where the speed falls well and tells them apart."""
+    gravity = planet["mu"] / (planet["equatorial_radius"] + planned["altitude"]) ** 2
+    deceleration = planned["drag"] + gravity * np.sin(planned["path_angle"])
+    before = deceleration[: np.argmax(deceleration)] < LEAST_DECELERATION
+    return planned[np.count_nonzero(before) :]
