@@ -5,7 +5,7 @@ Every call flies the onboard prediction to the parachute: from the bank angle th
 rate at which it rolls, through the reversals that are left.  The bank magnitude runs linearly in energy from
 the one that is sought to a fixed one at the end; it is corrected by Gauss-Newton steps, halved until the
 predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
-is none; the reversals after it stand at a set speed until their turn comes.
+is none; the one after it is foreseen at a set share of that speed.
 Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
 and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
 "Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
@@ -45,9 +45,13 @@ class FnpegParams(Params):
         0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
     )
     halvings: int = param(3, "most times that a step is halved in one call", ge=0, le=10)
-    reversals: int = param(2, "reversals planned", ge=0, le=2)
-    last_reversal_m_s: float = param(
-        1800.0, "speed at which the last reversal is foreseen until the one before is done", gt=0.0
+    reversals: int = param(3, "reversals planned", ge=0, le=10)
+    spacing: float = param(
+        0.55,
+        "first guess of a reversal's speed over the present one, and of the reversal after it over that",
+        status="design",
+        gt=0.0,
+        lt=1.0,
     )
 
 
@@ -57,6 +61,7 @@ MEMORY = np.dtype(
         ("side", "f8"),  # +1 right, -1 left
         ("bank", "f8"),  # magnitude now, rad
         ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
+        ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
         ("left", COUNT),  # reversals left
         ("miss", "f8"),  # predicted, m: downrange, and crossrange
         ("aside", "f8"),
@@ -68,8 +73,7 @@ MEMORY = np.dtype(
 @kernel
 def bank_plan(params, onboard, nav, memory, bank, turn):
     """The plan of bank magnitude ``bank`` (rad) now and the next reversal at ``turn`` (m/s)."""
-    later = params.last_reversal if memory.left > 1 else 0.0
-    return linear(bank, params.last_bank, nav.speed, memory.side, turn, min(later, turn))
+    return linear(bank, params.last_bank, nav.speed, memory.side, turn, memory.later)
 
 
 @kernel
@@ -107,7 +111,7 @@ def correct_turn(params, onboard, nav, memory, out, slowest):
     # turning at a higher speed leaves less of the present side
     if memory.side * slope < 0.0:
         way = clamp(-memory.aside / slope, -STEP_TURN, STEP_TURN)
-        memory.turn = clamp(memory.turn + way, slowest, nav.speed)
+        memory.turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
 
 
 @kernel
@@ -126,7 +130,14 @@ def start(params, onboard, nav, memory, out):
     memory.side = -1.0 if out.crossrange > 0.0 else 1.0
     memory.left = params.reversals
     memory.bank = abs(nav.bank)
-    memory.turn = max(0.6 * nav.speed, params.last_reversal) if memory.left > 0 else 0.0
+    foresee(params, nav, memory)
+
+
+@kernel
+def foresee(params, nav, memory):
+    """First guess of the next reversal, and where the one after it stays until the next is done."""
+    memory.turn = params.spacing * nav.speed if memory.left > 0 else 0.0
+    memory.later = params.spacing * memory.turn if memory.left > 1 else 0.0
 
 
 @kernel
@@ -135,7 +146,7 @@ def reverse_when_due(params, nav, memory):
     if memory.left > 0 and nav.speed <= memory.turn:
         memory.side = -memory.side
         memory.left -= 1
-        memory.turn = min(params.last_reversal, 0.8 * nav.speed) if memory.left > 0 else 0.0
+        foresee(params, nav, memory)
 
 
 @kernel
