@@ -1,5 +1,5 @@
-"""The study of Yan, Sun & Guo: a printed disturbance beyond the lift, one within, and gains at which the order
-of the laws turns.
+"""The study of Yan, Sun & Guo: a printed disturbance beyond the lift, one within, and gains at which the
+order of the laws turns.
 """
 
 from __future__ import annotations
