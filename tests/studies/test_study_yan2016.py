@@ -57,13 +57,13 @@ def test_finite_time_error_dynamics_end_and_linear_ones_decay():
 
 
 def test_yan2016_shows_the_gains_at_which_the_order_turns(yan):
-    """Honesty about unprinted gains: where PD settles drag sooner by seconds, as the text has it, FTC
-    goes against the text in altitude.
+    """Honesty about unprinted gains: where PD settles drag sooner, as the text has it, FTC goes against the
+    text in altitude.
     """
-    later = {x: of(yan, x, "drag settled, PD less FTC") for x in (PRINTED, WITHIN, *OTHERS)}
-    turned = min(later, key=later.get)
-    assert later[PRINTED] > 0.0 and later[WITHIN] > 0.0 and later[turned] < -1.0
-    assert of(yan, turned, "RMS altitude error, FTC over PD") > 1.0
+    flown = (PRINTED, WITHIN, *OTHERS)
+    later = {x: of(yan, x, "drag settled, PD less FTC") for x in flown}
+    assert later[PRINTED] > 0.1 and later[WITHIN] > 0.1 and min(later.values()) < -0.1
+    assert all(of(yan, x, "RMS altitude error, FTC over PD") > 1.0 for x in flown if later[x] < 0.0)
 
 
 def test_figures_of_the_paper_are_drawn(yan):
