@@ -129,11 +129,11 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
 
 def _causes(report: Report) -> list[str]:
     """A sentence for each cause why published figures do not hold."""
-    causes = dict.fromkeys(finding.why for finding in report.findings if finding.why)
-    return [
-        f"Does not hold ({'; '.join(f.label for f in report.findings if f.why == why)}): {why}."
-        for why in causes
-    ]
+    causes: dict[str, dict[str, None]] = {}
+    for finding in report.findings:
+        if finding.why:
+            causes.setdefault(finding.why, {})[finding.label] = None
+    return [f"Does not hold ({'; '.join(labels)}): {why}." for why, labels in causes.items()]
 
 
 def _outcome(report: Report) -> str:
