@@ -90,8 +90,8 @@ def fly_covariance(
     """
     found = sources(plan)
     apart, together = _told_apart(found, pairs)
-    widths = [sum(source.width for source in some) for some in (apart, together)]
-    steps = design(*widths, pairs, plan.campaign.seed if plan.campaign else 0)
+    columns, more = (sum(source.width for source in some) for some in (apart, together))
+    steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
     flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
     pairs_flown = Pairs.of(steps, figures_of(plan, flown, event, workers, progress))
     return Covariance(event, pairs_flown, apart, together)
