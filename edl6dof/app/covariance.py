@@ -55,9 +55,7 @@ def run_covariance(options: CovarianceOptions) -> int:
         plan = ending_at_deployment(plan)
     with count_runs("covariance", quiet=False) as report:
         began = time.perf_counter()
-        found = fly_covariance(
-            plan, event, options.pairs, options.workers, lambda done, _: report(done, 2 * options.pairs)
-        )
+        found = fly_covariance(plan, event, options.pairs, options.workers, report)
         took_s = time.perf_counter() - began
     show(plan.name, options.at, found, sampled, took_s)
     if options.each:

@@ -49,7 +49,7 @@ def covariance(
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Form the covariance of an event, and what each dispersion gives to it.
+    """Spread of an event, and what each dispersion gives to it.
 
     Every dispersion is a standard deviation high in half of the flights and low in their mirror images, all
     at once; a twentieth of the flights of a campaign gives its ellipse and its error budget.

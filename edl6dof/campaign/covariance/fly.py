@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ from edl6dof.campaign.covariance.flights import figures_of
 from edl6dof.campaign.covariance.signs import design
 from edl6dof.campaign.covariance.sources import Source, cases, sources
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.executor import Progress
 
 
 @dataclass(frozen=True)
@@ -81,20 +80,25 @@ class Covariance:
 
 
 def fly_covariance(
-    plan: Plan, event: EventFigures, pairs: int, workers: int | None = None, progress: Progress | None = None
+    plan: Plan,
+    event: EventFigures,
+    pairs: int,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Covariance:
-    """Fly at least so many pairs, as many more as the sources need to be told apart.
+    """Fly at least so many pairs, as many more as the sources need to be told apart; ``progress`` is called
+    with the flights done and the flights in all.
 
     Raises:
         ConfigError: the campaign has no covariance, or a flight does not come to the event.
     """
     found = sources(plan)
     apart, together = _told_apart(found, pairs)
-    widths = [sum(source.width for source in some) for some in (apart, together)]
-    steps = design(*widths, pairs, plan.campaign.seed if plan.campaign else 0)
+    columns, more = (sum(source.width for source in some) for some in (apart, together))
+    steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
     flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
-    pairs_flown = Pairs.of(steps, figures_of(plan, flown, event, workers, progress))
-    return Covariance(event, pairs_flown, apart, together)
+    figures = figures_of(plan, flown, event, workers, lambda done, _: progress(done, 2 * len(steps)))
+    return Covariance(event, Pairs.of(steps, figures), apart, together)
 
 
 def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:

@@ -22,8 +22,8 @@ def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) ->
         x, y = sampled[:, :2].T
         traces.append(Trace(x, y, "flights of the campaign", "points", BLUE, width=1.0))
     for sigmas, dash in _DASHES.items():
-        curve = contour(covariance, sigmas) + mean[:, None]
-        traces.append(Trace(*curve, f"{sigmas} sigma", colour=BLACK, dash=dash))
+        x, y = contour(covariance, sigmas) + mean[:, None]
+        traces.append(Trace(x, y, f"{sigmas} sigma", colour=BLACK, dash=dash))
     across, up = (_axis(name) for name in found.event.all[:2])
     equal = bool(found.event.position)
     return Figure("covariance", title, [Panel(across, up, traces, equal=equal)], height=480)
