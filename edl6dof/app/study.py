@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import floor, isfinite, log10
@@ -20,7 +20,6 @@ from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
-from edl6dof.report.terminal import VERDICT
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
@@ -93,13 +92,19 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(_grid(grid))
         console.print()
     count = f", {counted(report.runs, 'run')}" if study.counted else ""
-    table = Table(
-        title=f"{study.title}{count}",
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
+    console.print(Text(f"{study.title}{count}", style="bold"))
+    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
+        console.print(_table(experiment, findings))
+    for remark in (*_causes(report), *report.remarks):
+        console.print(remark, markup=False, soft_wrap=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
+    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
+
+
+def _table(experiment: str, findings: Iterable[Finding]) -> Table:
+    """The findings of one experiment, under its name."""
+    title = Text(experiment, style="bold") if experiment else None
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (
         ("figure", 0),
         ("unit", 0),
@@ -110,44 +115,39 @@ def _show(study: Study, report: Report, target: Path) -> None:
         ("note", 0),
     ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
-    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
-        if experiment:
-            table.add_row(Text(experiment, style="bold"))
-        for finding in findings:
-            table.add_row(
-                finding.label,
-                finding.unit,
-                *_numbers(finding),
-                _difference(finding),
-                _mark(finding),
-                finding.note,
-            )
-    console.print(table)
-    for remark in (*_causes(report), *report.remarks):
-        console.print(remark, markup=False, soft_wrap=False)
-    console.print(f"{target}: {listed(target)}", markup=False)
-    style = "bold green" if report.ok else "bold red"
-    console.print(Text(f"{study.name}: {_outcome(report)}", style=style))
+    for finding in findings:
+        table.add_row(
+            finding.label,
+            finding.unit,
+            *_numbers(finding),
+            _difference(finding),
+            _mark(finding),
+            finding.note,
+        )
+    return table
 
 
 def _causes(report: Report) -> list[str]:
-    """A sentence for each cause why published values do not come out."""
-    causes = dict.fromkeys(finding.cause for finding in report.findings if finding.cause)
-    return [
-        f"Not reproduced ({', '.join(f.label for f in report.findings if f.cause == cause)}): {cause}."
-        for cause in causes
-    ]
+    """A sentence for each cause why published figures do not hold."""
+    causes: dict[str, dict[str, None]] = {}
+    for finding in report.findings:
+        if finding.why:
+            causes.setdefault(finding.why, {})[finding.label] = None
+    return [f"Does not hold ({'; '.join(labels)}): {why}." for why, labels in causes.items()]
 
 
 def _outcome(report: Report) -> str:
-    """What came of the study, in a line."""
+    """What stands under the table: figures that are not as the study says, else how many hold."""
     if missed := [finding.label for finding in report.findings if not finding.ok]:
         return f"broken: {', '.join(missed)}"
-    claimed = [finding.reproduced for finding in report.findings if finding.reproduced is not None]
-    kept = "every published requirement is kept"
-    if not claimed:
-        return kept
-    return f"{kept}; {sum(claimed)} of {len(claimed)} published values reproduced, the others explained"
+    explained = sum(bool(finding.why) for finding in report.findings)
+    values = [finding for finding in report.findings if finding.within is not None]
+    reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
+    return (
+        "every published requirement is kept"
+        if not explained
+        else "every figure that does not hold is explained"
+    ) + (reproduced if values else "")
 
 
 def _grid(grid: Grid) -> Table:
@@ -196,18 +196,12 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _difference(finding: Finding) -> str:
-    """Computed less published, where that is a flown value; relative, where its reproduction is claimed."""
+    """Computed less published, where that is a flown value."""
     if finding.bound or finding.published is None:
         return ""
-    off = finding.computed - finding.published
-    return f"{off:+.2g}" if finding.within_pct is None else f"{100.0 * off / abs(finding.published):+.0f} %"
+    return f"{finding.computed - finding.published:+.2g}"
 
 
 def _mark(finding: Finding) -> Text:
-    style = "green" if finding.ok else "bold red"
-    if finding.reproduced is not None:
-        where = "within" if finding.reproduced else "beyond"
-        return Text(f"{where} {finding.within_pct:g} %", style=style)
-    if not finding.bound:
-        return Text("")
-    return Text(VERDICT[finding.ok], style=style)
+    style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
+    return Text(finding.verdict, style=style)

@@ -21,7 +21,8 @@ def covariance(
     at: Annotated[
         str,
         typer.Option(
-            metavar="EVENT", help="Event: parachute, trim_wing, heat_shield, backshell or touchdown."
+            metavar="EVENT",
+            help="entry (its peaks), parachute, trim_wing, backshell or touchdown.",
         ),
     ] = "parachute",
     sets: Sets = None,
@@ -31,6 +32,9 @@ def covariance(
             metavar="N", min=8, max=4096, help="Pairs of flights; more where there are more dispersions."
         ),
     ] = 24,
+    each: Annotated[
+        bool, typer.Option("--each", help="Step each dispersion alone, too: where is it linear, where not.")
+    ] = False,
     seed: Annotated[
         int | None, typer.Option(metavar="N", min=0, help="Seed of the steps; the campaign's if not given.")
     ] = None,
@@ -40,12 +44,12 @@ def covariance(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the error budget as CSV."),
+        typer.Option(metavar="FILE", help="Write the error budget (.csv) or the ellipse (.png, .pdf, .svg)."),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Form the covariance of an event, and what each dispersion gives to it.
+    """Spread of an event, and what each dispersion gives to it.
 
     Every dispersion is a standard deviation high in half of the flights and low in their mirror images, all
     at once; a twentieth of the flights of a campaign gives its ellipse and its error budget.
@@ -55,5 +59,5 @@ def covariance(
     load_plugins(campaign, trust=trust)
     from edl6dof.app.covariance import CovarianceOptions, run_covariance
 
-    options = CovarianceOptions(campaign, at, tuple(sets or ()), pairs, seed, workers, out, force)
+    options = CovarianceOptions(campaign, at, tuple(sets or ()), pairs, each, seed, workers, out, force)
     raise typer.Exit(run_covariance(options))

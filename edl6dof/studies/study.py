@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import ceil, isfinite
 from typing import Any, Literal
 
 import pyarrow as pa
@@ -31,9 +31,10 @@ class Finding:
         note: what a reader must know to compare them.
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
-        within_pct: how far the computed figure may be from the published one, to either side, to count as
-            reproduced; ``None`` where nothing is claimed.
-        cause: why it is not reproduced, where it is known not to be: then it must not be.
+        within: largest difference, as a share of the published value, at which it counts as reproduced;
+            ``None`` for a value that is set beside the computed one without a verdict.
+        why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
+            reproduced; it is an error as well if such a figure holds after all.
         experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
             together.
     """
@@ -45,33 +46,38 @@ class Finding:
     bound: Literal["", "<=", ">="] = ""
     note: str = ""
     spread: float | None = None
-    within_pct: float | None = None
-    cause: str = ""
+    within: float | None = None
+    why: str = ""
     experiment: str = ""
 
     @property
-    def reproduced(self) -> bool | None:
-        """Whether the published value comes out, too high or too low being the same; ``None`` where that is
-        not claimed either way.
-        """
-        if self.within_pct is None or self.published is None:
+    def holds(self) -> bool | None:
+        """Whether the bound is kept or the value reproduced; ``None`` without a verdict."""
+        if self.published is None or not (self.bound or self.within is not None):
             return None
-        return bool(abs(self.computed - self.published) <= 0.01 * self.within_pct * abs(self.published))
+        if self.bound:
+            return bool(
+                self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
+            )
+        return bool(abs(self.computed - self.published) <= (self.within or 0.0) * abs(self.published))
 
     @property
     def ok(self) -> bool:
-        """Whether what is said of it holds: the bound is kept, the value is reproduced or, with a cause, is
-        not; a figure that could not be formed holds nothing.
-        """
-        if self.published is None:
+        """Whether the figure is as the study says; one that could not be formed is not."""
+        if self.holds is None:
             return True
-        if self.reproduced is not None:
-            return isfinite(self.computed) and self.reproduced != bool(self.cause)
-        if not self.bound:
-            return True
-        return bool(
-            self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
-        )
+        return isfinite(self.computed) and self.holds != bool(self.why)
+
+    @property
+    def verdict(self) -> str:
+        """In words: kept or not, reproduced within how much or not; empty without a verdict."""
+        if self.holds is None or self.published is None:
+            return ""
+        if self.bound:
+            return "kept" if self.holds else "not kept" if self.why else "broken"
+        if not self.holds:
+            return "not reproduced"
+        return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"
 
 
 @dataclass(frozen=True)
@@ -105,7 +111,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every finding is as it is said to be."""
+        """Whether every figure is as the study says."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -138,8 +144,7 @@ class Study:
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
         findings = [
-            {**vars(finding), "reproduced": finding.reproduced, "ok": finding.ok}
-            for finding in report.findings
+            {**vars(finding), "ok": finding.ok, "verdict": finding.verdict} for finding in report.findings
         ]
         head = {
             "study": self.name,

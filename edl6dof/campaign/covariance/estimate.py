@@ -4,11 +4,11 @@ Flight j of a pair and its mirror image give y+ and y-.  Half their difference c
 its mean square is what the sources give linearly, and a part of what is random.  Half their sum does not:
 its covariance is the rest of what is random, and what the sources give in the second order.  The sum of both
 is the covariance of y, without bias for a response that is linear in the sources with anything random beside
-it; the linear part carries no sampling error, as the columns of the design are orthogonal.  The response
+it; what is linear alone has no sampling error, as the columns of the design are orthogonal.  The response
 to one step is averaged over the steps of all others and over what is random: a statistical linearisation,
 which sees a bank reversal come sooner or later in some flights and not a jump in all.
 
-Source: Gelb and Warren, J. Spacecraft 10 (1973) 1026 (statistical linearisation); Box and Hunter,
+Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
 Technometrics 3 (1961) 311 (design by mirror images).
 """
 

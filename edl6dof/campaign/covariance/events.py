@@ -26,6 +26,9 @@ class EventFigures(NamedTuple):
 
 
 EVENTS = {
+    "entry": EventFigures(
+        (), ("peak_load_g0", "peak_dynamic_pressure_pa", "peak_heat_flux_w_cm2", "heat_load_j_cm2")
+    ),
     "parachute": EventFigures(
         ("parachute_downrange_m", "parachute_crossrange_m"),
         (
@@ -37,7 +40,6 @@ EVENTS = {
         ),
     ),
     "trim_wing": EventFigures((), ("trim_wing_s", "trim_wing_mach")),
-    "heat_shield": EventFigures((), ("heat_shield_s",)),
     "backshell": EventFigures((), ("backshell_height_m", "backshell_speed_m_s", "backshell_s")),
     "touchdown": EventFigures(
         ("landing_east_m", "landing_north_m"), ("touchdown_s", "touchdown_vertical_m_s", "propellant_used_kg")

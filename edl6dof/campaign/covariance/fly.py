@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from edl6dof.campaign.covariance.estimate import Pairs, Spread, principal
 from edl6dof.campaign.covariance.events import EventFigures
+from edl6dof.campaign.covariance.flights import figures_of
 from edl6dof.campaign.covariance.signs import design
 from edl6dof.campaign.covariance.sources import Source, cases, sources
 from edl6dof.campaign.design.plan import Plan
-from edl6dof.campaign.executor import Progress, fly_rows
-from edl6dof.campaign.rows import Row
-from edl6dof.config.document.overrides import with_values
-from edl6dof.config.errors import refusal
-from edl6dof.scenario.schema import Scenario, check_document
 
 
 @dataclass(frozen=True)
@@ -55,32 +51,54 @@ class Covariance:
         """Variance that each source apart gives to each figure, shape (sources, figures); what chance alone
         would give is taken off.
         """
-        ends = np.cumsum([source.width for source in self.apart])
-        squared = self.pairs.slopes[: ends[-1]] ** 2 - self.pairs.slope_error**2
-        return np.stack([part.sum(axis=0) for part in np.split(squared, ends[:-1])])
+        squared = self._slopes**2 - self.pairs.slope_error**2
+        return np.stack([part.sum(axis=0) for part in self._by_source(squared)])
+
+    @property
+    def contributions(self) -> list[tuple[str, np.ndarray]]:
+        """Each source apart with the standard deviation that it gives to every figure, signed where it is one
+        parameter; by its share in the position, or in all figures where none is told.
+        """
+        shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
+        if size := len(self.event.position):
+            shares = self.budget[:, :size]
+        parts = self._by_source(self._slopes)
+        values = [part[0] if len(part) == 1 else np.sqrt((part**2).sum(axis=0)) for part in parts]
+        return [(self.apart[k].name, values[k]) for k in np.argsort(-shares.sum(axis=1))]
+
+    @property
+    def rest(self) -> np.ndarray:
+        """Standard deviation of every figure that no source apart gives, shape (figures,)."""
+        return np.sqrt(np.maximum(self.spread.deviation**2 - self.budget.sum(axis=0), 0.0))
+
+    @property
+    def _slopes(self) -> np.ndarray:
+        return self.pairs.slopes[: sum(source.width for source in self.apart)]
+
+    def _by_source(self, rows: np.ndarray) -> list[np.ndarray]:
+        return np.split(rows, np.cumsum([source.width for source in self.apart])[:-1])
 
 
 def fly_covariance(
-    plan: Plan, event: EventFigures, pairs: int, workers: int | None = None, progress: Progress | None = None
+    plan: Plan,
+    event: EventFigures,
+    pairs: int,
+    workers: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Covariance:
-    """Fly at least so many pairs, as many more as the sources need to be told apart.
+    """Fly at least so many pairs, as many more as the sources need to be told apart; ``progress`` is called
+    with the flights done and the flights in all.
 
     Raises:
         ConfigError: the campaign has no covariance, or a flight does not come to the event.
     """
     found = sources(plan)
     apart, together = _told_apart(found, pairs)
-    widths = [sum(source.width for source in some) for some in (apart, together)]
-    steps = design(*widths, pairs, plan.campaign.seed if plan.campaign else 0)
+    columns, more = (sum(source.width for source in some) for some in (apart, together))
+    steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
     flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
-    rows = list(fly_rows(plan.loaded, flown, workers=workers, progress=progress))
-    return Covariance(event, Pairs.of(steps, _figures(rows, event.all, plan.name)), apart, together)
-
-
-def ending_at_deployment(plan: Plan) -> Plan:
-    """The same flights, ended when the parachute is deployed."""
-    document = with_values(plan.loaded.document, {"mission.goal": "deployment"}, Scenario)
-    return replace(plan, loaded=check_document(document))
+    figures = figures_of(plan, flown, event, workers, lambda done, _: progress(done, 2 * len(steps)))
+    return Covariance(event, Pairs.of(steps, figures), apart, together)
 
 
 def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...], tuple[Source, ...]]:
@@ -89,15 +107,3 @@ def _told_apart(found: Sequence[Source], pairs: int) -> tuple[tuple[Source, ...]
         return tuple(found), ()
     single = tuple(source for source in found if not source.is_list)
     return single, tuple(source for source in found if source.is_list)
-
-
-def _figures(rows: Sequence[Row], names: Sequence[str], name: str) -> np.ndarray:
-    """Figures of all flights, shape (flights, figures)."""
-    values = np.array([[row.get(figure, np.nan) for figure in names] for row in rows], dtype=float)
-    if (short := ~np.isfinite(values).all(axis=1)).any():
-        first = int(np.argmax(short))
-        raise refusal(
-            name,
-            f"{short.sum()} of {len(rows)} flights do not come to the event; one: {rows[first]['outcome']}",
-        )
-    return values

@@ -69,11 +69,12 @@ def sources(plan: Plan) -> list[Source]:
     return sorted(found, key=lambda source: source.is_list)
 
 
-def cases(plan: Plan, found: Sequence[Source], steps: np.ndarray, first: int = 0) -> Iterator[Case]:
+def cases(
+    plan: Plan, found: Sequence[Source], steps: np.ndarray, own_profiles: bool = True
+) -> Iterator[Case]:
     """Flights with the rows of ``steps``, shape (flights, width of all sources), in standard deviations.
 
-    Each meets random profiles of its own, which no case of the campaign itself meets, from the ``first`` of
-    these on.
+    Each meets random profiles of its own, or all the same; none that a case of the campaign itself meets.
     """
     ends = np.cumsum([source.width for source in found])[:-1]
     drawn = [
@@ -81,11 +82,12 @@ def cases(plan: Plan, found: Sequence[Source], steps: np.ndarray, first: int = 0
         for source, columns in zip(found, np.split(steps, ends, axis=1), strict=True)
         for pair in source.values(columns)
     ]
+    random = plan.campaign is not None and plan.campaign.profiles
     for index in range(len(steps)):
         truth = {target.path: float(values[index]) for target, values in drawn if target.of == "truth"}
         belief = {target.path: float(values[index]) for target, values in drawn if target.of != "truth"}
-        profile = plan.per_point + first + index if plan.campaign and plan.campaign.profiles else None
-        yield Case(first + index, truth, belief, profile)
+        profile = plan.per_point + index * own_profiles if random else None
+        yield Case(index, truth, belief, profile)
 
 
 def moments(draw: Draw) -> tuple[float, float]:

@@ -6,10 +6,12 @@ bank and Mach number here differ from the truth by the wind.  A second angle of 
 the mean wind that was expected before the flight: they differ by what that leaves, which is what counts where
 the vehicle is to meet the air head on.
 
-Drag and lift are parts of the specific force along body axes, turned by the believed trim angle of attack:
-the vehicle turns its trim towards the air, wherever that comes from, while the planet-relative velocity
-points off it by the wind over the speed.  A projection on that velocity would take so much of the lift for
-drag, at a sign that turns with the bank angle.
+Drag is the part of the specific force along the believed trim: the vehicle turns its trim towards the air,
+wherever that comes from, while the planet-relative velocity points off it by the wind over the speed; a
+projection on that would take so much of the lift for drag, with a sign that turns with the bank angle.  A
+trim that is not the believed one costs as little: lift times the difference.  Lift would lose drag times
+the difference, all that is to be learnt of it: it is the part across the air of the expected wind, and is
+to be filtered for the wind that is not.
 """
 
 from __future__ import annotations
@@ -66,7 +68,7 @@ NAV = np.dtype(
         ("total_alpha", "f8"),
         ("mach", "f8"),
         ("drag", "f8"),  # m/s2: measured, along the air that meets the vehicle at its trim
-        ("lift", "f8"),  # m/s2: likewise, across it in the vehicle's plane, up at zero bank
+        ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
         ("dynamic_pressure", "f8"),
         ("energy", "f8"),
         ("gravity", "f8"),
@@ -158,8 +160,9 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
     density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed
-    alpha = 0.0 if estimate.wing_open != 0 else trim_alpha(vehicle, nav.mach)
-    nav.drag, nav.lift = drag_and_lift(take3(estimate.specific_force_B, 0), alpha)
+    force_B = take3(estimate.specific_force_B, 0)
+    nav.drag, _ = drag_and_lift(force_B, 0.0 if estimate.wing_open != 0 else trim_alpha(vehicle, nav.mach))
+    _, nav.lift = drag_and_lift(force_B, nav.alpha_in_air)
     radius = planet.equatorial_radius
     nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
     nav.gravity = planet.mu / (nav.radius * nav.radius)

@@ -67,7 +67,7 @@ def grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
 def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
     columns = [name for name in (*(c.name for c in CONDITIONS), DISPERSED) if of(rows, condition=name)]
     counts = {name: len(of(rows, condition=name)) // len(names(rows, "law")) for name in columns}
-    lines = [
+    lines: list[tuple[str | float, ...]] = [
         (law, *(quantile(misses(of(rows, law=law, condition=name)), 0.99) for name in columns))
         for law in best_first(rows)
     ]

@@ -51,7 +51,7 @@ def guide(params, plan, onboard, nav, memory, out):
     i, f = at_speed(table, nav.speed)
     out.reference_drag = between(table.drag, i, f)
     by_lift = between(table.by_lift, i, f)
-    if nav.drag < p.start_drag or by_lift < 1.0 or nav.speed <= onboard.guidance.entry.align_speed:
+    if nav.drag < p.start_drag or by_lift < 1.0:
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     climb = nav.speed * sin(nav.flight_path_angle)
     predicted = between(table.range, i, f) + between(table.by_drag, i, f) * (nav.drag - out.reference_drag)

@@ -1,23 +1,24 @@
 """Onboard prediction of the entry, from the navigated state to the parachute.
 
-Flown with the bank profile of the reference shifted by one number, and with level wings where the shared
-steering aligns the heading or levels them.  Steps are taken for a fixed loss of speed, so they are steps of
-energy wherever drag counts.  Source: Lu 2014, "Entry guidance: a unified method", section II (there with
-energy as independent variable); the equations: :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`; left
-out: the time a bank reversal takes.
+Flown with a bank plan, rolled at no more than the vehicle's rate from the bank angle that it has, reversals
+included, and with level wings where the shared steering aligns the heading or levels them.  Steps are taken
+for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014, "Entry
+guidance: a unified method", section II (there with energy as independent variable); the equations:
+:mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.
 """
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, sqrt
+from math import asin, atan2
 
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane, next_corner, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.motion import (
     acceleration,
     fixed_state,
     height_above_ellipsoid,
+    roll,
     step,
 )
-from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, unit
@@ -25,15 +26,14 @@ from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, uni
 SPEED_STEP = 40.0  # m/s lost in one step
 LONGEST_STEP, SHORTEST_STEP = 4.0, 0.05  # s
 MAX_STEPS = 400
+LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 
 
 @kernel
-def predict(onboard, nav, out, shift, lateral):
-    """Fly on from ``nav`` to the parachute with the reference bank profile, its cosine shifted by ``shift``.
+def predict(onboard, nav, out, plan):
+    """Fly on from ``nav`` to the parachute with a bank plan (:mod:`bank_plan`).
 
-    ``lateral`` scales the sideways part of the lift: 0 for a flight in the plane, whose reversals cancel, +1
-    or -1 to bank right or left all the way.  Drag and lift-to-drag ratio are the believed ones times the
-    ratios measured so far, from ``out``.
+    Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``.
 
     Returns:
         downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), both
@@ -43,25 +43,31 @@ def predict(onboard, nav, out, shift, lateral):
     r, v = fixed_state(planet, nav)
     here, target = unit(r), aim_direction(onboard)
     ahead = unit(sub(target, scale(dot(target, here), here)))
-    least, most = cos(entry.bank_max), cos(entry.bank_min)
     steered_above = max(entry.align_speed, entry.heading.speed)
+    bank = abs(nav.bank) if in_plane(plan) else nav.bank
     t, dt = 0.0, 0.0
     r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
+    lift_up, lift_right = 1.0, 0.0
     for _ in range(MAX_STEPS):
-        cos_bank, sin_bank = 1.0, 0.0
-        if speed >= steered_above:
-            cos_bank = clamp(cos(reference_bank(onboard, shift, speed)), least, most)
-            sin_bank = lateral * sqrt(1.0 - cos_bank * cos_bank)
-        a, drag, mach = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, cos_bank, sin_bank)
+        a, drag, mach = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
         end_speed = (
             entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         )
         excess = speed - end_speed
-        if excess <= 0.0 or height_above_ellipsoid(planet, r) < -5000.0:
+        if excess <= 0.0 or height_above_ellipsoid(planet, r) < LOWEST:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
+        slowing = -dot(a, v) / speed
+        corner = next_corner(onboard, plan, speed)
+        if slowing * dt > speed - corner:
+            dt = max((speed - corner) / slowing, SHORTEST_STEP)
+        goal = planned_bank(onboard, plan, speed - 1e-3) if speed > steered_above + 1e-3 else 0.0
+        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
+        if in_plane(plan):
+            lift_right = 0.0
+        a, _, _ = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
         r_old, excess_old = r, excess
-        r, v = step(onboard, out.drag_ratio, out.lift_ratio, r, v, a, cos_bank, sin_bank, dt)
+        r, v = step(onboard, out.drag_ratio, out.lift_ratio, r, v, a, lift_up, lift_right, dt)
         speed = norm(v)
         t += dt
     if excess < 0.0 < excess_old:
