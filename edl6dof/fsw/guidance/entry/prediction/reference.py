@@ -25,7 +25,7 @@ from edl6dof.spatial.vector import clamp
 
 NODES = 256
 #: Standard deviation of the window that the planned drag is smoothed over, s.
-SMOOTHED = 2.0
+SMOOTHED = 1.0
 
 
 class ReferenceBankParams(Params):
