@@ -22,7 +22,7 @@ from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Grid, Report, Study
+from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
 #: More flights than any study needs to settle a mean.
@@ -35,6 +35,7 @@ class StudyOptions:
 
     name: str | None
     runs: int | None
+    only: tuple[str, ...]
     out: Path | None
     force: bool
     quick: bool
@@ -55,17 +56,26 @@ def run_study(options: StudyOptions) -> int:
     if options.runs is not None and (not 1 <= options.runs <= MOST_RUNS or not study.counted):
         reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
         return refuse(f"-n {options.runs}: {reason}")
+    if unknown := sorted(set(options.only) - set(study.parts)):
+        allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
+        return refuse(f"--only {', '.join(unknown)}: must be {allowed}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
     with atomic_folder(target, "study", options.force) as folder:
         with count_runs(study.name, quiet=options.as_json) as progress:
-            report = study.run(runs, progress)
+            report = _flown(study, options.only, runs, progress)
         write_study(study, report, folder)
     if options.as_json:
         print(to_json(study, report), end="")
     else:
         _show(study, report, target)
     return 0 if report.ok else 1
+
+
+def _flown(study: Study, only: tuple[str, ...], runs: int, progress: Progress) -> Report:
+    if only and study.run_parts is not None:
+        return study.run_parts([part for part in study.parts if part in only], runs, progress)
+    return study.run(runs, progress)
 
 
 def _list() -> int:

@@ -4,7 +4,7 @@ row for each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil, isfinite
 from typing import Any, Literal
@@ -127,6 +127,8 @@ class Study:
         runs: how many runs the source publishes.
         quick_runs: how many ``--quick`` flies.
         counted: whether the number of runs can be chosen at all.
+        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        run_parts: flies the chosen parts, as ``run`` flies all.
     """
 
     name: str
@@ -136,6 +138,8 @@ class Study:
     runs: int = 1
     quick_runs: int = 1
     counted: bool = field(default=False)
+    parts: tuple[str, ...] = ()
+    run_parts: Callable[[Sequence[str], int, Progress], Report] | None = None
 
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""

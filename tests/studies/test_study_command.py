@@ -41,8 +41,8 @@ def small(runs, progress):
 SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
 
 
-def options(name, runs=None, out=None, force=False, quick=False, as_json=False):
-    return StudyOptions(name, runs, out, force, quick, as_json)
+def options(name, runs=None, out=None, force=False, quick=False, as_json=False, only=()):
+    return StudyOptions(name, runs, only, out, force, quick, as_json)
 
 
 @pytest.fixture(autouse=True)
@@ -209,3 +209,22 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
     assert lines[4].split() == ["long_name_law", *["12.3"] * 10, "0.12"]
     assert lines[5].split() == ["npc", *["123.5"] * 9, "-", "53.40"]
     assert [len(line) for line in lines[4:]] == [len(lines[4])] * 3
+
+
+def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path, capsys):
+    flown = []
+
+    def of_parts(parts, runs, progress):
+        flown.append(list(parts))
+        return small(runs, progress)
+
+    study = Study("small", "t", "s", small, parts=("a", "b", "c"), run_parts=of_parts)
+    monkeypatch.setitem(STUDIES, "small", study)
+    run_study(options("small", out=tmp_path / "s", only=("c", "a")))
+    assert flown == [["a", "c"]]
+    assert run_study(options("small", out=tmp_path / "t", only=("a", "d"))) == 2
+    assert "--only d: must be one of a, b, c" in capsys.readouterr().err
+    monkeypatch.setitem(STUDIES, "small", SMALL)
+    assert run_study(options("small", out=tmp_path / "t", only=("a",))) == 2
+    assert "--only a: must be left out: this study is one whole" in capsys.readouterr().err
+    assert not (tmp_path / "t").exists()
