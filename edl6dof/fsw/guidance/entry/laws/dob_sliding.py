@@ -22,7 +22,8 @@ from math import acos, cos, exp
 
 import numpy as np
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.as_printed import PrintedParams
+from edl6dof.config.base import param
 from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
@@ -36,7 +37,7 @@ from edl6dof.spatial.vector import clamp
 PAPER = "Zheng & Cui 2015, section 5"
 
 
-class DobSlidingParams(Params):
+class DobSlidingParams(PrintedParams):
     """Sliding mode with linear disturbance observer and virtual saturation state."""
 
     filter_time_s: float = param(
