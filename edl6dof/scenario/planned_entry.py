@@ -4,8 +4,7 @@ A point mass over the rotating ellipsoid in the believed air and the expected wi
 sequencer runs its own mission from the first phase, and its own steering makes the
 commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
 alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
-angle, brings the end to the aim point; where the mission looks for the aim point itself, the speed there to
-the final speed.
+angle, brings the end, at the final speed or Mach number whatever opens the parachute, to the aim point.
 Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.  Left out: the time the
 vehicle takes to follow the commanded bank angle, about 1 s.
 """
@@ -26,7 +25,7 @@ from edl6dof.fsw.guidance.entry.prediction.predictor import aim_direction
 from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED, reference_bank
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.fsw.guidance.update import hold_bank
-from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK, MissionParams
+from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
@@ -74,10 +73,9 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
         the rows of the plan, ``PLANNED``.  Where no bank angle reaches the aim point, those of the nearest.
     """
     record, start = onboard[0], start_of(scenario)
-    miss = _excess_speed(scenario) if _ends_by_range(scenario.mission) else _beyond
     shift = 0.0
     if record["guidance"]["entry"]["reference_bank"]["fit_range"]:
-        shift = _met(lambda value: miss(_flown(record, start, value)), about)
+        shift = _met(lambda value: float(_flown(record, start, value)["beyond"][-1]), about)
     record["reference"]["shift"] = shift
     return _flown(record, start, shift)
 
@@ -93,23 +91,6 @@ def _flown(record: np.void, start: Start, shift: float) -> np.ndarray:
     history = np.zeros(MAX_ROWS, PLANNED)
     count = fly_plan(record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
     return history[:count]
-
-
-def _ends_by_range(mission: MissionParams) -> bool:
-    """Whether the mission watches for the aim point: then it ends there at any speed."""
-    conditions = (c for ways in mission.exits for way in ways for c in way.when)
-    return any(condition.quantity == "downrange_to_go_m" for condition in conditions)
-
-
-def _beyond(rows: np.ndarray) -> float:
-    """How far beyond the aim point a plan ends, m."""
-    return float(rows["beyond"][-1])
-
-
-def _excess_speed(scenario: Scenario) -> Callable[[np.ndarray], float]:
-    """Gives the speed (m/s) at which a plan ends, less the one at which it should."""
-    final = scenario.flight_software.guidance.entry.final_speed_m_s
-    return lambda rows: float(rows["speed"][-1]) - final
 
 
 def _met(miss: Callable[[float], float], about: float | None) -> float:
