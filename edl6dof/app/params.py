@@ -86,7 +86,8 @@ def _lines(members: list[Row], width: int) -> Iterator[tuple[str, str]]:
         )
         if not is_short:
             yield from _paragraph(f"default: {row.default}", width)
-        claim = ": ".join(part for part in (row.status, row.source) if part)
+        source = f"{row.printed} in {row.source}" if row.printed else row.source
+        claim = ": ".join(part for part in (row.status, source) if part)
         kind = "" if row.type == "number" else f"; {row.type}"
         if limits and not is_range:
             kind += f", {limits}"

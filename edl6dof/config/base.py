@@ -7,7 +7,7 @@ that compiled code reads (:mod:`edl6dof.config.dtype`) and the dotted path used 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
@@ -127,6 +127,11 @@ class Params(BaseModel):
         """
         return hash((type(self), *(value for value in vars(self).values() if isinstance(value, _PLAIN))))
 
+    @classmethod
+    def decided_by(cls, key: str) -> Iterable[str]:
+        """Keys whose values follow from the choice that ``key`` makes, until they are given themselves."""
+        return ()
+
     def __init_subclass__(cls, **options: Any) -> None:
         """Bound every number."""
         super().__init_subclass__(**options)
@@ -163,6 +168,7 @@ def param(
     source: str = "",
     record: bool = True,
     factory: Callable[[], Any] | None = None,
+    printed: float | None = None,
     **bounds: Any,
 ) -> Any:
     """Declare one parameter.
@@ -174,9 +180,13 @@ def param(
         source: report, paper or rule behind the default value.
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).
+        printed: the number of ``source``, where the default is this software's (see
+            :mod:`~edl6dof.config.as_printed`).
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
     extra: JsonDict = {"status": status, "source": source, "record": record}
+    if printed is not None:
+        extra["printed"] = printed
     if factory is not None:
         return Field(default_factory=factory, description=meaning, json_schema_extra=extra, **bounds)
     return Field(default, description=meaning, json_schema_extra=extra, **bounds)

@@ -125,9 +125,12 @@ def _has_entries(value: Any) -> bool:
 
 
 def _declared(value: Any, info: FieldInfo | None) -> tuple[str, str]:
-    """Status and source of the declaration, if the value is the declared default."""
-    if info is None or value != info.get_default(call_default_factory=True):
+    """Status and source of the declaration, if the value is the declared default or the printed number."""
+    if info is None or not isinstance(extra := info.json_schema_extra, dict):
         return "", ""
-    if not isinstance(extra := info.json_schema_extra, dict):
+    source = str(extra.get("source", ""))
+    if "printed" in extra and value == extra["printed"]:
+        return "published", source
+    if value != info.get_default(call_default_factory=True):
         return "", ""
-    return str(extra.get("status", "")), str(extra.get("source", ""))
+    return str(extra.get("status", "")), "" if "printed" in extra else source

@@ -24,6 +24,7 @@ class Row(NamedTuple):
     meaning: str
     status: str
     source: str
+    printed: str
 
 
 def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
@@ -71,6 +72,7 @@ def _row(path: str, slot: Slot, info: FieldInfo) -> Row:
         meaning=info.description or "",
         status=str(extra.get("status", "")),
         source=str(extra.get("source", "")),
+        printed=write_flow(extra["printed"]) if "printed" in extra else "",
     )
 
 

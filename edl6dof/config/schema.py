@@ -58,11 +58,15 @@ def _draft7(node: Any) -> Any:
     return changed
 
 
+#: Keywords of a declaration that no schema knows.
+_OWN_WORDS = ("record", "status", "source", "printed")
+
+
 def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
     """A property with unit, status and source in the description, where an editor shows them, and without our
     own keywords.
     """
-    plain = {key: value for key, value in field.items() if key not in ("record", "status", "source")}
+    plain = {key: value for key, value in field.items() if key not in _OWN_WORDS}
     unit = split_unit(name)[1].label
     claim = ", ".join(part for part in (field.get("status"), field.get("source")) if part)
     words = [field.get("description", ""), f"[{unit}]" if unit else "", f"({claim})" if claim else ""]

@@ -4,8 +4,9 @@ row for each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from math import ceil, isfinite
 from typing import Any, Literal
 
 import pyarrow as pa
@@ -30,6 +31,12 @@ class Finding:
         note: what a reader must know to compare them.
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
+        within: largest difference, as a share of the published value, at which it counts as reproduced;
+            ``None`` for a value that is set beside the computed one without a verdict.
+        why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
+            reproduced; it is an error as well if such a figure holds after all.
+        experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
+            together.
     """
 
     label: str
@@ -39,15 +46,38 @@ class Finding:
     bound: Literal["", "<=", ">="] = ""
     note: str = ""
     spread: float | None = None
+    within: float | None = None
+    why: str = ""
+    experiment: str = ""
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether the bound is kept or the value reproduced; ``None`` without a verdict."""
+        if self.published is None or not (self.bound or self.within is not None):
+            return None
+        if self.bound:
+            return bool(
+                self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
+            )
+        return bool(abs(self.computed - self.published) <= (self.within or 0.0) * abs(self.published))
 
     @property
     def ok(self) -> bool:
-        """Whether the bound is kept; a figure that could not be formed does not keep it."""
-        if not self.bound or self.published is None:
+        """Whether the figure is as the study says; one that could not be formed is not."""
+        if self.holds is None:
             return True
-        return bool(
-            self.computed <= self.published if self.bound == "<=" else self.computed >= self.published
-        )
+        return isfinite(self.computed) and self.holds != bool(self.why)
+
+    @property
+    def verdict(self) -> str:
+        """In words: kept or not, reproduced within how much or not; empty without a verdict."""
+        if self.holds is None or self.published is None:
+            return ""
+        if self.bound:
+            return "kept" if self.holds else "not kept" if self.why else "broken"
+        if not self.holds:
+            return "not reproduced"
+        return f"within {max(ceil(100.0 * abs(self.computed / self.published - 1.0)), 1)} %"
 
 
 @dataclass(frozen=True)
@@ -81,7 +111,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """Whether every bound is kept."""
+        """Whether every figure is as the study says."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -97,6 +127,8 @@ class Study:
         runs: how many runs the source publishes.
         quick_runs: how many ``--quick`` flies.
         counted: whether the number of runs can be chosen at all.
+        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        run_parts: flies the chosen parts, as ``run`` flies all.
     """
 
     name: str
@@ -106,10 +138,14 @@ class Study:
     runs: int = 1
     quick_runs: int = 1
     counted: bool = field(default=False)
+    parts: tuple[str, ...] = ()
+    run_parts: Callable[[Sequence[str], int, Progress], Report] | None = None
 
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""
-        findings = [{**vars(finding), "ok": finding.ok} for finding in report.findings]
+        findings = [
+            {**vars(finding), "ok": finding.ok, "verdict": finding.verdict} for finding in report.findings
+        ]
         head = {
             "study": self.name,
             "title": self.title,

@@ -9,6 +9,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
+from edl6dof.config.base import Params
 from edl6dof.config.document.source import INCLUDES, Document, Mark, include
 from edl6dof.config.document.yamltree import Path, parse_yaml
 from edl6dof.config.errors import ConfigError, Problem
@@ -123,6 +124,9 @@ def _set(
     document.marks[path] = mark
     if isinstance(node, dict):
         _drop_foreign(node, parent, parts[-1], value)
+        for name in _decided(parent, parts[-1]).intersection(node):
+            del node[name]
+            _forget(document, (*path[:-1], name))
     node[key] = value
     if len(parts) == 1 and parts[0] in includes and isinstance(value, str):
         include(document, parts[0], value, includes[parts[0]])
@@ -220,6 +224,11 @@ def _drop_foreign(node: dict[str, Any], slot: Slot, key: str, value: Any) -> Non
     if len(kinds) > 1 and len(chosen) == 1:
         for name in [name for name in node if name not in chosen[0].model_fields]:
             del node[name]
+
+
+def _decided(slot: Slot, key: str) -> set[str]:
+    """Keys beside ``key`` whose values follow from its own."""
+    return {name for model in slot.models if issubclass(model, Params) for name in model.decided_by(key)}
 
 
 def _forget(document: Document, path: Path) -> None:

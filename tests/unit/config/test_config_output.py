@@ -69,7 +69,16 @@ def test_an_overridden_value_loses_the_mark_of_the_file():
 def test_the_reference_lists_every_parameter_with_unit_bounds_and_claim():
     table = {row.path: row for row in rows(Toy)}
     fuel = table["vehicle.mass.fuel_fraction"]
-    assert fuel[1:] == ("number", "", ">= 0 and <= 1", "0.25", "fuel over mass", "published", "S1 table 2")
+    assert fuel[1:] == (
+        "number",
+        "",
+        ">= 0 and <= 1",
+        "0.25",
+        "fuel over mass",
+        "published",
+        "S1 table 2",
+        "",
+    )
     assert table["vehicle.mass.entry_mass_kg"][2:5] == ("kg", "> 0 and <= 1e+09", "required")
     assert table["vehicle.rcs.thrusters[]"].bounds == "at most 3 entries"
     assert table["vehicle.rcs.thrusters[].position_m"].type == "list of 3 numbers"

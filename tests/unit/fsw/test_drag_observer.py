@@ -38,7 +38,7 @@ def test_steady_perturbation_is_found_without_error():
     for k in range(60):
         t = 10.0 + k * dt
         drag = 20.0 + 1.5 * t + 0.5 * (b + 0.4 * a + phi) * t * t
-        observe(memory, 0.1, t, drag, a, b, 0.4)
+        observe(memory, 0.1, drag, t, drag, a, b, 0.4)
     assert memory["drag"] == pytest.approx(drag, abs=1e-7)
     assert memory["rate"] == pytest.approx(1.5 + (b + 0.4 * a + phi) * t, abs=1e-6)
     assert memory["phi"] == pytest.approx(phi, abs=1e-4)
@@ -80,14 +80,13 @@ def test_estimates_converge_within_0_6_s_from_a_wrong_start(lift_to_drag, densit
     bank = radians(60.0)
     flown, drag_at, rate_at = entry(lift_to_drag, density, bank)
     memory = np.zeros(1, OBSERVER)[0]
-    memory["started"], memory["drag"] = 1, 0.8 * drag_at(0.0)
     largest = max(abs(rate_at(t)) for t in np.arange(0.5, 59.0, 0.5))
-    for k in range(1, 500):
+    for k in range(500):
         t = 0.1 * k
         r, v, gamma = flown(t)
         drag = float(drag_at(t))
         _, a, b = drag_dynamics(drag, v, gamma, r, MU / r**2, LIFT_TO_DRAG * drag, SCALE_HEIGHT)
-        observe(memory, 0.1, t, drag, a, b, cos(bank))
+        observe(memory, 0.1, 0.8 * drag, t, drag, a, b, cos(bank))
         if t >= 0.6:
             assert memory["drag"] == pytest.approx(drag, rel=0.01)
             assert memory["rate"] == pytest.approx(rate_at(t), abs=0.02 * largest)
@@ -95,10 +94,10 @@ def test_estimates_converge_within_0_6_s_from_a_wrong_start(lift_to_drag, densit
 
 def test_a_long_gap_starts_afresh_and_a_repeated_call_changes_nothing():
     memory = np.zeros(1, OBSERVER)[0]
-    observe(memory, 0.1, 1.0, 10.0, -0.1, 0.2, 0.5)
+    observe(memory, 0.1, 10.0, 1.0, 10.0, -0.1, 0.2, 0.5)
     assert (memory["drag"], memory["rate"], memory["phi"]) == (10.0, 0.0, 0.0)
     before = memory.copy()
-    observe(memory, 0.1, 1.0, 11.0, -0.1, 0.2, 0.5)
+    observe(memory, 0.1, 11.0, 1.0, 11.0, -0.1, 0.2, 0.5)
     assert memory == before
-    observe(memory, 0.1, 1.0 + 1.1 * MEMORY_S, 50.0, -0.1, 0.2, 0.5)
+    observe(memory, 0.1, 50.0, 1.0 + 1.1 * MEMORY_S, 50.0, -0.1, 0.2, 0.5)
     assert (memory["drag"], memory["rate"], memory["phi"]) == (50.0, 0.0, 0.0)

@@ -20,6 +20,7 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
     believed_aero,
     mach_nodes,
 )
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
 
@@ -30,7 +31,7 @@ def out_record(drag_ratio=1.0, lift_ratio=1.0):
     return out
 
 
-def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
+def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg, bank_deg=0.0):
     nav = np.zeros(1, NAV)[0]
     nav["latitude"], nav["longitude"], nav["altitude"] = (
         radians(latitude_deg),
@@ -39,17 +40,18 @@ def state(latitude_deg, longitude_deg, altitude, speed, gamma_deg, azimuth_deg):
     )
     gamma, psi = radians(gamma_deg), radians(azimuth_deg)
     nav["v_N"] = speed * np.array([cos(gamma) * cos(psi), cos(gamma) * sin(psi), -sin(gamma)])
-    nav["speed"] = speed
+    nav["speed"], nav["bank"] = speed, radians(bank_deg)
     return nav
 
 
 @pytest.fixture
 def sphere(onboard):
-    """A spherical planet, for which geodetic and geocentric agree, one airframe for all Mach numbers, no trim
-    wing.
+    """A spherical planet, for which geodetic and geocentric agree, in still air, one airframe for all Mach
+    numbers, no trim wing.
     """
     record = onboard[0]
-    record["planet"]["flattening"] = 0.0
+    record["planet"]["flattening"] = record["planet"]["j2"] = 0.0
+    record["atmosphere"]["wind_north"] = record["atmosphere"]["wind_east"] = 0.0
     for name in ("drag", "lift", "drag_with_wing"):
         record["vehicle"]["airframe"][name] = 1.0
     record["vehicle"]["airframe"]["wing_mach"] = 0.0
@@ -60,6 +62,7 @@ def sphere(onboard):
         0.0,
         radians(120.0),
     )
+    entry["bank_rate"] = radians(1e4)  # Vinh's equations bank at once
     return record
 
 
@@ -134,9 +137,11 @@ def point(lat, lon):
     ],
 )
 def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side, drag_ratio, lift_ratio):
-    nav = state(*start)
+    nav = state(*start, bank_deg=degrees(acos(cos_bank)) * (side if side else 1.0))
     shift = cos_bank - cos(sphere["guidance"]["entry"]["reference_bank"]["fast_bank"])
-    down, cross, altitude, time = predict(sphere, nav, out_record(drag_ratio, lift_ratio), shift, side)
+    down, cross, altitude, time = predict(
+        sphere, nav, out_record(drag_ratio, lift_ratio), shifted(shift, side, 0.0, 0.0)
+    )
     lat, lon, expected_altitude, expected_time = vinh(sphere, nav, cos_bank, side, drag_ratio, lift_ratio)
     here, there = point(nav["latitude"], nav["longitude"]), point(lat, lon)
     target = point(sphere["site"]["aim_latitude"], sphere["site"]["aim_longitude"])
@@ -153,9 +158,9 @@ def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side
 def test_prediction_to_a_mach_number_ends_at_it(sphere):
     """At Mach 1.8 of the believed air instead of 420 m/s: later by the speed still to be lost, and lower."""
     nav = state(26.0, 110.0, 20e3, 1500.0, -14.0, 181.0)
-    *_, altitude, time = predict(sphere, nav, out_record(), 0.5, 0.0)
+    *_, altitude, time = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
     sphere["guidance"]["entry"]["final_mach"] = 1.8
-    *_, lower, later = predict(sphere, nav, out_record(), 0.5, 0.0)
+    *_, lower, later = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
     air = sphere["atmosphere"]
     sound = np.interp(
         lower, air["bottom"] + air["spacing"] * np.arange(len(air["speed_of_sound"])), air["speed_of_sound"]
@@ -262,13 +267,15 @@ def test_believed_airframe_is_what_the_rigid_body_trims_to(nominal, shared_onboa
 def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     record = onboard[0]
     memory, nav = np.zeros(1, AIR_DATA)[0], np.zeros(1, NAV)[0]
-    nav["altitude"], nav["speed"], nav["mach"] = 30e3, 3500.0, 15.0
+    nav["altitude"], nav["mach"] = 30e3, 15.0
     air, vehicle = record["atmosphere"], record["vehicle"]
+    air["wind_north"], air["wind_east"] = -50.0, 20.0
+    nav["v_N"] = (2000.0 - 50.0, 2500.0 + 20.0, 0.0)  # through the air that is expected: 2000, 2500 m/s
     density = exp(
         np.interp(30e3, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"])
     )
     area, ratio = believed_aero(vehicle, 15.0)
-    drag = 1.2 * 0.5 * density * 3500.0**2 * area / vehicle["entry_mass"]
+    drag = 1.2 * 0.5 * density * (2000.0**2 + 2500.0**2) * area / vehicle["entry_mass"]
     nav["drag"], nav["lift"] = drag, 0.8 * ratio * drag
     tau, dt = record["guidance"]["entry"]["air_data"]["time_constant"], 0.2
     measure_air(record, nav, memory)

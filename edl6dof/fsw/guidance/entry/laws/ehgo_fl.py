@@ -8,11 +8,11 @@ Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
 
 Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.observers.drag_observer` and
 :mod:`~edl6dof.fsw.guidance.entry.laws.fl`; b^ is taken at the measured drag with the drag rate that the model
-gives there; the difference is part of phi.  The printed time scale and gains suit a point mass in an
-exponential atmosphere.  In air with density waves phi is many times what the bank angle can do, and a rigid
-body's angle
-of attack oscillates: the defaults are slower, lean less on the estimated rate, and phi^ is limited before it
-is cancelled, which is where Freidovich & Khalil 2008 saturate against peaking.
+gives there; the difference is part of phi.  The printed time scale and gains (``settings: as_printed``) suit
+a point mass in an exponential atmosphere.  In air with density waves phi is many times what the bank angle
+can do, and a rigid body's angle of attack oscillates: the defaults are slower, lean less on the estimated
+rate, and phi^ is limited before it is cancelled, which is where Freidovich & Khalil 2008 saturate against
+peaking.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from math import cos
 
 import numpy as np
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.as_printed import PrintedParams
+from edl6dof.config.base import group, param
+from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.observers.drag_observer import OBSERVER, observe
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
@@ -33,14 +35,26 @@ from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
 
 
-class EhgoFlParams(Params):
+class EhgoFlParams(PrintedParams):
     """Extended high-gain observer with feedback linearisation."""
 
-    error_gain: float = param(0.01, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
-    rate_gain: float = param(0.07, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
-    epsilon_s: float = param(2.0, "time scale of the observer error; 0.1 in the paper", gt=0.0, le=100.0)
+    error_gain: float = param(
+        0.01, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
+    )
+    rate_gain: float = param(0.07, "gain on its rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
+    epsilon_s: float = param(
+        2.0, "time scale of the observer error", printed=0.1, source=PAPER, gt=0.0, le=100.0
+    )
     share: float = param(
-        0.3, "largest phi^ that is cancelled, as a share of what the bank angle can do", ge=0.0, le=100.0
+        0.3,
+        "largest phi^ that is cancelled, as a share of what the bank angle can do; the largest is no limit",
+        printed=100.0,
+        source=PAPER,
+        ge=0.0,
+        le=100.0,
+    )
+    start_share: float = param(
+        1.0, "drag that the observer starts from, as a share of the measured drag", ge=0.0, le=10.0
     )
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
@@ -59,7 +73,7 @@ def guide(params, plan, onboard, nav, memory, out):
     _, a, b = drag_dynamics(
         nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
     )
-    observe(observer, p.epsilon, nav.t, nav.drag, a, b, cos(nav.bank))
+    observe(observer, p.epsilon, p.start_share * nav.drag, nav.t, nav.drag, a, b, cos(nav.bank))
     drag, rate = observer.drag, observer.rate
     out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, observer.phi
     goal, goal_rate, goal_acceleration = polynomial_goal(

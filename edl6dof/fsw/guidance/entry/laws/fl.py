@@ -4,14 +4,16 @@ Drag rate comes from the analytic expression with the measured drag; D'' = b + a
 the believed L/D and scale height.  Source: Wu, Cui & Cui 2013, section 3.3, eqs. 16-19.
 
 Differences from the print: K = [0.4 0.04] belongs to [rate, error], not to [error, rate]: as printed the
-error would oscillate with 3 % of critical damping.
+error would oscillate with 3 % of critical damping.  ``settings: as_printed`` has the two this way round; the
+defaults are slower, for a rigid body.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.config.base import Params, group, param
+from edl6dof.config.as_printed import PrintedParams
+from edl6dof.config.base import group, param
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
@@ -20,12 +22,16 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
+PAPER = "Wu, Cui & Cui 2013, section 5"
 
-class FlParams(Params):
+
+class FlParams(PrintedParams):
     """Feedback linearisation of the drag."""
 
-    error_gain: float = param(0.0064, "gain on the drag error, 1/s2; 0.04 in the paper", gt=0.0, le=10.0)
-    rate_gain: float = param(0.144, "gain on its rate, 1/s; 0.4 in the paper", gt=0.0, le=10.0)
+    error_gain: float = param(
+        0.0064, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
+    )
+    rate_gain: float = param(0.144, "gain on its rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 

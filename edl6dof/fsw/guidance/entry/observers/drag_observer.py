@@ -49,8 +49,9 @@ def observer_gains(epsilon, dt):
 
 
 @kernel
-def observe(memory, epsilon, t, drag, a, b, u):
-    """Bring the estimates to time ``t`` with the measured ``drag`` (m/s2); ``memory`` is an ``OBSERVER``.
+def observe(memory, epsilon, start, t, drag, a, b, u):
+    """Bring the estimates to time ``t`` with the measured ``drag`` (m/s2); ``memory`` is an ``OBSERVER``,
+    ``start`` the drag (m/s2) that it starts from.
 
     ``a`` and ``b`` are those of the drag dynamics now, ``u`` is the cosine of the bank angle flown since the
     last sample.  The model
@@ -59,7 +60,7 @@ def observe(memory, epsilon, t, drag, a, b, u):
     """
     dt = t - memory.t
     if memory.started == 0 or dt > MEMORY_S:
-        memory.drag, memory.rate, memory.phi = drag, 0.0, 0.0
+        memory.drag, memory.rate, memory.phi = start, 0.0, 0.0
     elif dt > 0.0:
         acceleration = memory.phi + 0.5 * (memory.b + b + (memory.a + a) * u)
         ahead = memory.drag + dt * (memory.rate + 0.5 * dt * acceleration)

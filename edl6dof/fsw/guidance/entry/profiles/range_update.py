@@ -68,12 +68,12 @@ def range_scale(reference, energy_speed, wanted, scale, limit):
             f = shape((u * u - first2) * per_span)
             g = 1.0 + scale * f
             weight = 0.5 if i == 0 or i == last else 1.0
-            share = weight * reference.cos_path[i] * u / (reference.drag[i] * g * g)
+            share = weight * reference.ground[i] * u / (reference.drag[i] * g * g)
             piece = share * g
             total += piece
             slope -= share * f
         # the piece between the last node and the present energy, by the trapezoid
-        end = reference.cos_path[last] * energy_speed / (here * (1.0 + scale * shape(1.0)))
+        end = reference.ground[last] * energy_speed / (here * (1.0 + scale * shape(1.0)))
         total = total * reference.spacing + 0.5 * edge * (2.0 * piece + end)
         before = scale
         scale = clamp(scale - (total - wanted) / (slope * reference.spacing), -limit, limit)
