@@ -19,6 +19,7 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
+    "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.belief": {"lift"},
     "edl6dof.scenario.believed_aero": {"lift"},
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
