@@ -77,17 +77,18 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
     miss = _excess_speed(scenario) if _ends_by_range(scenario.mission) else _beyond
     shift = 0.0
     if record["guidance"]["entry"]["reference_bank"]["fit_range"]:
-        shift = _met(lambda value: miss(_flown(record, start, value)), about)
+        shift = _met(lambda value: miss(fly_shifted(record, start, value)), about)
     record["reference"]["shift"] = shift
-    return _flown(record, start, shift)
+    return fly_shifted(record, start, shift)
 
 
 def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
     """Rows of the plan, ``PLANNED``, whose shift stands in ``onboard[0]["reference"]``."""
-    return _flown(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
+    return fly_shifted(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
 
 
-def _flown(record: np.void, start: Start, shift: float) -> np.ndarray:
+def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
+    """Rows, ``PLANNED``, of the open-loop profile of an onboard record with its cosine shifted."""
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)

@@ -34,9 +34,9 @@ RAISED_M = 3000.0
 #: With it, a three-segment bank profile that ends range control at 136 s ends at the printed height.
 DENSER_AIR = {
     "atmosphere.exponential.density_kg_m3": 0.0158 * exp(RAISED_M / 9354.0),
-    f"{ENTRY}.reference_bank.fast_bank_deg": 65.0,
-    f"{ENTRY}.reference_bank.fast_speed_m_s": 3000.0,
-    f"{ENTRY}.reference_bank.slow_bank_deg": 45.0,
+    f"{ENTRY}.reference_bank.points.0.bank_deg": 45.0,
+    f"{ENTRY}.reference_bank.points.1.at": 3000.0,
+    f"{ENTRY}.reference_bank.points.1.bank_deg": 65.0,
     "terrain.site_longitude_deg": 10.8196,
 }
 #: Half width (m) of the bank-reversal dead band at zero velocity, which is not printed: chosen for the RMS
