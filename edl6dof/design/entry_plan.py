@@ -46,7 +46,7 @@ class Plan:
     dynamic_pressure_pa: float
     reserve_deg: float
     bank_slope_deg_s: float
-    misses_m: tuple[float, float, float]
+    misses_m: tuple[float, ...]
 
     @property
     def dispersion_m(self) -> float:
@@ -102,8 +102,8 @@ def _steeper(start: Start) -> Start:
     across = np.cross(r, v)
     across /= np.linalg.norm(across)
     angle = radians(ANGLE_DEG)
-    turned = v * cos(angle) + np.cross(across, v) * sin(angle)
-    return (*start[:3], *(float(x) for x in turned))
+    x, y, z = v * cos(angle) + np.cross(across, v) * sin(angle)
+    return start[0], start[1], start[2], float(x), float(y), float(z)
 
 
 def _heat_rate(record: np.void, rows: np.ndarray) -> float:

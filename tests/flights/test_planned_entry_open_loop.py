@@ -1,5 +1,5 @@
-"""The planned entry flown open loop: its bank angles over speed, with its reversals, by the rigid body on perfect
-sensors.
+"""The planned entry flown open loop: its bank angles over speed, with its reversals, by the rigid body on
+perfect sensors.
 """
 
 import json
@@ -15,7 +15,7 @@ from edl6dof.scenario.schema import load_scenario
 
 ENTRY = "flight_software.guidance.entry"
 #: The air of the day as the climate has it, which is all that is known before the flight.
-BELIEVED_AIR = 'truth={"atmosphere.seasonal.surface_pressure_factor": 1.0, "atmosphere.seasonal.temperature_bias_k": 0.0}'
+BELIEVED_AIR = "truth={atmosphere.seasonal: {surface_pressure_factor: 1.0, temperature_bias_k: 0.0}}"
 
 
 def open_loop(name, *overrides):
