@@ -75,17 +75,18 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
     record, start = onboard[0], start_of(scenario)
     shift = 0.0
     if record["guidance"]["entry"]["reference_bank"]["fit_range"]:
-        shift = _met(lambda value: float(_flown(record, start, value)["beyond"][-1]), about)
+        shift = _met(lambda value: float(fly_shifted(record, start, value)["beyond"][-1]), about)
     record["reference"]["shift"] = shift
-    return _flown(record, start, shift)
+    return fly_shifted(record, start, shift)
 
 
 def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
     """Rows of the plan, ``PLANNED``, whose shift stands in ``onboard[0]["reference"]``."""
-    return _flown(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
+    return fly_shifted(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
 
 
-def _flown(record: np.void, start: Start, shift: float) -> np.ndarray:
+def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
+    """Rows, ``PLANNED``, of the open-loop profile of an onboard record with its cosine shifted."""
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)

@@ -28,7 +28,7 @@ from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 
 SCENARIO = "msl"
 ENTRY = "flight_software.guidance.entry"
-_BANK_80_30 = f"{ENTRY}.reference_bank={{fast_bank_deg: 80, slow_bank_deg: 30}}"
+_BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
 
 
 class Change(NamedTuple):

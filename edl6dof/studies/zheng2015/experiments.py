@@ -33,9 +33,9 @@ DENSER = 1.378
 #: With it, a three-segment bank profile that ends range control at 136 s ends at the printed height.
 DENSER_AIR = {
     DENSITY: DENSER,
-    f"{ENTRY}.reference_bank.fast_bank_deg": 65.0,
-    f"{ENTRY}.reference_bank.fast_speed_m_s": 3000.0,
-    f"{ENTRY}.reference_bank.slow_bank_deg": 45.0,
+    f"{ENTRY}.reference_bank.points.0.bank_deg": 45.0,
+    f"{ENTRY}.reference_bank.points.1.at": 3000.0,
+    f"{ENTRY}.reference_bank.points.1.bank_deg": 65.0,
     "terrain.site_longitude_deg": 10.8196,
 }
 #: Half width (m) of the bank-reversal dead band at zero velocity, which is not printed: chosen for the RMS

@@ -139,7 +139,7 @@ def point(lat, lon):
 )
 def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side, drag_ratio, lift_ratio):
     nav = state(*start, bank_deg=degrees(acos(cos_bank)) * (side if side else 1.0))
-    shift = cos_bank - cos(sphere["guidance"]["entry"]["reference_bank"]["fast_bank"])
+    shift = cos_bank - cos(sphere["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
     down, cross, altitude, time = predict(
         sphere, nav, out_record(drag_ratio, lift_ratio), shifted(shift, side, 0.0, 0.0)
     )
