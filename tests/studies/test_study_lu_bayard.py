@@ -116,7 +116,9 @@ def remainder(setting, errors, u):
 
 @pytest.mark.parametrize("name", ["density +-5 %", "head wind 30 m/s", "lift 10 % low", "all three"])
 def test_given_errors_make_the_disturbance_that_the_drag_shows(setting, name):
-    """w against D'' of an integrated flight less eq. 12, which without errors lacks what g loses with height."""
+    """w against D'' of an integrated flight less eq. 12, which without errors lacks what g loses with
+    height.
+    """
     shown, w = remainder(setting, trials.ERRORS[name], 0.1)
     still, nothing = remainder(setting, free_lift.Errors(), 0.1)
     assert nothing == 0.0 and abs(w) > 1e-4

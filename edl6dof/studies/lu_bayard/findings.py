@@ -21,7 +21,7 @@ def trial_grid(trials: tuple[Trial, ...]) -> Grid:
     """Ratios: a row for settings and errors, a column for what steers."""
     ways = (FREE, LIMITED, *BANKS)
     ratio = {(trial.settings, trial.errors, trial.steering): trial.ratio for trial in trials}
-    rows = tuple(
+    rows: tuple[tuple[str | float, ...], ...] = tuple(
         (f"{settings}, {errors}", *(ratio[settings, errors, way] for way in ways))
         for settings in SETTINGS
         for errors in ERRORS

@@ -84,7 +84,8 @@ def fly_free(
     """
     memory = np.zeros(1, MEMORY)[0]
     begin(_law(setting), memory)
-    state, u, rows = _start(setting, errors), 0.0, []
+    state, u = _start(setting, errors), 0.0
+    rows: list[tuple[float, ...]] = []
     final = float(setting.onboard[0]["plan"]["adaptive_hinf"]["final"])
     while state[1] > final and len(rows) < MOST_ROWS:
         drag, rate = _measured(setting, errors, state)
