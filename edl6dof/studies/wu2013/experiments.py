@@ -82,6 +82,8 @@ _AS_IN_THE_PRINT = {
     f"{ENTRY}.ehgo_fl.epsilon_s": 0.1,
     f"{ENTRY}.ehgo_fl.share": 100.0,
 }
+#: Memory (s) of the measured drag, none in the paper.
+_FILTER = "flight_software.navigation.drag_filter.time_constant_s"
 _KEPT = {f"{ENTRY}.tracking.update": False}
 _WITH_ERRORS = {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 
@@ -98,7 +100,7 @@ MODEL_DRAG = Experiment(
 NAVIGATED = Experiment("as printed, with errors of navigation", _WITH_ERRORS, _navigation, share=0.1)
 FLOWN = Experiment(
     "flown: this software's settings, with errors of navigation",
-    {**_WITH_ERRORS, **_for_both(settings="flown")},
+    {**_WITH_ERRORS, **_for_both(settings="flown"), _FILTER: 1.0},
     _navigation,
     share=0.1,
 )

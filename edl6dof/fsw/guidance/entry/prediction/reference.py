@@ -160,10 +160,13 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
 
 
 def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Logarithm-weighted means of positive ``values`` over a normal window of ``SMOOTHED`` seconds."""
+    """Logarithm-weighted means of positive ``values`` over a window of ``SMOOTHED`` seconds that leaves a
+    parabola, and so the peak of drag, as it is: a normal one times 1.5 - 0.5 x^2.
+    """
     even = np.arange(t[0], t[-1], t[1] - t[0])
     reach = int(4.0 * SMOOTHED / (t[1] - t[0]))
-    window = np.exp(-0.5 * (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2)
+    x2 = (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2
+    window = np.exp(-0.5 * x2) * (1.5 - 0.5 * x2)
     logs = np.pad(
         np.interp(even, t, np.log(np.maximum(values, 1e-12))), reach, mode="reflect", reflect_type="odd"
     )
