@@ -83,11 +83,17 @@ def _keep_code(compiled: Dispatcher) -> None:
     kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
 
 
-#: Files outside the package whose kernels the families of this process call (see :mod:`edl6dof.plugins`); set
-#: before any is built.
-outside_sources: list[str] = []
-#: Whoever imports this file may call a member of a family.
-_FAMILIES = str(PACKAGE / "registry.py")
+#: Files outside the package whose kernels a family of this process calls (see :mod:`edl6dof.plugins`), each
+#: with the file of the package that makes the family; set before any is built.
+outside_sources: dict[str, str] = {}
+
+
+def called_from(path: str) -> list[str]:
+    """The files outside the package whose kernels may be called from ``path``: it imports their family."""
+    if not outside_sources:
+        return []
+    reached = TREE.reached(path)
+    return sorted(file for file, family in outside_sources.items() if family in reached)
 
 
 #: Folders for machine code that could be written to.
@@ -115,12 +121,9 @@ class _TreeStamp:
         do not displace each other.
         """
         folder: str = super().get_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
-        if not outside_sources or _FAMILIES not in TREE.reached(str(Path(self._py_file).resolve())):
+        if not (called := called_from(str(Path(self._py_file).resolve()))):
             return folder
-        return str(
-            Path(folder)
-            / f"plugins-{hashlib.sha256(repr(sorted(outside_sources)).encode()).hexdigest()[:12]}"
-        )
+        return str(Path(folder) / f"plugins-{hashlib.sha256(repr(called).encode()).hexdigest()[:12]}")
 
 
 class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):
@@ -186,8 +189,7 @@ def tree_stamp(file: str) -> str:
     these import.
     """
     path = str(Path(file).resolve())
-    calls_members = _FAMILIES in TREE.reached(path)
-    stamp = TREE.stamp([path, *(outside_sources if calls_members else [])])
+    stamp = TREE.stamp([path, *called_from(path)])
     return hashlib.sha256(f"{stamp} boundscheck={SETTINGS.BOUNDSCHECK}".encode()).hexdigest()
 
 

@@ -18,13 +18,14 @@ results loads none.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.util
 import inspect
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from edl6dof.config.accepted import accept, is_accepted
 from edl6dof.config.base import stated
@@ -32,54 +33,82 @@ from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.plugin_scan import VARIABLE, files_from_environment, files_naming_plugins, is_result
-from edl6dof.jit import outside_sources
+from edl6dof.jit import PACKAGE, outside_sources
 from edl6dof.registry import Member, is_built, join
 
-#: What FAMILY may say: the family's title, and for each role of a member its kernel's arguments.
-FAMILIES: dict[str, tuple[str, dict[str, tuple[str, ...]]]] = {
-    "entry_law": (
+
+class Place(NamedTuple):
+    """A family that a plugin may join: its title, the file that makes it, and for each role of a member its
+    kernel's arguments.
+    """
+
+    title: str
+    file: str
+    roles: dict[str, tuple[str, ...]]
+
+
+#: What FAMILY may say.
+FAMILIES: dict[str, Place] = {
+    "entry_law": Place(
         "entry guidance law",
+        "fsw/guidance/entry/registry.py",
         {"guide": ("params", "plan", "onboard", "nav", "memory", "out")},
     ),
-    "reversal": (
+    "reversal": Place(
         "bank-reversal logic",
+        "fsw/guidance/entry/reversal/registry.py",
         {"side": ("params", "onboard", "nav", "memory", "out", "wanted", "sign")},
     ),
-    "powered_law": ("powered guidance law", {"guide": ("params", "vehicle", "nav", "memory", "out")}),
-    "controller": (
+    "powered_law": Place(
+        "powered guidance law",
+        "fsw/guidance/powered/registry.py",
+        {"guide": ("params", "vehicle", "nav", "memory", "out")},
+    ),
+    "controller": Place(
         "attitude controller",
+        "fsw/control/registry.py",
         {"control": ("params", "nav", "goal", "inputs", "dt", "memory")},
     ),
-    "estimator": ("disturbance estimator", {"estimate": ("params", "measured", "dt", "memory", "out")}),
-    "distribution": ("distribution", {}),
-    "atmosphere": ("atmosphere", {"air": ("atm", "gas", "table", "alt")}),
-    "engine_model": (
+    "estimator": Place(
+        "disturbance estimator",
+        "fsw/estimation/registry.py",
+        {"estimate": ("params", "measured", "dt", "memory", "out")},
+    ),
+    "distribution": Place("distribution", "campaign/design/distributions/registry.py", {}),
+    "atmosphere": Place(
+        "atmosphere", "environment/atmospheres/registry.py", {"air": ("atm", "gas", "table", "alt")}
+    ),
+    "engine_model": Place(
         "engine model",
+        "vehicle/propulsion/engine_models/registry.py",
         {
             "goal": ("params", "engine", "t", "step", "command"),
             "rate": ("params", "engine", "goal", "thrust", "starting"),
             "specific_impulse": ("params", "engine", "thrust"),
         },
     ),
-    "parachute_model": (
+    "parachute_model": Place(
         "parachute model",
+        "vehicle/parachutes/models/registry.py",
         {
             "inflation": ("params", "chute", "since_line_stretch"),
             "efficiency": ("params", "chute", "mach"),
         },
     ),
-    "sensor": (
+    "sensor": Place(
         "sensor",
+        "sensors/registry.py",
         {"measure": ("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed")},
     ),
-    "navigation_filter": (
+    "navigation_filter": Place(
         "navigation filter",
+        "fsw/navigation/filters/registry.py",
         {
             "start": ("params", "onboard", "sensed", "solution", "memory"),
             "correct": ("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
         },
     ),
-    "wind": ("mean wind", {"mean": ("wind", "table", "alt")}),
+    "wind": Place("mean wind", "environment/winds/registry.py", {"mean": ("wind", "table", "alt")}),
 }
 
 _ASK = (
@@ -108,7 +137,9 @@ def activate(scenarios: Iterable[str | Path], trust: bool = False) -> None:
         if path not in ACTIVE
     }
     accept(path for path in new if path in named)
-    outside_sources.extend(str(path) for path in new if path.is_file())
+    for path in new:
+        if place := FAMILIES.get(said_family(path)):
+            outside_sources[str(path)] = str(PACKAGE / place.file)
     for path, document in new.items():
         _load(path, document)
 
@@ -177,12 +208,12 @@ def _load(path: Path, document: Document | None) -> None:
     if path.suffix != ".py":
         raise _problem(path, document, "must be a Python file (.py)")
     module = _imported(path, document)
-    key, member = getattr(module, "FAMILY", None), getattr(module, "MEMBER", None)
+    key, member = said_family(path), getattr(module, "MEMBER", None)
     if key not in FAMILIES:
         raise _problem(path, document, f"must say FAMILY = one of {', '.join(FAMILIES)} (got {key!r})")
     if not isinstance(member, Member):
         raise _problem(path, document, f"must define MEMBER = Member(...) (got {type(member).__name__})")
-    title, roles = FAMILIES[key]
+    title, _, roles = FAMILIES[key]
     if complaint := _complaint(member, roles):
         raise _problem(path, document, complaint)
     if is_built(title):
@@ -194,10 +225,23 @@ def _load(path: Path, document: Document | None) -> None:
                 "it, perhaps by what it imports itself"
             ),
         )
-    if any(title == FAMILIES[other][0] and member.name == one.name for other, one in ACTIVE.values()):
+    if any(title == FAMILIES[other].title and member.name == one.name for other, one in ACTIVE.values()):
         raise _problem(path, document, f"brings a second {title} called {member.name!r}")
     join(title, member)
     ACTIVE[path] = (key, member)
+
+
+def said_family(path: Path) -> str:
+    """The FAMILY of a plugin file as it stands there, read before anything of it runs; empty for none."""
+    try:
+        statements = ast.parse(path.read_bytes()).body
+    except (OSError, SyntaxError, ValueError):
+        return ""
+    for statement in statements:
+        match statement:
+            case ast.Assign(targets=[ast.Name(id="FAMILY")], value=ast.Constant(value=str(said))):
+                return said
+    return ""
 
 
 def _imported(path: Path, document: Document | None) -> Any:

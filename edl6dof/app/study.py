@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from math import floor, isfinite, log10
 from pathlib import Path
 from statistics import median
@@ -21,7 +22,7 @@ from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
-from edl6dof.studies.study import Finding, Grid, Report, Study
+from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 from edl6dof.studies.write import to_json, write_study
 
 #: More flights than any study needs to settle a mean.
@@ -34,6 +35,7 @@ class StudyOptions:
 
     name: str | None
     runs: int | None
+    only: tuple[str, ...]
     out: Path | None
     force: bool
     quick: bool
@@ -54,17 +56,26 @@ def run_study(options: StudyOptions) -> int:
     if options.runs is not None and (not 1 <= options.runs <= MOST_RUNS or not study.counted):
         reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
         return refuse(f"-n {options.runs}: {reason}")
+    if unknown := sorted(set(options.only) - set(study.parts)):
+        allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
+        return refuse(f"--only {', '.join(unknown)}: must be {allowed}")
     target = options.out or Path("runs") / f"study-{study.name}"
     runs = options.runs or (study.quick_runs if options.quick else study.runs)
     with atomic_folder(target, "study", options.force) as folder:
         with count_runs(study.name, quiet=options.as_json) as progress:
-            report = study.run(runs, progress)
+            report = _flown(study, options.only, runs, progress)
         write_study(study, report, folder)
     if options.as_json:
         print(to_json(study, report), end="")
     else:
         _show(study, report, target)
     return 0 if report.ok else 1
+
+
+def _flown(study: Study, only: tuple[str, ...], runs: int, progress: Progress) -> Report:
+    if only and study.run_parts is not None:
+        return study.run_parts([part for part in study.parts if part in only], runs, progress)
+    return study.run(runs, progress)
 
 
 def _list() -> int:
@@ -81,13 +92,19 @@ def _show(study: Study, report: Report, target: Path) -> None:
         console.print(_grid(grid))
         console.print()
     count = f", {counted(report.runs, 'run')}" if study.counted else ""
-    table = Table(
-        title=f"{study.title}{count}",
-        title_justify="left",
-        title_style="bold",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
+    console.print(Text(f"{study.title}{count}", style="bold"))
+    for experiment, findings in groupby(report.findings, key=lambda finding: finding.experiment):
+        console.print(_table(experiment, findings))
+    for remark in (*_causes(report), *report.remarks):
+        console.print(remark, markup=False, soft_wrap=False)
+    console.print(f"{target}: {listed(target)}", markup=False)
+    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
+
+
+def _table(experiment: str, findings: Iterable[Finding]) -> Table:
+    """The findings of one experiment, under its name."""
+    title = Text(experiment, style="bold") if experiment else None
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading, right in (
         ("figure", 0),
         ("unit", 0),
@@ -98,20 +115,25 @@ def _show(study: Study, report: Report, target: Path) -> None:
         ("note", 0),
     ):
         table.add_column(heading, justify="right" if right else "left", header_style="")
-    for finding in report.findings:
+    for finding in findings:
         table.add_row(
             finding.label,
             finding.unit,
             *_numbers(finding),
             _difference(finding),
             _mark(finding),
-            "; ".join(filter(None, (finding.note, finding.why))),
+            finding.note,
         )
-    console.print(table)
-    for remark in report.remarks:
-        console.print(remark, markup=False, soft_wrap=False)
-    console.print(f"{target}: {listed(target)}", markup=False)
-    console.print(Text(f"{study.name}: {_outcome(report)}", style="bold green" if report.ok else "bold red"))
+    return table
+
+
+def _causes(report: Report) -> list[str]:
+    """A sentence for each cause why published figures do not hold."""
+    causes: dict[str, dict[str, None]] = {}
+    for finding in report.findings:
+        if finding.why:
+            causes.setdefault(finding.why, {})[finding.label] = None
+    return [f"Does not hold ({'; '.join(labels)}): {why}." for why, labels in causes.items()]
 
 
 def _outcome(report: Report) -> str:

@@ -79,13 +79,19 @@ def ellipse(
     """Closed curve at ``sigmas`` standard deviations of the normal distribution with the points' mean and
     covariance.
     """
-    covariance = np.cov(np.stack([east, north]))
+    curve = contour(np.cov(np.stack([east, north])), sigmas, points)
+    return curve[0] + east.mean(), curve[1] + north.mean()
+
+
+def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndarray:
+    """Closed curve at ``sigmas`` standard deviations about zero of a normal distribution, shape (2, points);
+    ``covariance`` has shape (2, 2).
+    """
     values, vectors = np.linalg.eigh(covariance)
     angle = np.linspace(0.0, 2.0 * np.pi, points)
-    curve = vectors @ (
+    return vectors @ (
         np.sqrt(np.maximum(values, 0.0))[:, None] * sigmas * np.stack([np.cos(angle), np.sin(angle)])
     )
-    return curve[0] + east.mean(), curve[1] + north.mean()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import gc
 import sys
 
 from edl6dof.cli.campaigns import campaign, faults, refly
+from edl6dof.cli.covariance import covariance
 from edl6dof.cli.evidence import calibrate, figures, study, verify
 from edl6dof.cli.group import app
 from edl6dof.cli.results import compare, export, plot, replay, report
@@ -23,7 +24,7 @@ def version() -> None:
 #: In the order of the help.
 COMMANDS = (
     *(fly, check, params, schema, replay, report, plot, compare, export),
-    *(verify, figures, calibrate, study, campaign, refly, faults, version),
+    *(verify, figures, calibrate, study, campaign, covariance, refly, faults, version),
 )
 for command in COMMANDS:
     app.command()(command)

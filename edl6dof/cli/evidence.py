@@ -92,6 +92,10 @@ def study(
         int | None,
         typer.Option("-n", "--runs", metavar="N", help="Flights; as many as published if not given."),
     ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", metavar="PART", help="A law that is compared, of study guidance; repeatable."),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/study-<name> if not given.")
     ] = None,
@@ -106,4 +110,4 @@ def study(
     load_plugins()
     from edl6dof.app.study import StudyOptions, run_study
 
-    raise typer.Exit(run_study(StudyOptions(name, runs, out, force, quick, as_json)))
+    raise typer.Exit(run_study(StudyOptions(name, runs, tuple(only or ()), out, force, quick, as_json)))

@@ -23,6 +23,7 @@ from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
 from edl6dof.fsw.navigation.derived import derive
+from edl6dof.fsw.navigation.drag_filter import filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.engine import ENGINE_OFF
@@ -57,7 +58,8 @@ def run(onboard, sensed, k, fsw):
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
-    derive(onboard.planet, onboard.atmosphere, onboard.site.frame, fsw.navigation.estimate, nav)
+    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
+    filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
 

@@ -38,6 +38,7 @@ from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
 from edl6dof.fsw.modulation import MODULATION, ModulationParams
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.navigation.drag_filter import DRAG_FILTER
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION
@@ -284,6 +285,7 @@ FSW = np.dtype(
         ("diagnosis", DIAGNOSIS),
         ("check_out", CHECK_OUT_MEMORY),
         ("navigation", NAVIGATION),
+        ("drag_filter", DRAG_FILTER),
         ("effectiveness", EFFECTIVENESS),
         ("allocation", ALLOCATION),
         ("modulation", MODULATION),

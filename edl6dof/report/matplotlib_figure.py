@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, thinned
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -41,6 +41,9 @@ STYLE: Any = {
     "svg.fonttype": "none",
     "path.simplify": True,
 }
+#: Letters of the names along an axis beyond which they stand upright.
+_NAMES_IN_LINE = 60
+
 _DASHES: dict[str, Any] = {
     "solid": "-",
     "dash": (0, (5, 2)),
@@ -167,6 +170,8 @@ def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, 
     if axis.names:
         axes.set(**{f"{which}ticks": range(len(axis.names)), f"{which}ticklabels": axis.names})
         axes.grid(False, axis=which)
+        if which == "x" and sum(map(len, axis.names)) > _NAMES_IN_LINE:
+            axes.tick_params(axis="x", labelrotation=90)
 
 
 def _trace(axes: Axes, trace: Trace) -> Shown:
@@ -196,6 +201,14 @@ def _trace(axes: Axes, trace: Trace) -> Shown:
     )[0]
 
 
+def _write_cells(axes: Axes, heat: Heat) -> None:
+    middle = 0.5 * sum(heat.limits)
+    for y, line, words in zip(heat.y, heat.values, heat.labels, strict=True):
+        for x, value, word in zip(heat.x, line, words, strict=True):
+            ink = "white" if value > middle else BLACK
+            axes.annotate(word, (x, y), ha="center", va="center", fontsize=6, color=ink)
+
+
 def _heat(axes: Axes, heat: Heat) -> None:
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -211,5 +224,7 @@ def _heat(axes: Axes, heat: Heat) -> None:
         rasterized=True,
     )
     axes.grid(False)
+    if heat.written:
+        _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)

@@ -11,38 +11,37 @@ import numpy as np
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.guidance.entry.prediction.reference import fill_reference
 from edl6dof.scenario.expected_descent import SCRATCH, expected_drift, wind_of
+from edl6dof.scenario.planned_entry import plan_entry
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.frames import geodetic, great_circle, ned_to_fixed
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: Altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at the initial state.
-Start = tuple[float, float, float]
 
-
-def set_aim(onboard: np.ndarray, scenario: Scenario, tables: np.ndarray) -> None:
+def plan(onboard: np.ndarray, scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """Write the aim point into ``onboard[0]["site"]``, and the reference trajectory that leads there.
 
     Where the mission deploys no parachute, or only notes it, the aim point is the landing site.
 
     Args:
         onboard: onboard record array of length one, everything else filled.
-        scenario: the nominal one.
+        scenario: the nominal one; a phase of it flies entry guidance.
         tables: those of the nominal one, shape (1,), for the winds.
+
+    Returns:
+        rows of the planned entry, ``PLANNED``.
     """
     site = onboard[0]["site"]
-    site["aim_latitude"], site["aim_longitude"] = site["latitude"], site["longitude"]
-    if all(phase.guidance != "entry" for phase in scenario.mission.phases):
-        return
-    altitude, path_angle = _plan(onboard, scenario)
+    planned = plan_entry(onboard, scenario)
     phase = _deploying_phase(scenario)
-    if phase is None:
-        return
-    speed, azimuth = scenario.flight_software.guidance.entry.final_speed_m_s, _azimuth_at_site(scenario, site)
-    level = speed * cos(path_angle)
-    velocity = level * cos(azimuth), level * sin(azimuth), speed * sin(path_angle)
-    north, east = drift(onboard, scenario, tables, phase, (altitude, *velocity))
-    site["aim_latitude"], site["aim_longitude"] = _displaced(onboard[0], -north, -east)
-    _plan(onboard, scenario)
+    if phase is not None:
+        end, azimuth = planned[-1], _azimuth_at_site(scenario, site)
+        level = end["speed"] * cos(end["path_angle"])
+        velocity = level * cos(azimuth), level * sin(azimuth), end["speed"] * sin(end["path_angle"])
+        north, east = drift(onboard, scenario, tables, phase, (end["altitude"], *velocity))
+        site["aim_latitude"], site["aim_longitude"] = _displaced(onboard[0], -north, -east)
+        planned = plan_entry(onboard, scenario, float(onboard[0]["reference"]["shift"]))
+    fill_reference(planned, onboard[0]["reference"])
+    return planned
 
 
 def drift(
@@ -55,7 +54,7 @@ def drift(
     """Way north and east (m) that the descent under the parachute is expected to take.
 
     Args:
-        onboard: as of :func:`set_aim`.
+        onboard: as of :func:`plan`.
         scenario: the nominal one.
         tables: those of the nominal one, shape (1,).
         phase: index of the mission phase that deploys.
@@ -76,30 +75,6 @@ def drift(
         np.zeros(1, SCRATCH)[0],
     )
     return float(y[0]), float(y[1])
-
-
-def _plan(onboard: np.ndarray, scenario: Scenario) -> tuple[float, float]:
-    """Solve the reference trajectory from the initial state to the aim point; altitude (m) and path angle
-    (rad) at which it ends.
-    """
-    initial, site = scenario.initial, onboard[0]["site"]
-    lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    arc, _ = great_circle(
-        sin(lat),
-        cos(lat),
-        lon,
-        sin(site["aim_latitude"]),
-        cos(site["aim_latitude"]),
-        float(site["aim_longitude"]),
-    )
-    final = scenario.flight_software.guidance.entry.final_speed_m_s
-    return fill_reference(onboard, start_of(scenario), arc * scenario.planet.equatorial_radius_m, final)
-
-
-def start_of(scenario: Scenario) -> Start:
-    """What the plan begins with."""
-    initial = scenario.initial
-    return scenario.initial_altitude_m, initial.speed, initial.flight_path_angle
 
 
 def _deploying_phase(scenario: Scenario) -> int | None:

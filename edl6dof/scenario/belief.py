@@ -16,7 +16,7 @@ from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.fsw.onboard import CONFIGURATION, NODES, ONBOARD
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
-from edl6dof.scenario.aim import set_aim, start_of
+from edl6dof.scenario.aim import plan
 from edl6dof.scenario.believed_aero import fill_airframe
 from edl6dof.scenario.believed_instruments import believe_instruments
 from edl6dof.scenario.events import fill_mission
@@ -69,10 +69,10 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["flow_meters"] = any("branch_used" in SENSOR_FAMILY.member(name).writes for name in sensors.flown)
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
-    set_aim(onboard, scenario, tables)
-    law = ENTRY_LAWS.member(software.guidance.entry.law)
-    if law.plan is not None and any(phase.guidance == "entry" for phase in scenario.mission.phases):
-        law.plan(onboard, start_of(scenario))
+    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        planned, law = plan(onboard, scenario, tables), ENTRY_LAWS.member(software.guidance.entry.law)
+        if law.plan is not None:
+            law.plan(onboard, planned)
     return onboard
 
 
@@ -115,6 +115,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     airframe = record["airframe"]
     for name in ("drag", "lift", "drag_with_wing"):
         airframe[name] = 1.0
+    airframe["alpha"] = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
     if vehicle.aero.model == "capsule":
         truth = np.zeros(1, dtype_of(VehicleParams))
         fill(truth[0], vehicle)
@@ -181,4 +182,5 @@ def _set_site(record: np.void, scenario: Scenario) -> None:
         radians(terrain.site_latitude_deg),
         radians(terrain.site_longitude_deg),
     )
+    record["aim_latitude"], record["aim_longitude"] = record["latitude"], record["longitude"]
     record["altitude"] = scenario.site_areoid_m + terrain.site_elevation_m

@@ -1,5 +1,5 @@
-"""Trim the nominal vehicle on the ground and tabulate for the flight computer what drag and lift follow, over
-Mach number.
+"""Trim the nominal vehicle on the ground and tabulate for the flight computer its angle of attack, and what
+drag and lift follow, over Mach number.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Density (kg/m3) dense enough for continuum flow.
 CONTINUUM = 1e-3
-#: Angles of attack (rad) between which the trim is sought, around the one commanded.
+#: How far from the commanded angle of attack (rad) the trim is sought.
 SEARCH = radians(12.0)
 
 
@@ -35,7 +35,10 @@ def fill_airframe(
     fill_gas(gas[0], scenario.planet.gas)
     airframe["wing_mach"] = _wing_mach(scenario)
     goal = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
-    drag, lift, braked = _along_mach(vehicle, tables["aero"], gas, mach_nodes(), goal)
+    # a point mass flies at the angle it is told
+    search = SEARCH if scenario.dynamics == "six_dof" else 0.0
+    alpha, drag, lift, braked = _along_mach(vehicle, tables["aero"], gas, mach_nodes(), goal, search)
+    airframe["alpha"] = alpha
     airframe["drag"] = drag / drag_area
     airframe["lift"] = lift / drag / lift_to_drag if lift_to_drag else 1.0
     airframe["drag_with_wing"] = braked / drag_area
@@ -55,19 +58,19 @@ def _wing_mach(scenario: Scenario) -> float:
 
 
 @kernel
-def _along_mach(vehicles, tables, gases, nodes, goal):
-    """Drag and lift area (m2) at trim, and drag area with the wing open at zero angle of attack, at each Mach
-    number.
+def _along_mach(vehicles, tables, gases, nodes, goal, search):
+    """Angle of attack (rad), drag and lift area (m2) at trim, and drag area with the wing open at zero angle
+    of attack, at each Mach number.
     """
     vehicle, table, gas = vehicles[0], tables[0], gases[0]
-    drag, lift, braked = np.empty(len(nodes)), np.empty(len(nodes)), np.empty(len(nodes))
+    alpha, drag = np.empty(len(nodes)), np.empty(len(nodes))
+    lift, braked = np.empty(len(nodes)), np.empty(len(nodes))
     for i in range(len(nodes)):
         mach = nodes[i]
-        drag[i], lift[i] = _drag_and_lift(
-            vehicle, table, gas, mach, _trim(vehicle, table, gas, mach, goal), 0.0
-        )
+        alpha[i] = _trim(vehicle, table, gas, mach, goal, search)
+        drag[i], lift[i] = _drag_and_lift(vehicle, table, gas, mach, alpha[i], 0.0)
         braked[i], _ = _drag_and_lift(vehicle, table, gas, mach, 0.0, 1.0)
-    return drag, lift, braked
+    return alpha, drag, lift, braked
 
 
 @kernel
@@ -78,11 +81,11 @@ def _drag_and_lift(vehicle, table, gas, mach, alpha, wing):
 
 
 @kernel
-def _trim(vehicle, table, gas, mach, goal):
-    """Angle of attack (rad) without pitching moment nearest the commanded one; that itself where there is
-    none.
+def _trim(vehicle, table, gas, mach, goal, search):
+    """Angle of attack (rad) without pitching moment within ``search`` of the commanded one; that itself where
+    there is none.
     """
-    low, high = goal - SEARCH, goal + SEARCH
+    low, high = goal - search, goal + search
     at_low, at_high = (
         _force_and_moment(vehicle, table, gas, mach, low, 0.0)[2],
         _force_and_moment(vehicle, table, gas, mach, high, 0.0)[2],

@@ -80,7 +80,7 @@ def try_out() -> None:
         ConfigError: a kernel does not compile, fails, or returns something else than its family wants.
     """
     for path, (key, member) in plugins.ACTIVE.items():
-        for role, arguments in plugins.FAMILIES[key][1].items():
+        for role, arguments in plugins.FAMILIES[key].roles.items():
             if complaint := _complaint(key, member, role, arguments):
                 raise ConfigError([Problem(shown(path), 0, 0, role, complaint)])
 

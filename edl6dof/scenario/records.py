@@ -7,7 +7,7 @@ are filled from the same nominal configuration and never touch again.
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from math import atan2, cos, radians, sin
+from math import cos, radians, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -26,10 +26,10 @@ from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import build_case
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LoadedScenario, Scenario
+from edl6dof.scenario.start import start_of, vertical_axes
 from edl6dof.sensors.registry import SENSORS
 from edl6dof.spatial.frames import (
     attitude_from_wind_angles,
-    from_geodetic,
     ned_attitude,
     ned_to_fixed,
 )
@@ -158,12 +158,8 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
     record = plant[0]
     initial, planet = scenario.initial, scenario.planet
     lat, lon = radians(initial.latitude_deg), radians(initial.longitude_deg)
-    r = np.array(
-        from_geodetic(planet.equatorial_radius_m, planet.flattening, lat, lon, scenario.initial_altitude_m)
-    )
-    vertical = lat if initial.vertical == "geodetic" else atan2(r[2], np.hypot(r[0], r[1]))
-    axes = (sin(vertical), cos(vertical), sin(lon), cos(lon))
-    v_relative = np.array(ned_to_fixed(*axes, initial.velocity_ned))
+    axes, start = vertical_axes(scenario), np.array(start_of(scenario))
+    r, v_relative = start[:3], start[3:]
     place = (sin(lat), cos(lat), sin(lon), cos(lon))
     lay_areoid(areoid_map(areoid_file(planet)), place, lat, lon, tuple(r), record["inputs"]["areoid"])
     spin = planet.rotation_rate_rad_s

@@ -26,6 +26,7 @@ from edl6dof.sensors import (
     ground_tracking,
     imu,
     inertial_unit,
+    navigation_error,
     perfect,
     pressure_ports,
     radar,
@@ -38,14 +39,14 @@ SENSOR_FAMILY = Family(
     "sensor",
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
-        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER),
+        *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER, navigation_error.MEMBER),
     ),
 )
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 8
-#: Those that stand for whatever is carried in the set ``perfect``.
-PERFECT_SET = ("perfect", "imu")
+#: Those that stand for whatever is carried in the set ``perfect``, and one that is left on top of them.
+PERFECT_SET, ON_TOP = ("perfect", "imu"), "navigation_error"
 
 if TYPE_CHECKING:
     SensorName = str
@@ -60,7 +61,8 @@ class SensorParams(_Sections):
 
     set: Literal["carried", "perfect"] = param(
         "carried",
-        "carried: the sensors named below; perfect: ideal ones instead, as of any point mass",
+        "carried: the sensors named below; perfect: ideal ones instead, as of any point mass, with "
+        "navigation_error if that is named",
         record=False,
     )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
@@ -74,7 +76,9 @@ class SensorParams(_Sections):
     @property
     def flown(self) -> list[str]:
         """Names of the sensors that fly."""
-        return list(PERFECT_SET) if self.set == "perfect" else self.carried
+        if self.set == "carried":
+            return self.carried
+        return [*PERFECT_SET, *(name for name in self.carried if name == ON_TOP)]
 
 
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.

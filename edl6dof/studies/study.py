@@ -4,7 +4,7 @@ row for each run.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil, isfinite
 from typing import Any, Literal
@@ -35,6 +35,8 @@ class Finding:
             ``None`` for a value that is set beside the computed one without a verdict.
         why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
             reproduced; it is an error as well if such a figure holds after all.
+        experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
+            together.
     """
 
     label: str
@@ -46,6 +48,7 @@ class Finding:
     spread: float | None = None
     within: float | None = None
     why: str = ""
+    experiment: str = ""
 
     @property
     def holds(self) -> bool | None:
@@ -124,6 +127,8 @@ class Study:
         runs: how many runs the source publishes.
         quick_runs: how many ``--quick`` flies.
         counted: whether the number of runs can be chosen at all.
+        parts: what ``--only`` may choose from, such as the laws that are compared; empty where it is whole.
+        run_parts: flies the chosen parts, as ``run`` flies all.
     """
 
     name: str
@@ -133,6 +138,8 @@ class Study:
     runs: int = 1
     quick_runs: int = 1
     counted: bool = field(default=False)
+    parts: tuple[str, ...] = ()
+    run_parts: Callable[[Sequence[str], int, Progress], Report] | None = None
 
     def as_dict(self, report: Report) -> dict[str, Any]:
         """Plain values for JSON."""

@@ -1,9 +1,29 @@
-"""The table that an undisturbed campaign gives."""
+"""One command in an empty folder, and the table that an undisturbed campaign gives."""
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 from campaign_run import finished, write_drop
+
+from edl6dof import cli
+
+
+@pytest.fixture
+def edl6dof(capsys, monkeypatch, tmp_path):
+    """Run one command in an empty folder: status, stdout, stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def run(*words: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out, err = capsys.readouterr()
+        return int(end.value.code or 0), out, err
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pyarrow.parquet as pq
 import pytest
 from campaign_run import write_drop
 
-from edl6dof import cli
 from edl6dof.campaign.storage.documents import Info, Summary
 from edl6dof.campaign.storage.files import file_sha256, read_sealed, write_sealed
 
@@ -21,22 +19,6 @@ sweep:
     - {path: wind.scale, of: truth, values: [0.0, 1.0]}
     - {path: initial.speed_m_s, first: 40.0, last: 60.0, count: 3}
 """
-
-
-@pytest.fixture
-def edl6dof(capsys, monkeypatch, tmp_path):
-    """Run one command in an empty folder: status, stdout, stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def run(*words: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["edl6dof", *words])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = capsys.readouterr()
-        return int(end.value.code or 0), out, err
-
-    return run
 
 
 def table(folder="runs/drops"):

@@ -4,6 +4,7 @@ import pytest
 from onboard_states import states
 
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 
@@ -16,10 +17,10 @@ def scenario():
 @pytest.fixture(scope="session")
 def shared_onboard(scenario):
     onboard = build_onboard(scenario)
-    initial = scenario.initial
+    planned = planned_again(onboard, scenario)
     for law in ENTRY_LAWS.members:  # a flight plans for its own law only
         if law.plan is not None:
-            law.plan(onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle))
+            law.plan(onboard, planned)
     return onboard
 
 

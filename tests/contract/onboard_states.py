@@ -43,7 +43,8 @@ def nav_state(
     sensed["q_I2B"] = (spin * Quaternion(matrix=ned) * attitude).elements
     sensed["w_B"], sensed["specific_force_B"] = rate, force
     sensed["height_above_ground"] = altitude - onboard[0]["site"]["altitude"] if height is None else height
-    derive(planet, onboard[0]["atmosphere"], onboard[0]["site"]["frame"], sensed, nav)
+    believed = [onboard[0][name] for name in ("atmosphere", "vehicle")]
+    derive(planet, *believed, onboard[0]["site"]["frame"], sensed, nav)
     return nav
 
 

@@ -60,7 +60,7 @@ def test_reversal_logic_names_a_side_and_the_same_one_again_on_the_whole_grid(
         for _ in range(2):
             memory, out = np.zeros(1, REVERSALS.memory)[0], np.zeros(1, GUIDE)[0]
             out["drag_ratio"], out["lift_ratio"] = 1.0, 1.0
-            out["range_to_go"], out["crossrange"] = to_target(shared_onboard[0], nav)
+            out["range_to_go"], out["crossrange"], out["downrange_to_go"] = to_target(shared_onboard[0], nav)
             answers.append(
                 [
                     bank_side(index, params, shared_onboard[0], nav, memory, out, wanted, sign)

@@ -41,8 +41,8 @@ def small(runs, progress):
 SMALL = Study("small", "A small study", "Nobody 2000", small, runs=9, quick_runs=6, counted=True)
 
 
-def options(name, runs=None, out=None, force=False, quick=False, as_json=False):
-    return StudyOptions(name, runs, out, force, quick, as_json)
+def options(name, runs=None, out=None, force=False, quick=False, as_json=False, only=()):
+    return StudyOptions(name, runs, only, out, force, quick, as_json)
 
 
 @pytest.fixture(autouse=True)
@@ -151,6 +151,20 @@ def test_outcome_counts_what_is_reproduced_and_shows_why_the_rest_is_not(monkeyp
     assert "within 5 %" in shown and "not reproduced" in shown and "thinner air" in shown
 
 
+def test_experiments_stand_apart(monkeypatch, tmp_path, capsys):
+    def flown(runs, progress):
+        findings = (
+            Finding("miss", "km", 9.5, 10.0, within=0.1, experiment="as printed"),
+            Finding("miss", "km", 3.0, experiment="with gains on [rate, error]"),
+        )
+        return Report(findings, (), pa.table({"a": [1.0]}), 1)
+
+    monkeypatch.setitem(STUDIES, "small", Study("small", "t", "s", flown))
+    assert run_study(options("small", out=tmp_path / "s")) == 0
+    shown = capsys.readouterr().out
+    assert shown.index("as printed") < shown.index("within") < shown.index("with gains on [rate, error]")
+
+
 def test_json_is_json_also_where_a_figure_could_not_be_formed(monkeypatch, tmp_path, capsys):
     def lost(runs, progress):
         return Report((Finding("lost", "m", float("nan"), 2.0, "<="),), (), pa.table({"x_m": [1.0]}), 1)
@@ -195,3 +209,22 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
     assert lines[4].split() == ["long_name_law", *["12.3"] * 10, "0.12"]
     assert lines[5].split() == ["npc", *["123.5"] * 9, "-", "53.40"]
     assert [len(line) for line in lines[4:]] == [len(lines[4])] * 3
+
+
+def test_parts_may_be_chosen_and_unknown_ones_are_refused(monkeypatch, tmp_path, capsys):
+    flown = []
+
+    def of_parts(parts, runs, progress):
+        flown.append(list(parts))
+        return small(runs, progress)
+
+    study = Study("small", "t", "s", small, parts=("a", "b", "c"), run_parts=of_parts)
+    monkeypatch.setitem(STUDIES, "small", study)
+    run_study(options("small", out=tmp_path / "s", only=("c", "a")))
+    assert flown == [["a", "c"]]
+    assert run_study(options("small", out=tmp_path / "t", only=("a", "d"))) == 2
+    assert "--only d: must be one of a, b, c" in capsys.readouterr().err
+    monkeypatch.setitem(STUDIES, "small", SMALL)
+    assert run_study(options("small", out=tmp_path / "t", only=("a",))) == 2
+    assert "--only a: must be left out: this study is one whole" in capsys.readouterr().err
+    assert not (tmp_path / "t").exists()

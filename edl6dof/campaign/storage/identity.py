@@ -60,7 +60,7 @@ class Identity(Sealed):
 
 def identity(plan: Plan) -> Identity:
     """Identity of a plan that this process flies."""
-    return _present(plan.text, outside_sources, map(_label, input_files(plan)))
+    return _present(plan.text, list(outside_sources), map(_label, input_files(plan)))
 
 
 def differences(recorded: Identity, plan_text: str) -> list[str]:

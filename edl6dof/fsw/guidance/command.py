@@ -19,6 +19,7 @@ GUIDE = np.dtype(
         ("reference_drag", "f8"),
         ("range_to_go", "f8"),
         ("crossrange", "f8"),
+        ("downrange_to_go", "f8"),  # along the course until the aim point lies abeam, m
         ("drag_ratio", "f8"),  # measured over believed drag
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),

@@ -48,7 +48,7 @@ def hold_bank(onboard, nav, goal):
     """The preset bank towards the aim point, chosen at the start of the flight, before lift can do
     anything.
     """
-    goal.range_to_go, goal.crossrange = to_target(onboard, nav)
+    goal.range_to_go, goal.crossrange, goal.downrange_to_go = to_target(onboard, nav)
     if nav.t <= 0.0:
         bank = onboard.guidance.entry.preset_bank
         goal.bank = bank if goal.crossrange <= 0.0 else -bank

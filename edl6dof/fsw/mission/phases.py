@@ -41,6 +41,7 @@ Quantity = Literal[
     "wing_open",
     "wing_time_s",  # since the trim wing was commanded; 0 before
     "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
+    "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -58,6 +59,7 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_WING_OPEN,
     Q_WING_TIME,
     Q_TOTAL_ALPHA,
+    Q_DOWNRANGE_TO_GO,
 ) = range(len(QUANTITIES))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof.fsw.mission.phases import (
     Q_ALTITUDE,
     Q_DESCENT_RATE,
+    Q_DOWNRANGE_TO_GO,
     Q_DRAG,
     Q_DYNAMIC_PRESSURE,
     Q_HEIGHT,
@@ -72,6 +73,8 @@ def watched(quantity, nav, vehicle, guide, elapsed):
         return nav.t - vehicle.wing_time if vehicle.wing_commanded != 0 else 0.0
     if quantity == Q_TOTAL_ALPHA:
         return degrees(nav.total_alpha)
+    if quantity == Q_DOWNRANGE_TO_GO:
+        return guide.downrange_to_go
     return 1.0 if nav.footpad_contact != 0 else 0.0
 
 
@@ -124,7 +127,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
         mission: ``MISSION`` record.
         nav: navigation record.
         vehicle: ``VEHICLE_STATE`` record (trim wing).
-        guide: guidance record (time to go).
+        guide: guidance record (time and downrange to go).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.
     """

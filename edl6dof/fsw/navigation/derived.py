@@ -5,6 +5,13 @@ Velocity is relative to the planet: the wind that blows is not known on board, s
 bank and Mach number here differ from the truth by the wind.  A second angle of attack and sideslip allow for
 the mean wind that was expected before the flight: they differ by what that leaves, which is what counts where
 the vehicle is to meet the air head on.
+
+Drag is the part of the specific force along the believed trim: the vehicle turns its trim towards the air,
+wherever that comes from, while the planet-relative velocity points off it by the wind over the speed; a
+projection on that would take so much of the lift for drag, with a sign that turns with the bank angle.  A
+trim that is not the believed one costs as little: lift times the difference.  Lift would lose drag times
+the difference, all that is to be learnt of it: it is the part across the air of the expected wind, and is
+to be filtered for the wind that is not.
 """
 
 from __future__ import annotations
@@ -13,6 +20,7 @@ from math import acos, atan2, cos, exp, sin, sqrt
 
 import numpy as np
 
+from edl6dof.fsw.guidance.entry.prediction.airframe import trim_alpha
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.frames import (
@@ -26,7 +34,7 @@ from edl6dof.spatial.frames import (
     wind_angles,
 )
 from edl6dof.spatial.lookups import between, held_cell
-from edl6dof.spatial.quaternion import axes, from_frame, to_frame
+from edl6dof.spatial.quaternion import axes, to_frame
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3
 
 NAV = np.dtype(
@@ -59,7 +67,8 @@ NAV = np.dtype(
         ("beta_in_air", "f8"),
         ("total_alpha", "f8"),
         ("mach", "f8"),
-        ("drag", "f8"),
+        ("drag", "f8"),  # m/s2: measured, along the air that meets the vehicle at its trim
+        ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
         ("dynamic_pressure", "f8"),
         ("energy", "f8"),
         ("gravity", "f8"),
@@ -92,9 +101,18 @@ def expected_wind(table, altitude):
 
 
 @kernel
-def derive(planet, atmosphere, site_frame, estimate, nav):
-    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``), with the believed planet and atmosphere and
-    the local frame of the landing site.
+def drag_and_lift(force_B, alpha):
+    """Drag and lift (m/s2) in a specific force of a vehicle that meets the air at ``alpha`` (rad) without
+    sideslip; lift is up at zero bank.
+    """
+    c, s = cos(alpha), sin(alpha)
+    return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
+
+
+@kernel
+def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
+    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``), with the believed planet, atmosphere and
+    vehicle and the local frame of the landing site.
     """
     t = estimate.t
     nav.t = t
@@ -142,8 +160,9 @@ def derive(planet, atmosphere, site_frame, estimate, nav):
     density, sound, _ = model_atmosphere(atmosphere, altitude)
     nav.mach = speed / sound
     nav.dynamic_pressure = 0.5 * density * speed * speed
-    force_I = from_frame(q, take3(estimate.specific_force_B, 0))
-    nav.drag = -dot(force_I, scale(1.0 / max(speed, 1e-3), v_rel_I))
+    force_B = take3(estimate.specific_force_B, 0)
+    nav.drag, _ = drag_and_lift(force_B, 0.0 if estimate.wing_open != 0 else trim_alpha(vehicle, nav.mach))
+    _, nav.lift = drag_and_lift(force_B, nav.alpha_in_air)
     radius = planet.equatorial_radius
     nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
     nav.gravity = planet.mu / (nav.radius * nav.radius)

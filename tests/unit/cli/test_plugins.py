@@ -53,10 +53,9 @@ def scenario_with(folder, plugin, *changes):
 @pytest.fixture(autouse=True)
 def plugins_of_this_process(monkeypatch):
     """Tests may try plugins; nothing of that stays."""
-    before = list(jit.outside_sources)
     monkeypatch.setattr(plugins, "ACTIVE", {})
+    monkeypatch.setattr(jit, "outside_sources", {})
     yield
-    jit.outside_sources[:] = before
 
 
 # ---- mistakes ----------------------------------------------------------------------------------------------
@@ -201,18 +200,36 @@ def stamp(file, monkeypatch, folder):
 def test_stamp_of_what_may_call_a_plugin_follows_its_text_and_no_other_stamp_does(tmp_path, monkeypatch):
     law = tmp_path / "law.py"
     law.write_text(LAW)
-    caller, other = "fsw/guidance/entry/registry.py", "spatial/vector.py"
+    family = "fsw/guidance/entry/registry.py"
+    callers = (family, "fsw/guidance/update.py", "sim/loop.py")
+    others = ("spatial/vector.py", "fsw/guidance/entry/reversal/registry.py", "vehicle/motion/body.py")
 
     def both():
-        return [stamp(file, monkeypatch, tmp_path) for file in (caller, other)]
+        return [[stamp(file, monkeypatch, tmp_path) for file in files] for files in (callers, others)]
 
     without = both()
-    jit.outside_sources.append(str(law))
+    jit.outside_sources[str(law)] = str(jit.PACKAGE / family)
     named = both()
     law.write_text(LAW.replace("0.5", "0.6"))
     edited = both()
-    assert len({without[0], named[0], edited[0]}) == 3
+    assert all(len(set(stamps)) == 3 for stamps in zip(without[0], named[0], edited[0], strict=True))
     assert without[1] == named[1] == edited[1]
+
+
+def test_every_family_is_made_in_the_file_that_is_said():
+    """A plugin's callers are found by it."""
+    for place in plugins.FAMILIES.values():
+        assert f'Family("{place.title}"' in "".join((jit.PACKAGE / place.file).read_text().split("\n    ")), (
+            place
+        )
+
+
+def test_family_is_read_from_the_text_and_nothing_of_it_runs(tmp_path):
+    law = tmp_path / "law.py"
+    law.write_text(LAW + "\nraise SystemExit\n")
+    assert plugins.said_family(law) == "entry_law"
+    law.write_text('FAMILY = "entry" + "_law"\n')
+    assert plugins.said_family(law) == plugins.said_family(tmp_path / "gone.py") == ""
 
 
 STEER = """

@@ -1,7 +1,8 @@
-"""The Tianwen-1 scenario and its onboard record, built once."""
+"""The Tianwen-1 scenario, its onboard record and its planned entry, built once."""
 
 import pytest
 
+from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 
@@ -20,3 +21,11 @@ def shared_onboard(scenario):
 def onboard(shared_onboard):
     """A copy that a test may change, shape (1,)."""
     return shared_onboard.copy()
+
+
+@pytest.fixture(scope="session")
+def planned_rows(scenario, shared_onboard):
+    """Rows of the planned entry; for reading only."""
+    rows = planned_again(shared_onboard, scenario)
+    rows.flags.writeable = False
+    return rows

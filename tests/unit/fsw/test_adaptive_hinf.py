@@ -156,16 +156,13 @@ def test_corridor_bounds_are_those_of_heat_load_pressure_and_lift(onboard):
 
 
 @pytest.fixture
-def planned(onboard, scenario):
+def planned(onboard, planned_rows):
     """Onboard record with the drag-velocity profile laid along the reference of the scenario."""
-    initial = scenario.initial
-    ENTRY_LAWS.member("adaptive_hinf").plan(
-        onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle)
-    )
+    ENTRY_LAWS.member("adaptive_hinf").plan(onboard, planned_rows)
     return onboard, onboard[0]["plan"]["adaptive_hinf"]
 
 
-def test_profile_joins_its_segments_and_lies_in_the_corridor(planned):
+def test_profile_joins_its_segments_and_lies_in_the_corridor(planned, planned_rows):
     onboard, profile = planned
     c = profile["coefficient"]
     assert c[0, 2] < 0.0 and c[1, 2] == 0.0 and c[2, 1] == c[2, 2] == 0.0  # quadratic, linear, constant
@@ -175,23 +172,19 @@ def test_profile_joins_its_segments_and_lies_in_the_corridor(planned):
     assert profile_drag(profile, profile["join"] + 1e-6)[1] == pytest.approx(c[1, 1], rel=1e-4)
     for speed in np.linspace(profile["final"], profile["start"], 100):
         assert 0.0 < profile_drag(profile, speed)[0] <= ceiling(onboard[0], speed)
-    reference = onboard[0]["reference"]
     start = onboard[0]["guidance"]["entry"]["adaptive_hinf"]["start_drag"]
-    rising = slice(-1, -20, -1)  # from entry interface down
+    first = np.argmax(planned_rows["drag"] >= start)
     assert profile["range"][-1] == pytest.approx(
-        np.interp(start, reference["drag"][rising], reference["range"][rising]), rel=0.01
+        planned_rows["beyond"][-1] - planned_rows["beyond"][first], rel=0.01
     )
 
 
-def test_a_load_limit_presses_the_profile_down_and_the_range_is_kept(planned, scenario):
+def test_a_load_limit_presses_the_profile_down_and_the_range_is_kept(planned, planned_rows):
     onboard, profile = planned
     before = profile.copy()
     peak = max(profile_drag(before, v)[0] for v in np.linspace(before["final"], before["start"], 200))
     onboard["guidance"]["entry"]["limits"]["load"] = 0.95 * peak
-    initial = scenario.initial
-    ENTRY_LAWS.member("adaptive_hinf").plan(
-        onboard, (initial.altitude_m, initial.speed, initial.flight_path_angle)
-    )
+    ENTRY_LAWS.member("adaptive_hinf").plan(onboard, planned_rows)
     lowered = max(profile_drag(profile, v)[0] for v in np.linspace(profile["final"], profile["start"], 200))
     assert lowered < 0.97 * peak
     assert profile["range"][-1] == pytest.approx(before["range"][-1], rel=1e-3)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pyquaternion import Quaternion
 
+from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.fsw.navigation.derived import NAV, derive, model_atmosphere
 from edl6dof.interface.sensed import SENSED
 
@@ -57,7 +58,8 @@ def fly_state(
 
 def nav_of(onboard, sensed):
     nav = np.zeros(1, NAV)[0]
-    derive(*(onboard[0][name] for name in ("planet", "atmosphere")), onboard[0]["site"]["frame"], sensed, nav)
+    believed = [onboard[0][name] for name in ("planet", "atmosphere", "vehicle")]
+    derive(*believed, onboard[0]["site"]["frame"], sensed, nav)
     return nav
 
 
@@ -169,13 +171,40 @@ def test_roll_error_of_a_tilted_lander_is_off_by_no_more_than_the_foreshortening
         assert worst <= 0.56 * (1.0 - cos(tilt))
 
 
-def test_drag_is_the_specific_force_against_the_velocity(onboard):
+def air_force(drag, lift, alpha):
+    """Specific force in B of a body that meets the air at ``alpha``."""
+    return Quaternion(axis=Y, radians=alpha).inverse.rotate(np.array([-drag, 0.0, -lift]))
+
+
+def test_drag_is_that_along_the_trim_however_the_vehicle_flies_over_the_ground(onboard):
+    """A crosswind puts the planet-relative velocity beside the air: no lift is taken for drag for that."""
     rng = np.random.default_rng(3)
-    for _ in range(10):
-        force = rng.normal(size=3) * 20.0
-        sensed, v, q = fly_state(onboard, 0.4, 1.9, 3e4, 3000.0, -0.2, 3.1, 0.7, -0.17, 0.02, 200.0, force)
-        nav = nav_of(onboard, sensed)
-        assert nav["drag"] == pytest.approx(-q.rotate(force) @ v / np.linalg.norm(v), abs=1e-9)
+    node = np.argmin(np.abs(mach_nodes() - 12.0))
+    trim = onboard[0]["vehicle"]["airframe"]["alpha"][node]
+    still, _, _ = fly_state(onboard, 0.4, 1.9, 3e4, 3000.0, -0.2, 3.1, 0.0, 0.0, 0.0, 200.0, (0.0, 0.0, 0.0))
+    speed = mach_nodes()[node] * 3000.0 / nav_of(onboard, still)["mach"]
+    for drag, lift in rng.uniform((5.0, -3.0), (100.0, 20.0), size=(10, 2)):
+        angles = rng.uniform((-1.5, -0.3, -0.1), (1.5, 0.0, 0.1))
+        force = air_force(drag, lift, trim)
+        sensed, _, _ = fly_state(onboard, 0.4, 1.9, 3e4, speed, -0.2, 3.1, *angles, 200.0, force)
+        assert nav_of(onboard, sensed)["drag"] == pytest.approx(drag, abs=1e-9)
+
+
+def test_lift_is_that_across_the_air_so_that_another_trim_shows_in_it(onboard):
+    sensed, _, _ = fly_state(
+        onboard, 0.4, 1.9, 3e4, 3000.0, -0.2, 3.1, 0.7, -0.21, 0.0, 200.0, (0.0, 0.0, 0.0)
+    )
+    alpha = nav_of(onboard, sensed)["alpha_in_air"]
+    sensed["specific_force_B"] = air_force(40.0, 7.0, alpha)
+    assert nav_of(onboard, sensed)["lift"] == pytest.approx(7.0, abs=1e-9)
+
+
+def test_drag_is_axial_once_the_trim_wing_is_open(onboard):
+    sensed, _, _ = fly_state(
+        onboard, 0.4, 1.9, 1e4, 600.0, -0.2, 3.1, 0.0, 0.0, 0.0, 200.0, (-9.0, 0.0, -1.0)
+    )
+    sensed["wing_open"] = 1
+    assert nav_of(onboard, sensed)["drag"] == 9.0
 
 
 def test_onboard_atmosphere_is_log_linear_between_nodes_and_its_scale_height_is_the_local_slope(onboard):

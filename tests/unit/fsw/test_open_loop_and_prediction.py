@@ -8,6 +8,7 @@ import pytest
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, wanted_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
@@ -113,7 +114,7 @@ def test_reversal_comes_where_the_predicted_crossranges_have_the_set_ratio(still
     out = np.zeros(1, GUIDE)[0]
     out["drag_ratio"] = out["lift_ratio"] = 1.0
     shift = cos(1.0) - cos(still["guidance"]["entry"]["reference_bank"]["fast_bank"])
-    on, back = (predict(still, heading(still, low), out, shift, s)[1] for s in (1.0, -1.0))
+    on, back = (predict(still, heading(still, low), out, shifted(shift, s, 0.0, 0.0))[1] for s in (1.0, -1.0))
     assert -back / on == pytest.approx(ratio, abs=1e-3)
 
 

@@ -33,7 +33,7 @@ def reference():
     n = len(table["drag"])
     table["first"], table["spacing"] = FIRST, (LAST - FIRST) / (n - 1)
     energy = 0.5 * (FIRST + table["spacing"] * np.arange(n)) ** 2
-    table["drag"], table["cos_path"] = profile(energy), ground(energy)
+    table["drag"], table["ground"] = profile(energy), ground(energy)
     return table
 
 

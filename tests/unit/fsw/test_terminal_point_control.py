@@ -1,4 +1,6 @@
-"""Influence coefficients against the adjoint equations, and the linear range law against its own formula."""
+"""Influence coefficients against differences of flown trajectories and the adjoint equations by another
+integrator, and the linear range law against its own formula.
+"""
 
 from math import acos, cos, degrees, exp, pi, radians, sin
 
@@ -9,6 +11,7 @@ from scipy.integrate import solve_ivp
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.etpc import guide, lay_plan
 from edl6dof.fsw.guidance.entry.prediction.influence import INFLUENCE, fill_influence
+from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED
 from edl6dof.fsw.navigation.derived import NAV
 
 START = (125e3, 4800.0, radians(-11.58))
@@ -27,15 +30,40 @@ def plain(shared_onboard):
 
 
 @pytest.fixture(scope="module")
-def table(plain):
+def rows(plain):
+    """The reference as scipy flies it over a sphere at rest."""
+    by_time, final = rates(plain[0]), float(plain[0]["guidance"]["entry"]["final_speed"])
+
+    def slow(t, x):
+        return x[3] - final
+
+    slow.terminal = True
+    altitude, speed, gamma = START
+    flight = solve_ivp(
+        lambda t, x: by_time(x[3], x, 0.0)[0],
+        (0.0, 900.0),
+        [altitude, gamma, 0.0, speed],
+        events=slow,
+        rtol=1e-9,
+        atol=1e-9,
+        max_step=0.2,
+    )
+    found = np.zeros(len(flight.t), PLANNED)
+    found["altitude"], found["path_angle"], found["beyond"], found["speed"] = flight.y
+    found["drag"] = [by_time(x[3], x, 0.0)[1] for x in flight.y.T]
+    return found
+
+
+@pytest.fixture(scope="module")
+def table(plain, rows):
     influence = np.zeros(1, INFLUENCE)[0]
-    fill_influence(plain, START, influence)
+    fill_influence(plain, rows, influence)
     return influence
 
 
-def motion(record):
-    """d(altitude, path angle, range)/d(speed) of the reference flight with ``u`` added to its vertical
-    L/D.
+def rates(record):
+    """Rates of (altitude, path angle, range, speed) of the reference flight over a sphere at rest with ``u``
+    added to its vertical L/D, and the drag.
     """
     planet, vehicle, air, entry = (
         record["planet"],
@@ -47,8 +75,8 @@ def motion(record):
     radius, mu = float(planet["equatorial_radius"]), float(planet["mu"])
     bank = acos(cos(entry["reference_bank"]["fast_bank"]) + record["reference"]["shift"])
 
-    def by_speed(v, x, u):
-        h, gamma, _ = x
+    def by_time(v, x, u):
+        h, gamma = x[:2]
         r = radius + h
         g = mu / r**2
         drag = (
@@ -60,11 +88,61 @@ def motion(record):
         )
         steered = v > entry["align_speed"]
         lift = drag * (vehicle["lift_to_drag"] * (cos(bank) if steered else 1.0) + (u if steered else 0.0))
-        slowing = -drag - g * sin(gamma)
         turn = lift / v + (v / r - g / v) * cos(gamma)
-        return np.array([v * sin(gamma), turn, v * cos(gamma) * radius / r]) / slowing
+        slowing = -drag - g * sin(gamma)
+        return np.array([v * sin(gamma), turn, v * cos(gamma) * radius / r, slowing]), drag
+
+    return by_time
+
+
+def motion(record):
+    """d(altitude, path angle, range)/d(speed) of it."""
+    by_time = rates(record)
+
+    def by_speed(v, x, u):
+        rate, _ = by_time(v, x, u)
+        return rate[:3] / rate[3]
 
     return by_speed
+
+
+def node_at(record, table, speed):
+    """Number, speed, altitude and path angle of the node next to a speed, from its own drag and altitude
+    rate.
+    """
+    air, vehicle = record["atmosphere"], record["vehicle"]
+    k = round((speed - table["first"]) / table["spacing"])
+    v = float(table["first"] + k * table["spacing"])
+    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    density = table["drag"][k] / (0.5 * v**2 * vehicle["drag_area"] / vehicle["entry_mass"])
+    h = float(np.interp(-np.log(density), -air["ln_density"], nodes))
+    return k, v, h, float(np.arcsin(table["climb"][k] / v))
+
+
+def scale_height(air, h):
+    """Density scale height (m) of the believed air at an altitude."""
+    return -air["spacing"] / np.diff(air["ln_density"])[int((h - air["bottom"]) / air["spacing"])]
+
+
+@pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
+def test_influence_coefficients_are_differences_of_flown_ranges(plain, table, speed):
+    record = plain[0]
+    f, final = motion(record), float(record["guidance"]["entry"]["final_speed"])
+    k, v0, h0, gamma0 = node_at(record, table, speed)
+
+    def flown(h, gamma, u):
+        way = solve_ivp(
+            lambda v, x: f(v, x, u), (v0, final), [h, gamma, 0.0], rtol=1e-9, atol=1e-9, max_step=5
+        )
+        return way.y[2, -1]
+
+    by_altitude = (flown(h0 + 100.0, gamma0, 0.0) - flown(h0 - 100.0, gamma0, 0.0)) / 200.0
+    by_path = (flown(h0, gamma0 + 2e-4, 0.0) - flown(h0, gamma0 - 2e-4, 0.0)) / 4e-4
+    by_lift = (flown(h0, gamma0, 2e-3) - flown(h0, gamma0, -2e-3)) / 4e-3
+    by_drag = -by_altitude * scale_height(record["atmosphere"], h0) / table["drag"][k]
+    assert table["by_drag"][k] == pytest.approx(by_drag, rel=0.01)
+    assert table["by_climb"][k] == pytest.approx(by_path / (v0 * cos(gamma0)), rel=0.01)
+    assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.01)
 
 
 @pytest.mark.parametrize("speed", [900.0, 1800.0, 3000.0, 4200.0])
@@ -78,15 +156,7 @@ def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, 
     record = plain[0]
     f = motion(record)
     final = float(record["guidance"]["entry"]["final_speed"])
-    i = (speed - table["first"]) / table["spacing"]
-    k = round(i)
-    v0 = float(table["first"] + k * table["spacing"])
-    # the state of the table at this node, from its own drag and altitude rate
-    air, vehicle = record["atmosphere"], record["vehicle"]
-    nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
-    density = table["drag"][k] / (0.5 * v0**2 * vehicle["drag_area"] / vehicle["entry_mass"])
-    h0 = float(np.interp(-np.log(density), -air["ln_density"], nodes))
-    gamma0 = float(np.arcsin(table["climb"][k] / v0))
+    k, v0, h0, gamma0 = node_at(record, table, speed)
 
     flight = solve_ivp(
         lambda v, x: f(v, x, 0.0),
@@ -109,12 +179,21 @@ def test_influence_coefficients_are_the_adjoints_of_the_reference(plain, table, 
 
     out = solve_ivp(adjoint, (final, v0), [0.0, 0.0, 0.0], rtol=1e-7, atol=1e-7, max_step=10.0)
     by_altitude, by_path, by_lift = out.y[:, -1]
-    scale_height = (
-        -(nodes[1] - nodes[0]) / np.diff(air["ln_density"])[int((h0 - nodes[0]) / (nodes[1] - nodes[0]))]
-    )
-    assert table["by_drag"][k] == pytest.approx(-by_altitude * scale_height / table["drag"][k], rel=0.03)
-    assert table["by_climb"][k] == pytest.approx(by_path / (v0 * cos(gamma0)), rel=0.03)
-    assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.03)
+    by_drag = -by_altitude * scale_height(record["atmosphere"], h0) / table["drag"][k]
+    assert table["by_drag"][k] == pytest.approx(by_drag, rel=0.01)
+    assert table["by_climb"][k] == pytest.approx(by_path / (v0 * cos(gamma0)), rel=0.01)
+    assert table["by_lift"][k] == pytest.approx(by_lift, rel=0.01)
+
+
+def test_lift_has_authority_over_range_only_while_it_controls_it(plain, rows, table):
+    """Heading alignment takes the bank angle over, and nothing is left to correct the range with."""
+    onboard, found = plain.copy(), np.zeros(1, INFLUENCE)[0]
+    onboard[0]["guidance"]["entry"]["heading"]["speed"] = 1500.0
+    fill_influence(onboard, rows, found)
+    speeds = found["first"] + found["spacing"] * np.arange(len(found["by_lift"]))
+    assert np.all(found["by_lift"][speeds < 1500.0 - found["spacing"]] == 0.0)
+    assert np.all(found["by_lift"][speeds > 1500.0 + found["spacing"]] > 1000.0)
+    assert np.all(found["by_lift"] <= table["by_lift"] + 1.0)
 
 
 def test_more_drag_shortens_and_more_lift_or_climb_lengthens_the_range(table):
@@ -138,9 +217,9 @@ def wanted(onboard, speed, drag_error=0.0, climb_error=0.0, range_error=0.0):
 
 
 @pytest.fixture(scope="module")
-def planned(plain):
+def planned(plain, rows):
     onboard = plain.copy()
-    lay_plan(onboard, START)
+    lay_plan(onboard, rows)
     return onboard
 
 

@@ -68,7 +68,7 @@ class Sequencer:
         return self
 
     def set(self, name, value):
-        if name == "time_to_go":
+        if name in ("time_to_go", "downrange_to_go"):
             self.guide[name] = value
         elif name == "descent_rate":
             self.nav["v_N"][2] = value
@@ -201,6 +201,7 @@ def test_event_outside_its_phase_is_not_requested():
         ("descent_rate_m_s", "descent_rate", 1.0, 3.0),
         ("time_to_go_s", "time_to_go", 1.0, 3.0),
         ("total_alpha_deg", "total_alpha", radians(1.9), radians(2.1)),
+        ("downrange_to_go_m", "downrange_to_go", -1.0, 3.0),
         ("footpad_contact", "footpad_contact", 0, 3),
     ],
 )

@@ -1,8 +1,8 @@
-"""Range and crossrange to the aim point, shared by the entry laws."""
+"""Range to the aim point, how much of it lies along the course, and crossrange; shared by the entry laws."""
 
 from __future__ import annotations
 
-from math import asin, cos, sin
+from math import asin, atan2, cos, sin
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import great_circle
@@ -11,9 +11,10 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def to_target(onboard, nav):
-    """Great-circle range to the aim point (m on the reference sphere) and signed crossrange (m).
+    """Great-circle range to the aim point, signed crossrange and downrange to go (m on the reference sphere).
 
-    Crossrange is positive when the velocity points to the right of the aim point.
+    Crossrange is positive when the velocity points to the right of the aim point.  Downrange to go is what is
+    left along the course until the aim point lies abeam; negative beyond it.
     """
     site, planet = onboard.site, onboard.planet
     arc, bearing = great_circle(
@@ -25,4 +26,6 @@ def to_target(onboard, nav):
         site.aim_longitude,
     )
     crossrange = asin(clamp(sin(arc) * sin(nav.azimuth - bearing), -1.0, 1.0))
-    return arc * planet.equatorial_radius, crossrange * planet.equatorial_radius
+    ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))
+    radius = planet.equatorial_radius
+    return arc * radius, crossrange * radius, ahead * radius

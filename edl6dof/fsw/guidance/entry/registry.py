@@ -2,7 +2,7 @@
 
 A member has one kernel, ``guide(params, plan, onboard, nav, memory, out)``: it returns the bank angle it
 wants (rad).  ``params``, ``plan`` and ``memory`` are its own: its settings, what its member's
-``plan(onboard, entry)`` tabulated on the ground, and what it remembers.  ``onboard`` is what the flight
+``plan(onboard, planned)`` tabulated on the ground, and what it remembers.  ``onboard`` is what the flight
 computer believes.  Range to go, crossrange and the measured drag and lift ratios are in ``out`` before it is
 called; limits, side, heading alignment and rate come after it, in
 :mod:`~edl6dof.fsw.guidance.entry.steering`.
@@ -22,6 +22,7 @@ from edl6dof.fsw.guidance.entry.laws import (
     ehgo_fl,
     etpc,
     fl,
+    fnpeg,
     ftc_dob,
     npc,
     pd_dob,
@@ -37,6 +38,7 @@ ENTRY_LAWS = Family(
         drag_tracking.MEMBER,
         constant_bank.MEMBER,
         npc.MEMBER,
+        fnpeg.MEMBER,
         fl.MEMBER,
         ehgo_fl.MEMBER,
         etpc.MEMBER,
@@ -58,7 +60,7 @@ def entry_guidance(law, onboard, nav, memory, out):
     """Commanded bank angle of entry law number ``law``, written into ``out``; ``memory`` is an
     ``ENTRY_MEMORY`` record.
     """
-    out.range_to_go, out.crossrange = to_target(onboard, nav)
+    out.range_to_go, out.crossrange, out.downrange_to_go = to_target(onboard, nav)
     measure_air(onboard, nav, memory.air)
     out.drag_ratio, out.lift_ratio = memory.air.drag, memory.air.lift
     wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)

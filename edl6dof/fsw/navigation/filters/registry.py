@@ -15,6 +15,7 @@ from typing import Any
 
 from edl6dof.config.base import group
 from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
+from edl6dof.fsw.navigation.drag_filter import DragFilterParams
 from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, two_filter
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
@@ -42,6 +43,7 @@ class NavigationParams(_Filters):
     saturation: SaturationParams = group(SaturationParams, "gyros at the end of their range")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
+    drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
 
 
 start_filter = NAVIGATION_FILTERS.switch("start", "params", "onboard", "sensed", "solution", "memory")

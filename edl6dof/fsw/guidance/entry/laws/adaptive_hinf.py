@@ -201,10 +201,10 @@ def guide(params, plan, onboard, nav, memory, out):
     return acos(clamp(u / lift_to_drag, -1.0, 1.0))
 
 
-def lay_plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
+def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
     """Lay the drag-velocity profile along the planned reference."""
     start = float(onboard["guidance"]["entry"]["adaptive_hinf"]["start_drag"][0])
-    fill_drag_velocity(onboard, entry, start, onboard["plan"]["adaptive_hinf"][0])
+    fill_drag_velocity(onboard, planned, start, onboard["plan"]["adaptive_hinf"][0])
 
 
 MEMBER = Member(

@@ -51,7 +51,7 @@ def guide(params, plan, onboard, nav, memory, out):
     i, f = at_speed(table, nav.speed)
     out.reference_drag = between(table.drag, i, f)
     by_lift = between(table.by_lift, i, f)
-    if nav.drag < p.start_drag or by_lift < 1.0 or nav.speed <= onboard.guidance.entry.align_speed:
+    if nav.drag < p.start_drag or by_lift < 1.0:
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     climb = nav.speed * sin(nav.flight_path_angle)
     predicted = between(table.range, i, f) + between(table.by_drag, i, f) * (nav.drag - out.reference_drag)
@@ -61,9 +61,9 @@ def guide(params, plan, onboard, nav, memory, out):
     return acos(clamp(wanted / max(lift_to_drag * out.lift_ratio, 1e-3), -1.0, 1.0))
 
 
-def lay_plan(onboard: np.ndarray, entry: tuple[float, float, float]) -> None:
+def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
     """Tabulate the influence coefficients of the planned reference."""
-    fill_influence(onboard, entry, onboard["plan"]["etpc"][0])
+    fill_influence(onboard, planned, onboard["plan"]["etpc"][0])
 
 
 MEMBER = Member(

@@ -18,6 +18,7 @@ from math import acos, cos
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
@@ -45,7 +46,7 @@ MEMORY = np.dtype([("shift", "f8"), ("started", FLAG), ("miss", "f8"), ("iterati
 @kernel
 def miss_of(onboard, nav, out, shift):
     """Predicted downrange miss (m), reversals cancelling."""
-    miss, _, _, _ = predict(onboard, nav, out, shift, 0.0)
+    miss, _, _, _ = predict(onboard, nav, out, shifted(shift, 0.0, 0.0, 0.0))
     return miss
 
 

@@ -1,4 +1,4 @@
-"""The drag and lift that the flight computer expects of its vehicle at trim, over Mach number.
+"""The trim angle, drag and lift that the flight computer expects of its vehicle, over Mach number.
 
 One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of
 the Mach number.  Below the
@@ -23,6 +23,7 @@ SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
 AIRFRAME = np.dtype(
     [
         ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 without one
+        ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
         ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
         ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
         # drag area over the vehicle's one, wing open, zero angle of attack
@@ -38,10 +39,33 @@ def mach_nodes() -> np.ndarray:
 
 
 @kernel
+def node_of(mach):
+    """Index and fraction of a Mach number among the nodes."""
+    return held_cell(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, NODES - 1)
+
+
+@kernel
+def trim_alpha(vehicle, mach):
+    """Angle of attack (rad) at which the ``onboard.vehicle`` trims with its wing in."""
+    i, f = node_of(mach)
+    return between(vehicle.airframe.alpha, i, f)
+
+
+@kernel
 def believed_aero(vehicle, mach):
     """Drag area (m2) and lift-to-drag ratio of the ``onboard.vehicle`` at trim."""
     table = vehicle.airframe
-    i, f = held_cell(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, NODES - 1)
+    i, f = node_of(mach)
     if mach < table.wing_mach:
         return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
     return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)
+
+
+@kernel
+def area_rate(vehicle, mach, speed, speed_rate):
+    """Relative rate (1/s) of the drag area at trim while the speed changes at ``speed_rate`` (m/s2), the
+    speed of sound held.
+    """
+    drag = vehicle.airframe.drag
+    i, _ = node_of(mach)
+    return log(drag[i + 1] / drag[i]) / SPACING * speed_rate / speed

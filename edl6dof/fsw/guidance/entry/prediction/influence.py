@@ -1,18 +1,23 @@
 """Influence coefficients: how the range flown to the parachute answers to the state now, along the reference
 trajectory.
 
-The onboard reference is flown to its end once more from each of a number of speeds, with altitude,
-flight-path angle and vertical lift-to-drag ratio a little up and a little down; the central differences are
-the sensitivities that the adjoint equations of Apollo and MSL integrate backwards.  At equal speed a change
-of altitude is a change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate,
-d(h') = V cos(gamma) d(gamma), so that the coefficients belong to what is measured.  Source: Carman, Ives &
-Geller 1998, "Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck & Carman 2002, "Guidance
-design for Mars smart landers using the entry terminal point controller", AIAA 2002-4502, on the controller
-gains.
+They are the adjoint variables of the linearised motion, integrated backwards along the reference from the
+final speed, where they are zero.  Speed is the independent variable: the coefficients belong to departures at
+equal speed, the bank profile of the reference, a function of speed, stays in step, and the range counts at
+the final speed, as the parachute opens by speed, not at an altitude:
 
-Differences: differences of flown trajectories in place of the adjoint equations, so that the level-wing end
-and the trim wing, where the dynamics jump, are in the coefficients; the range counts at the final speed, as
-the parachute opens by Mach number, not at an altitude.
+    x = (h, gamma), x' = f(x, V), s' = g(x, V), H = l' f + g:
+    dl/dV = -dH/dx, dm/dV = -dH/du, l(V_f) = m(V_f) = 0
+
+with u the vertical lift-to-drag ratio, as far as it is controlled.  At equal speed a change of altitude is a
+change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate, d(h') = V cos(gamma)
+d(gamma), so that the coefficients belong to what is measured.  Source: Carman, Ives & Geller 1998,
+"Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck & Carman 2002, "Guidance design for
+Mars smart landers using the entry terminal point controller", AIAA 2002-4502, on the controller gains;
+adjoint equations: Bryson & Ho 1975, section 2.3.
+
+Difference: the partial derivatives are central differences of the believed motion, so that Mach-dependent
+airframe and trim wing are in them.
 """
 
 from __future__ import annotations
@@ -26,10 +31,12 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 
 NODES = 64
-STEP = 0.5  # s
-LONGEST = 4000  # steps
+#: Steps of the adjoint integration between two nodes.
+SUBSTEPS = 8
+#: Deceleration (m/s2) from which on speed tells one point of the reference from the next.
+LEAST_DECELERATION = 0.5
 #: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
-D_ALTITUDE, D_PATH, D_LIFT = 100.0, 2e-4, 2e-3
+D_ALTITUDE, D_PATH, D_LIFT = 50.0, 1e-5, 1e-4
 
 INFLUENCE = np.dtype(
     [
@@ -48,114 +55,103 @@ INFLUENCE = np.dtype(
 
 
 @kernel
-def rates(onboard, h, v, gamma, shift, more_lift):
-    """Rates of altitude, speed, path angle and range on the reference profile with ``more_lift`` added to its
-    vertical L/D.
+def hamiltonian(onboard, shift, v, h, gamma, more_lift, by_altitude, by_path):
+    """Hamiltonian of the motion by speed on the reference profile, with ``more_lift`` added to its vertical
+    L/D where range is controlled.
     """
-    a = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
-    # below the alignment speed lift is no longer controlled
-    more_path_rate = more_lift * a[4] / v if v > onboard.guidance.entry.align_speed else 0.0
-    return a[0], a[1], a[2] + more_path_rate, a[3]
+    entry = onboard.guidance.entry
+    climb, slowing, turn, ground, drag = point_mass(onboard, h, v, gamma, reference_bank(onboard, shift, v))
+    if v > max(entry.align_speed, entry.heading.speed):
+        turn += more_lift * drag / v
+    return (by_altitude * climb + by_path * turn + ground) / slowing
 
 
 @kernel
-def range_from(onboard, h, v, gamma, shift, more_lift):
-    """Range (m) flown from a state to the final speed; between the last two steps by interpolation."""
-    final = onboard.guidance.entry.final_speed
-    s = 0.0
-    for _ in range(LONGEST):
-        if v <= final or h < -5000.0:
+def adjoint_rates(onboard, shift, v, h, gamma, by_altitude, by_path):
+    """Derivatives by speed of the range's derivatives by altitude, path angle and vertical L/D."""
+    args = (by_altitude, by_path)
+    up = hamiltonian(onboard, shift, v, h + D_ALTITUDE, gamma, 0.0, *args)
+    down = hamiltonian(onboard, shift, v, h - D_ALTITUDE, gamma, 0.0, *args)
+    level = hamiltonian(onboard, shift, v, h, gamma + D_PATH, 0.0, *args)
+    steep = hamiltonian(onboard, shift, v, h, gamma - D_PATH, 0.0, *args)
+    more = hamiltonian(onboard, shift, v, h, gamma, D_LIFT, *args)
+    less = hamiltonian(onboard, shift, v, h, gamma, -D_LIFT, *args)
+    return (down - up) / (2 * D_ALTITUDE), (steep - level) / (2 * D_PATH), (less - more) / (2 * D_LIFT)
+
+
+@kernel
+def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
+    """Integrate the adjoint equations from the final speed up to the first, by the classical Runge-Kutta
+    method.
+
+    Args:
+        onboard: ``ONBOARD`` record.
+        shift: of the cosine of the reference bank angle.
+        speeds: from the final speed upwards in even steps, m/s, each ``2 SUBSTEPS``-th of them a node.
+        altitude: of the reference there, m.
+        path: flight-path angle of the reference there, rad.
+        found: written, a row for each node: derivatives of the range to go by altitude (m/m), path angle
+            (m/rad) and vertical lift-to-drag ratio (m) at equal speed.
+    """
+    x, y, z = 0.0, 0.0, 0.0
+    step = 2.0 * (speeds[1] - speeds[0])
+    for node in range(NODES):
+        found[node, 0], found[node, 1], found[node, 2] = x, y, z
+        if node == NODES - 1:
             break
-        a = rates(onboard, h, v, gamma, shift, more_lift)
-        b = rates(
-            onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, more_lift
-        )
-        c = rates(
-            onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, more_lift
-        )
-        d = rates(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], shift, more_lift)
-        change = STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
-        part = 1.0 if v + change > final else (final - v) / change
-        h += part * STEP * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
-        gamma += part * STEP * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
-        s += part * STEP * (a[3] + 2.0 * (b[3] + c[3]) + d[3]) / 6.0
-        v = final if part < 1.0 else v + change
-    return s
+        for i in range(2 * SUBSTEPS * node, 2 * SUBSTEPS * (node + 1), 2):
+            v0, h0, g0 = speeds[i], altitude[i], path[i]
+            v1, h1, g1 = speeds[i + 1], altitude[i + 1], path[i + 1]
+            v2, h2, g2 = speeds[i + 2], altitude[i + 2], path[i + 2]
+            a = adjoint_rates(onboard, shift, v0, h0, g0, x, y)
+            b = adjoint_rates(onboard, shift, v1, h1, g1, x + 0.5 * step * a[0], y + 0.5 * step * a[1])
+            c = adjoint_rates(onboard, shift, v1, h1, g1, x + 0.5 * step * b[0], y + 0.5 * step * b[1])
+            d = adjoint_rates(onboard, shift, v2, h2, g2, x + step * c[0], y + step * c[1])
+            x += step * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
+            y += step * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
+            z += step * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
 
 
-@kernel
-def reference_states(onboard, entry, shift, history):
-    """Fly the reference; rows of ``history`` are (altitude, speed, path angle), one each ``STEP``.  Returns
-    the row count.
-    """
-    h, v, gamma = entry
-    count = 0
-    while v > onboard.guidance.entry.final_speed and h > -5000.0 and count < history.shape[0]:
-        history[count, 0], history[count, 1], history[count, 2] = h, v, gamma
-        count += 1
-        a = rates(onboard, h, v, gamma, shift, 0.0)
-        b = rates(
-            onboard, h + 0.5 * STEP * a[0], v + 0.5 * STEP * a[1], gamma + 0.5 * STEP * a[2], shift, 0.0
-        )
-        c = rates(
-            onboard, h + 0.5 * STEP * b[0], v + 0.5 * STEP * b[1], gamma + 0.5 * STEP * b[2], shift, 0.0
-        )
-        d = rates(onboard, h + STEP * c[0], v + STEP * c[1], gamma + STEP * c[2], shift, 0.0)
-        h += STEP * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
-        v += STEP * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
-        gamma += STEP * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
-    return count
-
-
-@kernel
-def coefficients(onboard, h, v, gamma, shift):
-    """Range to go (m) and its derivatives by altitude (m/m), path angle (m/rad) and vertical L/D (m) at equal
-    speed.
-    """
-    up, down = (
-        range_from(onboard, h + D_ALTITUDE, v, gamma, shift, 0.0),
-        range_from(onboard, h - D_ALTITUDE, v, gamma, shift, 0.0),
-    )
-    steep, level = (
-        range_from(onboard, h, v, gamma - D_PATH, shift, 0.0),
-        range_from(onboard, h, v, gamma + D_PATH, shift, 0.0),
-    )
-    more, less = (
-        range_from(onboard, h, v, gamma, shift, D_LIFT),
-        range_from(onboard, h, v, gamma, shift, -D_LIFT),
-    )
-    by_altitude, by_path, by_lift = (
-        (up - down) / (2 * D_ALTITUDE),
-        (level - steep) / (2 * D_PATH),
-        (more - less) / (2 * D_LIFT),
-    )
-    return range_from(onboard, h, v, gamma, shift, 0.0), by_altitude, by_path, by_lift
-
-
-def fill_influence(onboard: np.ndarray, entry: tuple[float, float, float], table: np.void) -> None:
-    """Tabulate the influence coefficients of the planned reference over speed.
+def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned reference and its influence coefficients over speed.
 
     Args:
         onboard: onboard record array of length one, its reference planned.
-        entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
+        planned: rows of the planned entry, ``PLANNED``.
         table: ``INFLUENCE`` record to fill.
     """
     record = onboard[0]
     shift = float(record["reference"]["shift"])
-    history = np.zeros((LONGEST, 3))
-    states = history[: reference_states(record, entry, shift, history)]
-    states = states[np.argmax(states[:, 1]) :]  # from where the speed falls
-    speeds = np.linspace(float(states[-1, 1]), float(states[0, 1]), NODES)
-    table["first"], table["spacing"] = speeds[0], speeds[1] - speeds[0]
-    for i, v in enumerate(speeds):
-        h, gamma = (float(np.interp(v, states[::-1, 1], states[::-1, k])) for k in (0, 2))
+    rows = _slowing(planned, record["planet"])
+    speeds = np.linspace(rows["speed"][-1], rows["speed"][0], 2 * SUBSTEPS * (NODES - 1) + 1)
+    altitude, path, beyond, drag = (
+        np.interp(speeds, rows["speed"][::-1], rows[name][::-1])
+        for name in ("altitude", "path_angle", "beyond", "drag")
+    )
+    found = np.zeros((NODES, 3))
+    integrate_adjoints(record, shift, speeds, altitude, path, found)
+    table["first"], table["spacing"] = speeds[0], speeds[2 * SUBSTEPS] - speeds[0]
+    for i in range(NODES):
+        k = 2 * SUBSTEPS * i
+        v, h, gamma = speeds[k], altitude[k], path[k]
         bank = reference_bank(record, shift, v)
-        _, _, path_rate, _, drag = point_mass(record, h, v, gamma, bank)
+        _, _, path_rate, _, still_drag = point_mass(record, h, v, gamma, bank)
         without_lift = point_mass(record, h, v, gamma, 0.5 * np.pi)[2]
         _, _, scale_height = model_atmosphere(record["atmosphere"], h)
-        to_go, by_altitude, by_path, by_lift = coefficients(record, h, v, gamma, shift)
-        table["range"][i], table["drag"][i], table["climb"][i] = to_go, drag, v * sin(gamma)
-        table["lift"][i] = (path_rate - without_lift) * v / drag
-        table["by_drag"][i] = -by_altitude * scale_height / drag
-        table["by_climb"][i] = by_path / (v * cos(gamma))
-        table["by_lift"][i] = by_lift
+        table["range"][i], table["drag"][i], table["climb"][i] = (
+            beyond[0] - beyond[k],
+            drag[k],
+            v * sin(gamma),
+        )
+        table["lift"][i] = (path_rate - without_lift) * v / still_drag
+        table["by_drag"][i] = -found[i, 0] * scale_height / drag[k]
+        table["by_climb"][i] = found[i, 1] / (v * cos(gamma))
+        table["by_lift"][i] = found[i, 2]
+
+
+def _slowing(planned: np.ndarray, planet: np.void) -> np.ndarray:
+    """The rows of the plan from where the speed falls well and tells them apart."""
+    gravity = planet["mu"] / (planet["equatorial_radius"] + planned["altitude"]) ** 2
+    deceleration = planned["drag"] + gravity * np.sin(planned["path_angle"])
+    before = deceleration[: np.argmax(deceleration)] < LEAST_DECELERATION
+    return planned[np.count_nonzero(before) :]

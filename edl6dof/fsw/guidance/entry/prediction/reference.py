@@ -1,17 +1,16 @@
-"""Reference trajectory: a point mass over a non-rotating sphere with onboard density, drag and lift, at an
-open-loop bank profile.
+"""Reference trajectory: the entry as it is planned before the flight, at an open-loop bank profile.
 
-Flown once on the ground before the mission with an open-loop bank profile in three segments over speed
-(constant, linear, constant). Unless told otherwise the profile is shifted, by one number added to cos(bank),
-so that the range from entry interface to the aim point is met at parachute speed.  What guidance needs of it
-is tabulated over the square root of twice the specific energy, which is near the speed.
-Sources: equations of motion, Wu, Cui & Cui 2013, eqs. 1-3 and 7; three-segment bank profile, Zheng & Cui
-2015, section 3.2, with the linear middle segment of Yan, Sun & Guo 2016, section 3.
+It is flown on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile in three segments over
+speed (constant, linear, constant).  Unless told otherwise the profile is shifted, by one number added to
+cos(bank), so that it ends at the aim point.  What guidance needs of it is tabulated over the square root of
+twice the specific energy, which is near the speed.
+Sources: three-segment bank profile, Zheng & Cui 2015, section 3.2, with the linear middle segment of Yan, Sun
+& Guo 2016, section 3.
 """
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, cos, sin
 from typing import Self
 
 import numpy as np
@@ -25,10 +24,8 @@ from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.vector import clamp
 
 NODES = 256
-STEPS = 6000
-#: Least cosine of the reference bank angle: never more than 120 deg, so that there is authority left to bring
-#: the lift down.
-LEAST_COSINE = -0.5
+#: Standard deviation of the window that the planned drag is smoothed over, s.
+SMOOTHED = 1.0
 
 
 class ReferenceBankParams(Params):
@@ -63,10 +60,30 @@ REFERENCE = np.dtype(
         ("drag", "f8", (NODES,)),
         ("drag_rate", "f8", (NODES,)),
         ("drag_acceleration", "f8", (NODES,)),
-        ("cos_path", "f8", (NODES,)),  # ground distance per path length: cos(gamma) R/r
-        ("range", "f8", (NODES,)),
+        ("ground", "f8", (NODES,)),  # drag times ground range per energy: near cos(gamma) R/r
     ],
     align=True,
+)
+
+#: The planned entry in rows from the start to where the parachute opens.
+PLANNED = np.dtype(
+    [
+        ("t", "f8"),  # s
+        ("altitude", "f8"),  # m
+        ("speed", "f8"),  # m/s, relative to the planet
+        ("path_angle", "f8"),  # rad
+        ("azimuth", "f8"),  # rad
+        ("energy", "f8"),  # J/kg
+        ("beyond", "f8"),  # m, beyond the aim point along the great circle from the start
+        ("aside", "f8"),  # m, right of it
+        ("bank", "f8"),  # rad, commanded
+        ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
+        ("mach", "f8"),
+        ("drag", "f8"),  # m/s2, in the expected wind, as the next two
+        ("load", "f8"),  # m/s2
+        ("dynamic_pressure", "f8"),  # Pa
+        ("density", "f8"),  # kg/m3
+    ]
 )
 
 
@@ -91,8 +108,8 @@ def point_mass(onboard, h, v, gamma, bank):
 
 @kernel
 def reference_bank(onboard, shift, speed):
-    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift`` but kept above
-    -0.5.
+    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift``, inside the
+    limits that all laws share.
 
     Heading alignment banks to either side of zero: from there on the reference flies with wings level.
     """
@@ -101,7 +118,8 @@ def reference_bank(onboard, shift, speed):
         return 0.0
     p = entry.reference_bank
     share = clamp((speed - p.slow_speed) / (p.fast_speed - p.slow_speed), 0.0, 1.0)
-    return acos(clamp(cos(p.slow_bank + share * (p.fast_bank - p.slow_bank)) + shift, LEAST_COSINE, 1.0))
+    wanted = cos(p.slow_bank + share * (p.fast_bank - p.slow_bank)) + shift
+    return acos(clamp(wanted, cos(entry.bank_max), cos(entry.bank_min)))
 
 
 @kernel
@@ -112,83 +130,37 @@ def node_of(reference, energy_speed):
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
-@kernel
-def fly(onboard, entry, shift, final_speed, dt, history):
-    """Fly the point mass to ``final_speed``; rows of ``history`` are (sqrt(2E), range, drag, ground per path,
-    time). Returns the row count, and the altitude (m) and flight-path angle (rad) at which it ends.
+def fill_reference(planned: np.ndarray, table: np.void) -> None:
+    """Tabulate the planned entry into a ``REFERENCE`` record, its shift left as it is.
 
-    ``entry`` is (altitude, speed, flight-path angle, curvature radius correction of the true altitude datum =
-    0).
+    The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
+    another time in flight, leaves no step in the derivatives.  They are those of the tabulated drag along the
+    planned loss of energy, and the range is the planned one along the tabulated drag.
     """
-    h, v, gamma, s, t = entry[0], entry[1], entry[2], 0.0, 0.0
-    planet = onboard.planet
-    count = 0
-    while v > final_speed and h > -5000.0 and count < history.shape[0]:
-        sigma = reference_bank(onboard, shift, v)
-        a = point_mass(onboard, h, v, gamma, sigma)
-        energy = 0.5 * v * v + planet.mu * (
-            1.0 / planet.equatorial_radius - 1.0 / (planet.equatorial_radius + h)
-        )
-        row = history[count]
-        row[0], row[1], row[2], row[3], row[4] = sqrt(2.0 * max(energy, 0.0)), s, a[4], a[3] / v, t
-        count += 1
-        b = point_mass(onboard, h + 0.5 * dt * a[0], v + 0.5 * dt * a[1], gamma + 0.5 * dt * a[2], sigma)
-        c = point_mass(onboard, h + 0.5 * dt * b[0], v + 0.5 * dt * b[1], gamma + 0.5 * dt * b[2], sigma)
-        d = point_mass(onboard, h + dt * c[0], v + dt * c[1], gamma + dt * c[2], sigma)
-        h += dt * (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0
-        v += dt * (a[1] + 2.0 * (b[1] + c[1]) + d[1]) / 6.0
-        gamma += dt * (a[2] + 2.0 * (b[2] + c[2]) + d[2]) / 6.0
-        s += dt * (a[3] + 2.0 * (b[3] + c[3]) + d[3]) / 6.0
-        t += dt
-    return count, h, gamma
-
-
-@kernel
-def solve_shift(onboard, entry, wanted, final_speed, dt, history):
-    """Shift of cos(bank) whose range is ``wanted`` (m), by bisection; the nearest bound when out of reach."""
-    low, high = LEAST_COSINE - 1.0, 1.0 - LEAST_COSINE
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        n, _, _ = fly(onboard, entry, middle, final_speed, dt, history)
-        if history[n - 1, 1] < wanted:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
-
-
-def fill_reference(
-    onboard: np.ndarray, entry: tuple[float, float, float], wanted: float, final: float
-) -> tuple[float, float]:
-    """Fly the reference, for a range of ``wanted`` metres if that is to be fitted, and tabulate it into
-    ``onboard[0]["reference"]``; returns the altitude (m) and flight-path angle (rad) at which it ends.
-
-    Args:
-        onboard: onboard record array of length one, its models filled.
-        entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
-        wanted: ground range to the aim point, m.
-        final: speed at which the range counts, m/s.
-    """
-    history = np.zeros((STEPS, 5))
-    dt = 0.1
-    fitted = onboard["guidance"]["entry"]["reference_bank"]["fit_range"][0]
-    shift = solve_shift(onboard[0], entry, wanted, final, dt, history) if fitted else 0.0
-    n, altitude, path_angle = fly(onboard[0], entry, shift, final, dt, history)
-    u, s, drag, cos_path, t = history[:n].T
-    drag_rate = np.gradient(drag, t)
-    drag_acceleration = np.gradient(drag_rate, t)
+    t, energy = planned["t"], planned["energy"]
+    u = np.sqrt(2.0 * np.maximum(energy, 0.0))
+    drag = _smoothed(t, planned["drag"])
+    rate = np.gradient(drag, t)
     # the energy falls from the moment drag beats nothing; keep the part where it is strictly decreasing
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
-    table = onboard["reference"][0]
-    table["first"], table["spacing"], table["shift"] = nodes[0], nodes[1] - nodes[0], shift
+    table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
     columns = {
         "drag": drag,
-        "drag_rate": drag_rate,
-        "drag_acceleration": drag_acceleration,
-        "cos_path": cos_path,
-        "range": s[-1] - s,
+        "drag_rate": rate,
+        "drag_acceleration": np.gradient(rate, t),
+        "ground": -drag * np.gradient(planned["beyond"], t) / np.gradient(energy, t),
     }
     for name, values in columns.items():
         table[name] = np.interp(nodes, u[keep][::-1], values[keep][::-1])
-    return altitude, path_angle
+
+
+def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Logarithm-weighted means of positive ``values`` over a normal window of ``SMOOTHED`` seconds."""
+    even = np.arange(t[0], t[-1], t[1] - t[0])
+    reach = int(4.0 * SMOOTHED / (t[1] - t[0]))
+    window = np.exp(-0.5 * (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2)
+    logs = np.pad(
+        np.interp(even, t, np.log(np.maximum(values, 1e-12))), reach, mode="reflect", reflect_type="odd"
+    )
+    return np.exp(np.interp(t, even, np.convolve(logs, window / window.sum(), mode="valid")))

@@ -105,7 +105,7 @@ def refit(reference, energy, wanted, limit, memory):
         e = terminal + span * SHARE[i]
         j, f = node_of(reference, sqrt(2.0 * e))
         nominal = reference.drag[j] + f * (reference.drag[j + 1] - reference.drag[j])
-        memory.ground[i] = reference.cos_path[j] + f * (reference.cos_path[j + 1] - reference.cos_path[j])
+        memory.ground[i] = reference.ground[j] + f * (reference.ground[j + 1] - reference.ground[j])
         memory.drag[i] = nominal
         if memory.started != 0:
             now, _, _ = evaluate(memory.coefficient, (e - terminal) / (memory.energy - terminal))

@@ -18,7 +18,6 @@ from math import sqrt
 
 import numpy as np
 
-from edl6dof.fsw.guidance.entry.prediction.reference import STEPS, fly
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
@@ -29,7 +28,6 @@ RANGE_NODES = 129
 #: Speeds tried for the two joints, as shares of the speed at the start and of the speed at the end.
 _JOIN, _LEVEL = np.linspace(0.35, 0.85, 26), np.linspace(1.2, 2.4, 13)
 _ROWS = 300
-_DT = 0.1
 #: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
 _STIFF = 100.0
 
@@ -121,29 +119,18 @@ def integrate_range(onboard, profile):
             profile.range[i // 4] = total
 
 
-def fill_drag_velocity(
-    onboard: np.ndarray, entry: tuple[float, float, float], start_drag: float, profile: np.void
-) -> None:
-    """Lay the profile along the reference flight.
+def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: float, profile: np.void) -> None:
+    """Lay the profile along the planned reference.
 
     Args:
         onboard: onboard record array of length one, its reference planned.
-        entry: altitude (m), planet-relative speed (m/s) and flight-path angle (rad) at entry interface.
-        start_drag: drag of the reference flight where the profile begins, m/s2.
+        planned: rows of the planned entry, ``PLANNED``.
+        start_drag: drag of the planned entry where the profile begins, m/s2.
         profile: ``DRAG_VELOCITY`` record to fill.
     """
-    settings, history = onboard["guidance"]["entry"][0], np.zeros((STEPS, 5))
-    n, _, _ = fly(
-        onboard[0],
-        entry,
-        float(onboard["reference"]["shift"][0]),
-        float(settings["final_speed"]),
-        _DT,
-        history,
-    )
-    first = int(np.argmax(history[:n, 2] >= start_drag))
-    _, s, drag, ground_per_path, t = history[first:n].T
-    speed, wanted = np.gradient(s, t) / ground_per_path, s[-1] - s[0]
+    follow = planned[np.argmax(planned["drag"] >= start_drag) :]
+    speed, drag = follow["speed"], follow["drag"]
+    wanted = float(follow["beyond"][-1] - follow["beyond"][0])
     rows = np.unique(np.linspace(0, len(speed) - 1, _ROWS).astype(int))
     v, d = speed[rows], drag[rows]
     highest = np.array([ceiling(onboard[0], x) for x in v])

@@ -5,7 +5,7 @@ Two predictions a call, banked to one side all the way: going on as now, and rev
 second miss has fallen to ``ratio`` times the first leaves each leg that much smaller than the one before,
 whatever density and lift turn out to be; the number of reversals follows from the ratio alone.  Source: Smith
 2016, "Predictive lateral logic for numerical entry guidance algorithms", AAS 16-216 (the damping-ratio idea);
-left out: the time the reversal itself takes.
+the reversal is predicted at the vehicle's bank rate.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from __future__ import annotations
 from math import cos
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
@@ -46,10 +47,10 @@ def side(params, onboard, nav, memory, out, wanted, sign):
     shift = cos(clamp(abs(wanted), entry.bank_min, entry.bank_max)) - cos(
         reference_bank(onboard, 0.0, nav.speed)
     )
-    _, going_on, _, _ = predict(onboard, nav, out, shift, sign)
+    _, going_on, _, _ = predict(onboard, nav, out, shifted(shift, sign, 0.0, 0.0))
     if sign * going_on < p.dead_zone:
         return sign
-    _, reversed_now, _, _ = predict(onboard, nav, out, shift, -sign)
+    _, reversed_now, _, _ = predict(onboard, nav, out, shifted(shift, -sign, 0.0, 0.0))
     return -sign if sign * reversed_now > -p.ratio * sign * going_on else sign
 
 

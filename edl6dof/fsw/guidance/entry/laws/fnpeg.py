@@ -1,0 +1,167 @@
+"""FNPEG, fully numerical predictor-corrector entry guidance: bank linear in energy, and the reversals, so
+that the predicted flight ends at the aim point in range and crossrange.
+
+Every call flies the onboard prediction to the parachute: from the bank angle that the vehicle has, at the
+rate at which it rolls, through the reversals that are left.  The bank magnitude runs linearly in energy from
+the one that is sought to a fixed one at the end; it is corrected by Gauss-Newton steps, halved until the
+predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
+is none; the one after it is foreseen at a set share of that speed.
+Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
+and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
+"Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
+(reversals by prediction).
+
+Differences: energy here is kinetic energy, which at the low end is known beforehand; Smith decides by the
+ratio of two predicted crossranges, here the reversal is solved for.  With ``reversal.logic: own_sign`` the
+planned reversals are flown; with another logic the magnitude alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+#: Changes of bank angle (rad) and of reversal speed (m/s) by which slopes are measured.
+NUDGE_BANK, NUDGE_TURN = 0.02, 20.0
+#: Largest steps of one correction: bank (rad), reversal speed (m/s).
+STEP_BANK, STEP_TURN = 0.5, 500.0
+
+
+class FnpegParams(Params):
+    """Fully numerical predictor-corrector entry guidance."""
+
+    last_bank_deg: float = param(
+        60.0, "bank magnitude at the end of the prediction", status="design", ge=0.0, le=180.0
+    )
+    tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
+    start_drag_m_s2: float = param(
+        0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
+    )
+    halvings: int = param(3, "most times that a step is halved in one call", ge=0, le=10)
+    reversals: int = param(3, "reversals planned", ge=0, le=10)
+    spacing: float = param(
+        0.55,
+        "first guess of a reversal's speed over the present one, and of the reversal after it over that",
+        status="design",
+        gt=0.0,
+        lt=1.0,
+    )
+
+
+MEMORY = np.dtype(
+    [
+        ("started", FLAG),
+        ("side", "f8"),  # +1 right, -1 left
+        ("bank", "f8"),  # magnitude now, rad
+        ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
+        ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
+        ("left", COUNT),  # reversals left
+        ("miss", "f8"),  # predicted, m: downrange, and crossrange
+        ("aside", "f8"),
+    ],
+    align=True,
+)
+
+
+@kernel
+def bank_plan(params, onboard, nav, memory, bank, turn):
+    """The plan of bank magnitude ``bank`` (rad) now and the next reversal at ``turn`` (m/s)."""
+    return linear(bank, params.last_bank, nav.speed, memory.side, turn, memory.later)
+
+
+@kernel
+def ends(params, onboard, nav, memory, out, bank, turn):
+    """Predicted downrange and crossrange miss, m."""
+    down, aside, _, _ = predict(onboard, nav, out, bank_plan(params, onboard, nav, memory, bank, turn))
+    return down, aside
+
+
+@kernel
+def correct_range(params, onboard, nav, memory, out):
+    """One Gauss-Newton step of the bank magnitude, halved until the predicted range is better."""
+    entry = onboard.guidance.entry
+    nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= entry.bank_max else -NUDGE_BANK
+    beside, _ = ends(params, onboard, nav, memory, out, memory.bank + nudge, memory.turn)
+    slope = (beside - memory.miss) / nudge
+    if slope >= 0.0:  # more bank, less range; elsewhere a prediction has left the air
+        return
+    way = clamp(-memory.miss / slope, -STEP_BANK, STEP_BANK)
+    for _ in range(params.halvings + 1):
+        better = clamp(memory.bank + way, entry.bank_min, entry.bank_max)
+        down, aside = ends(params, onboard, nav, memory, out, better, memory.turn)
+        if abs(down) < abs(memory.miss):
+            memory.bank, memory.miss, memory.aside = better, down, aside
+            return
+        way *= 0.5
+
+
+@kernel
+def correct_turn(params, onboard, nav, memory, out, slowest):
+    """One step of the next reversal's speed to where the predicted crossrange is none."""
+    nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
+    _, beside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn + nudge)
+    slope = (beside - memory.aside) / nudge
+    # turning at a higher speed leaves less of the present side
+    if memory.side * slope < 0.0:
+        way = clamp(-memory.aside / slope, -STEP_TURN, STEP_TURN)
+        memory.turn = clamp(memory.turn + way, max(memory.later, slowest), nav.speed)
+
+
+@kernel
+def correct(params, onboard, nav, memory, out, slowest):
+    """Correct the plan, where its predicted end is off by more than the tolerance."""
+    memory.miss, memory.aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn)
+    if abs(memory.miss) > params.tolerance:
+        correct_range(params, onboard, nav, memory, out)
+    if memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
+        correct_turn(params, onboard, nav, memory, out, slowest)
+
+
+@kernel
+def start(params, onboard, nav, memory, out):
+    """The plan before the first correction: towards the aim point, reversals equally far apart in speed."""
+    memory.side = -1.0 if out.crossrange > 0.0 else 1.0
+    memory.left = params.reversals
+    memory.bank = abs(nav.bank)
+    foresee(params, nav, memory)
+
+
+@kernel
+def foresee(params, nav, memory):
+    """First guess of the next reversal, and where the one after it stays until the next is done."""
+    memory.turn = params.spacing * nav.speed if memory.left > 0 else 0.0
+    memory.later = params.spacing * memory.turn if memory.left > 1 else 0.0
+
+
+@kernel
+def reverse_when_due(params, nav, memory):
+    """Change the side at the planned speed, and turn to the reversal after it."""
+    if memory.left > 0 and nav.speed <= memory.turn:
+        memory.side = -memory.side
+        memory.left -= 1
+        foresee(params, nav, memory)
+
+
+@kernel
+def guide(params, plan, onboard, nav, memory, out):
+    """Wanted bank angle, its sign included."""
+    entry = onboard.guidance.entry
+    slowest = max(entry.align_speed, entry.heading.speed)
+    if memory.side == 0.0:
+        start(params, onboard, nav, memory, out)
+    if nav.drag >= params.start_drag:
+        memory.started = 1
+    if memory.started != 0 and nav.speed > slowest:
+        correct(params, onboard, nav, memory, out, slowest)
+        reverse_when_due(params, nav, memory)
+    return planned_bank(onboard, bank_plan(params, onboard, nav, memory, memory.bank, memory.turn), nav.speed)
+
+
+MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)

@@ -1,0 +1,237 @@
+"""The entry as it is planned before the flight: the reference trajectory.
+
+A point mass over the rotating ellipsoid in the believed air and the expected wind.  The flight computer's own
+sequencer runs its own mission from the first phase, and its own steering makes the
+commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
+alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
+angle, brings the end to the aim point; where the mission looks for the aim point itself, the speed there to
+the final speed.
+Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.  Left out: the time the
+vehicle takes to follow the commanded bank angle, about 1 s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import asin, atan2, sqrt
+
+import numpy as np
+from scipy.optimize import brentq
+
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.entry.geometry import to_target
+from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.prediction.motion import acceleration, roll, step
+from edl6dof.fsw.guidance.entry.prediction.predictor import aim_direction
+from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED, reference_bank
+from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
+from edl6dof.fsw.guidance.update import hold_bank
+from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK, MissionParams
+from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
+from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
+from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.jit import kernel
+from edl6dof.scenario.schema import Scenario
+from edl6dof.scenario.start import Start, start_of
+from edl6dof.spatial.frames import fixed_to_ned, geodetic
+from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit
+
+#: Guidance cycles are not followed more often than this, s.
+SHORTEST_STEP = 0.1
+#: Rows of a plan at most, and how far (m) below the site one is followed.
+MAX_ROWS, TOO_LOW = 8000, 4000.0
+#: Change of cos(bank) that is not sought any finer: about 1 m of range.
+RESOLUTION = 1e-5
+
+#: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
+SCRATCH = np.dtype(
+    [
+        ("r", "f8", (3,)),
+        ("v", "f8", (3,)),
+        ("bank", "f8"),  # rad, flown
+        ("nav", NAV),
+        ("vehicle", VEHICLE_STATE),
+        ("guide", GUIDE),
+        ("sequence", SEQUENCE),
+        ("steering", STEERING),
+        ("request", "u1", (MAX_EVENTS,)),
+    ],
+    align=True,
+)
+
+
+def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = None) -> np.ndarray:
+    """Fly the reference, to the aim point if that is to be met, and write its shift into
+    ``onboard[0]["reference"]``.
+
+    Args:
+        onboard: onboard record array of length one, its models, mission and aim point filled.
+        scenario: the nominal one.
+        about: shift of cos(bank) near which the solution is looked for first.
+
+    Returns:
+        the rows of the plan, ``PLANNED``.  Where no bank angle reaches the aim point, those of the nearest.
+    """
+    record, start = onboard[0], start_of(scenario)
+    miss = _excess_speed(scenario) if _ends_by_range(scenario.mission) else _beyond
+    shift = 0.0
+    if record["guidance"]["entry"]["reference_bank"]["fit_range"]:
+        shift = _met(lambda value: miss(_flown(record, start, value)), about)
+    record["reference"]["shift"] = shift
+    return _flown(record, start, shift)
+
+
+def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
+    """Rows of the plan, ``PLANNED``, whose shift stands in ``onboard[0]["reference"]``."""
+    return _flown(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
+
+
+def _flown(record: np.void, start: Start, shift: float) -> np.ndarray:
+    cycle = 1.0 / float(record["rates"]["base"])
+    stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
+    history = np.zeros(MAX_ROWS, PLANNED)
+    count = fly_plan(record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
+    return history[:count]
+
+
+def _ends_by_range(mission: MissionParams) -> bool:
+    """Whether the mission watches for the aim point: then it ends there at any speed."""
+    conditions = (c for ways in mission.exits for way in ways for c in way.when)
+    return any(condition.quantity == "downrange_to_go_m" for condition in conditions)
+
+
+def _beyond(rows: np.ndarray) -> float:
+    """How far beyond the aim point a plan ends, m."""
+    return float(rows["beyond"][-1])
+
+
+def _excess_speed(scenario: Scenario) -> Callable[[np.ndarray], float]:
+    """Gives the speed (m/s) at which a plan ends, less the one at which it should."""
+    final = scenario.flight_software.guidance.entry.final_speed_m_s
+    return lambda rows: float(rows["speed"][-1]) - final
+
+
+def _met(miss: Callable[[float], float], about: float | None) -> float:
+    """Where ``miss`` is zero, within all shifts that change anything; the end nearest to that where it is
+    nowhere.
+    """
+    widest = (-2.0, 2.0)
+    spans = [widest] if about is None else [(about - 0.05, about + 0.05), widest]
+    for low, high in spans:
+        short, far = miss(low), miss(high)
+        if short < 0.0 < far:
+            return float(brentq(miss, low, high, xtol=RESOLUTION))
+    return widest[0] if short >= 0.0 else widest[1]
+
+
+@kernel
+def fly_plan(onboard, start, shift, cycle, stride, history, scratch):
+    """Fly from ``start`` to the speed or Mach number at which the range is to be met; returns the count of
+    rows written.
+
+    Args:
+        onboard: ``ONBOARD`` record.
+        start: position (m) and velocity (m/s) in F.
+        shift: of the cosine of the open-loop bank angle.
+        cycle: base cycle of the flight software, s.
+        stride: cycles from one row to the next.
+        history: ``PLANNED`` records, written.
+        scratch: two ``SCRATCH`` records, zero.
+    """
+    s = scratch[0]
+    put3(s.r, 0, (start[0], start[1], start[2]))
+    put3(s.v, 0, (start[3], start[4], start[5]))
+    s.guide.drag_ratio = s.guide.lift_ratio = 1.0
+    here, target = unit(take3(s.r, 0)), aim_direction(onboard)
+    ahead = unit(sub(target, scale(dot(target, here), here)))
+    k, count = 0, 0
+    while count < history.shape[0]:
+        going = decide(onboard, k * cycle, shift, s)
+        if not going and stride > 1 and k > 0:
+            # the end lies within the last stride: once more, cycle by cycle
+            scratch[0] = scratch[1]
+            k, stride = k - stride + 1, 1
+            advance(onboard, s, cycle)
+            continue
+        note(onboard, s, here, ahead, target, history[count])
+        count += 1
+        if not going:
+            break
+        scratch[1] = scratch[0]
+        advance(onboard, s, stride * cycle)
+        k += stride
+    return count
+
+
+@kernel
+def decide(onboard, t, shift, s):
+    """Let the flight computer look at the state, run its mission and steer; whether the planned end is still
+    to come.
+    """
+    mission, entry = onboard.mission, onboard.guidance.entry
+    look(onboard, t, s)
+    s.request[:] = 0
+    sequence(mission, s.nav, s.vehicle, s.guide, s.sequence, s.request)
+    follow_events(onboard.vehicle, mission, t, s.request, s.vehicle)
+    s.nav.wing_open = s.vehicle.wing_commanded
+    guidance = mission.phases[s.sequence.phase].guidance
+    if guidance == G_HOLD_BANK:
+        hold_bank(onboard, s.nav, s.guide)
+    elif guidance == G_ENTRY:
+        s.guide.range_to_go, s.guide.crossrange, s.guide.downrange_to_go = to_target(onboard, s.nav)
+        steer_bank(onboard, s.nav, s.steering, s.guide, reference_bank(onboard, shift, s.nav.speed))
+    fast = s.nav.mach > entry.final_mach if entry.final_mach > 0.0 else s.nav.speed > entry.final_speed
+    return fast and s.nav.height > -TOO_LOW
+
+
+@kernel
+def look(onboard, t, s):
+    """Write what mission, steering and reversal logics watch."""
+    planet, nav = onboard.planet, s.nav
+    r, v = take3(s.r, 0), take3(s.v, 0)
+    _, nav.drag, _ = acceleration(onboard, 1.0, 1.0, r, v, 1.0, 0.0)
+    sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r)
+    v_N = fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v)
+    put3(nav.v_N, 0, v_N)
+    nav.t = t
+    nav.latitude, nav.longitude, nav.altitude = atan2(sin_lat, cos_lat), atan2(sin_lon, cos_lon), altitude
+    nav.height = altitude - onboard.site.altitude
+    nav.radius, nav.speed = norm(r), norm(v)
+    nav.flight_path_angle = atan2(-v_N[2], sqrt(v_N[0] * v_N[0] + v_N[1] * v_N[1]))
+    nav.azimuth = atan2(v_N[1], v_N[0])
+    density, sound, _ = model_atmosphere(onboard.atmosphere, altitude)
+    nav.mach = nav.speed / sound
+    nav.dynamic_pressure = 0.5 * density * nav.speed * nav.speed
+    nav.gravity = planet.mu / (nav.radius * nav.radius)
+    radius = planet.equatorial_radius
+    nav.energy = 0.5 * nav.speed * nav.speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
+
+
+@kernel
+def advance(onboard, s, dt):
+    """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
+    r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
+    s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
+    a, _, _ = acceleration(onboard, 1.0, 1.0, r, v, up, right)
+    r, v = step(onboard, 1.0, 1.0, r, v, a, up, right, dt)
+    put3(s.r, 0, r)
+    put3(s.v, 0, v)
+
+
+@kernel
+def note(onboard, s, here, ahead, target, row):
+    """Write a row of the plan; ``here``, ``ahead`` and ``target`` span the great circle from the start to the
+    aim point.
+    """
+    nav, radius = s.nav, onboard.planet.equatorial_radius
+    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    row.t, row.altitude, row.speed, row.path_angle = nav.t, nav.altitude, nav.speed, nav.flight_path_angle
+    row.azimuth, row.energy, row.mach = nav.azimuth, nav.energy, nav.mach
+    there, end = unit(take3(s.r, 0)), atan2(dot(target, ahead), dot(target, here))
+    row.beyond = radius * (atan2(dot(there, ahead), dot(there, here)) - end)
+    row.aside = radius * asin(dot(there, cross(ahead, here)))
+    row.bank, row.side = s.guide.bank, s.steering.sign
+    row.drag, row.load = nav.drag, nav.drag * sqrt(1.0 + lift_to_drag * lift_to_drag)
+    row.dynamic_pressure = nav.drag * onboard.vehicle.entry_mass / area
+    row.density, _, _ = model_atmosphere(onboard.atmosphere, nav.altitude)

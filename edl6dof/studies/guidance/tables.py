@@ -1,0 +1,136 @@
+"""What came out: misses of each law in each condition, all figures of the dispersed entries, and the best
+laws against this project's targets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import inf, isfinite, nan
+
+import numpy as np
+
+from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
+from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
+from edl6dof.studies.study import Finding, Grid
+
+#: Targets of this study: 99 % of misses of the best law (km), time of a call (us) of a law that predicts by
+#: flying ahead, and of any other.
+TARGET_KM, PREDICTOR_CALL_US, CALL_US = 2.5, 2000.0, 5.0
+PREDICTORS = ("npc", "fnpeg")
+
+Calls = dict[tuple[str, str], float]
+
+
+def names(rows: Sequence[Row], column: str) -> list[str]:
+    """What occurs in a column, in the order of the rows."""
+    return list(dict.fromkeys(row[column] for row in rows))
+
+
+def of(rows: Sequence[Row], **wanted: str) -> list[Row]:
+    """The rows with these labels."""
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
+
+
+def misses(rows: Sequence[Row]) -> np.ndarray:
+    """Miss at the mortar, km; infinite where it never fired."""
+    found = np.array([row.get("parachute_miss_m", nan) for row in rows], float) / 1e3
+    return np.where(np.isnan(found), inf, found)
+
+
+def quantile(miss: np.ndarray, share: float) -> float:
+    """Smallest miss that this share of the flights keeps: the next one above, so that no flight is
+    interpolated away.
+    """
+    return float(np.quantile(miss, share, method="higher")) if len(miss) else nan
+
+
+def best_first(rows: Sequence[Row]) -> list[str]:
+    """The laws of some rows, that of the smallest 99 % of misses first."""
+    laws = names(rows, "law")
+    return sorted(laws, key=lambda law: quantile(misses(of(rows, law=law)), 0.99))
+
+
+def mean(rows: Sequence[Row], name: str) -> float:
+    """Mean of a figure over the flights that have it."""
+    found = [row[name] for row in rows if isfinite(row.get(name, nan))]
+    return float(np.mean(found)) if found else nan
+
+
+def grids(rows: Sequence[Row], calls: Calls) -> Iterator[Grid]:
+    """For each vehicle: 99 % of the misses in each condition, and what the flights cost."""
+    for vehicle in names(rows, "vehicle"):
+        flown = of(rows, vehicle=vehicle)
+        yield _conditions(vehicle, flown)
+        yield _effort(vehicle, flown, calls)
+
+
+def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
+    columns = [name for name in (*(c.name for c in CONDITIONS), DISPERSED) if of(rows, condition=name)]
+    counts = {name: len(of(rows, condition=name)) // len(names(rows, "law")) for name in columns}
+    lines: list[tuple[str | float, ...]] = [
+        (law, *(quantile(misses(of(rows, law=law, condition=name)), 0.99) for name in columns))
+        for law in best_first(rows)
+    ]
+    several = f"{counted(counts[columns[0]], 'flight')} in each column"
+    if DISPERSED in counts:
+        several += f", {counts[DISPERSED]} dispersed"
+    return Grid(f"{vehicle}: 99 % of misses at the mortar, km; {several}", ("law", *columns), tuple(lines))
+
+
+_HEADS = (
+    "law", "in box %", "load g", "alt. mean km", "Mach", "drag RMS m/s2", "bank travel deg", "in wind deg",
+    "fuel kg", "lim. s", "call us", "failed",
+)  # fmt: skip
+
+
+def _effort(vehicle: str, rows: Sequence[Row], calls: Calls) -> Grid:
+    lines = []
+    for law in best_first(rows):
+        flown = of(rows, law=law)
+        lines.append((
+            law, 100.0 * float(np.mean([row["success"] for row in flown])), mean(flown, "peak_load_g0"),
+            mean(flown, "parachute_altitude_m") / 1e3, mean(flown, "parachute_mach"),
+            mean(flown, "tracking_error_m_s2"), mean(of(flown, condition="nominal"), "bank_travel_deg"),
+            mean(of(flown, condition="wind 60 m/s"), "bank_travel_deg"), mean(flown, "propellant_used_kg"),
+            mean(flown, "saturation_s"), calls[vehicle, law], float(len(unflown(flown))),
+        ))  # fmt: skip
+    return Grid(f"{vehicle}: mean of all {len(rows) // len(lines)} flights", _HEADS, tuple(lines))
+
+
+def unflown(rows: Sequence[Row]) -> list[Row]:
+    """Flights that did not come as far as the mortar; their rows have the cause."""
+    return [row for row in rows if not isfinite(row.get("parachute_miss_m", nan))]
+
+
+def findings(rows: Sequence[Row], calls: Calls) -> Iterator[Finding]:
+    """The best laws of the dispersed entries, flights that failed, and the time of a call."""
+    dispersed = of(rows, condition=DISPERSED)
+    for vehicle in names(dispersed, "vehicle"):
+        flown = of(dispersed, vehicle=vehicle)
+        best = best_first(flown)[0]
+        mine = of(flown, law=best)
+        label, kept = f"{vehicle}: 99 % of misses, best law", [row["success"] for row in mine]
+        yield Finding(label, "km", quantile(misses(mine), 0.99), TARGET_KM, "<=", best)
+        share = 100.0 * float(np.mean(kept))
+        yield Finding(f"{vehicle}: deployment box kept, best law", "%", share, 100.0, ">=", best)
+    failed = unflown(rows)
+    note = f"{failed[0]['vehicle']}, {failed[0]['law']}: {failed[0]['cause']}" if failed else ""
+    yield Finding("flights that did not reach the mortar", "", float(len(failed)), note=note)
+    for label, bound, predicts in (
+        ("longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
+        ("longest guidance call of the others", CALL_US, False),
+    ):
+        timed = [(us, law) for (_, law), us in calls.items() if (law in PREDICTORS) == predicts]
+        if timed:
+            us, law = max(timed)
+            yield Finding(label, "us", us, bound, "<=", law)
+
+
+REMARKS = (
+    "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure "
+    "and total angle of attack.",
+    "Laws without a reference drag have no drag error; 'lim.' is the time with the bank magnitude at its "
+    "least or largest value.",
+    "bank_profile flies the planned bank open loop: what the conditions do without guidance.",
+)

@@ -1,0 +1,133 @@
+"""No entry law chatters in a wind: drag is measured so that the direction of the air does not enter it.
+
+Bank travel is the sum of all moves of the commanded bank angle in the phases of lift control, reversals
+included.  Every member of the family is flown on the point masses of three papers, at their gains, with a
+bank angle that follows at once and with one that turns at 20 deg/s, and on a rigid body with instruments.
+"""
+
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+
+import edl6dof
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.mission.roles import LIFT
+
+ENTRY = "flight_software.guidance.entry"
+#: Wind (m/s), and how much more the bank angle may move in it than in calm air.
+STRONG, MORE = 60.0, 1.5
+#: Rounding of what has the same reversals (deg).
+ROUNDING = 0.1
+
+BANKS = {
+    "ideal": ("point_mass.bank_response=ideal", f"{ENTRY}.bank_rate_deg_s=20000"),
+    "limited": ("point_mass.bank_response=rate_limited", f"{ENTRY}.bank_rate_deg_s=20"),
+}
+
+
+def steady(azimuth_deg):
+    """A strong wind towards an azimuth."""
+    east, north = STRONG * sin(radians(azimuth_deg)), STRONG * cos(radians(azimuth_deg))
+    return f"{{wind.model: constant, wind.constant.east_m_s: {east!r}, wind.constant.north_m_s: {north!r}}}"
+
+
+#: Turning round between 60 and 0 km.
+SHEARED = (
+    "{wind.model: shear, wind.shear.east_m_s: -60.0, wind.shear.east_shear: 2e-3, "
+    "wind.shear.north_m_s: 60.0, wind.shear.north_shear: -2e-3}"
+)
+GUSTY = (
+    "{wind.model: constant, wind.constant.east_m_s: 40.0, wind.constant.north_m_s: 40.0, "
+    "wind.gust.enabled: true}"
+)
+
+EASTWARD = {
+    "tail": steady(90),
+    "head": steady(270),
+    "left": steady(0),
+    "right": steady(180),
+    "sheared": SHEARED,
+}
+#: Of each mission the winds it is flown in.  A tail wind that nothing on board expects carries that of Wu et
+#: al. beyond the aim point: laws then bank up to their limit and reverse once more.
+MISSIONS = {
+    "zheng2015": EASTWARD,
+    "yan2016": EASTWARD,
+    "wu2013": {"head": steady(180), "left": steady(270), "right": steady(90)},
+}
+SOUTHWARD = {"head": steady(0), "left": steady(90), "tail": steady(180), "right": steady(270)}
+
+
+def bank_travel(mission, law, *overrides):
+    """Bank travel (deg) of a flight down to the parachute."""
+    overrides = [f"{ENTRY}.law={law}", "mission.goal=deployment", "simulation.log_every=1", *overrides]
+    flight = edl6dof.fly(mission, overrides)
+    return float(np.sum(np.abs(np.diff(flight.telemetry["guide.bank_deg"][flight.during(LIFT)]))))
+
+
+@pytest.mark.parametrize("bank", BANKS)
+@pytest.mark.parametrize("mission", MISSIONS)
+@pytest.mark.parametrize("law", ENTRY_LAWS.names)
+def test_bank_travel_in_a_steady_or_sheared_wind_is_that_of_calm_air(law, mission, bank):
+    calm = bank_travel(mission, law, *BANKS[bank])
+    for name, wind in MISSIONS[mission].items():
+        assert bank_travel(mission, law, *BANKS[bank], f"truth={wind}") <= MORE * calm + ROUNDING, name
+
+
+@pytest.mark.parametrize("law", ENTRY_LAWS.names)
+def test_bank_travel_in_gusts_is_that_of_calm_air_where_the_bank_rate_is_limited(law):
+    calm = bank_travel("zheng2015", law, *BANKS["limited"])
+    assert bank_travel("zheng2015", law, *BANKS["limited"], f"truth={GUSTY}") <= MORE * calm + ROUNDING
+
+
+@pytest.mark.parametrize("law", ENTRY_LAWS.names)
+def test_rigid_body_on_instruments_banks_no_more_in_a_strong_wind_but_for_one_reversal(law):
+    """Laws that hardly move between reversals travel by their number: one more, at the largest bank, is let
+    pass.
+    """
+    mean, reversal = bank_travel("tianwen1", law), 2.0 * 105.0
+    for name, wind in SOUTHWARD.items():
+        assert bank_travel("tianwen1", law, f"truth={wind}") <= MORE * mean + reversal, name
+
+
+# ---- drag in calm air --------------------------------------------------------------------------------------
+
+
+def true_drag(flight):
+    """Drag acceleration (m/s2) of the true aerodynamic force along the true airspeed."""
+    rows = flight.telemetry
+    force = np.stack([rows[f"truth.aero_force_{axis}_n"] for axis in "xyz"])
+    alpha, beta = np.radians(rows["truth.alpha_deg"]), np.radians(rows["truth.beta_deg"])
+    along = np.stack([np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)])
+    return -np.sum(force * along, axis=0) / rows["truth.mass_kg"]
+
+
+@pytest.mark.parametrize("mission", MISSIONS)
+def test_drag_of_a_point_mass_in_calm_air_is_measured_as_it_is(mission):
+    """At the paper's own law and gains: the filter lags behind nothing that the believed air has."""
+    flight = edl6dof.fly(mission)
+    steered = flight.during(LIFT)
+    measured, truth = flight.telemetry["nav.drag_m_s2"][steered], true_drag(flight)[steered]
+    np.testing.assert_allclose(measured, truth, rtol=1e-5)
+
+
+def test_point_mass_of_a_capsule_is_believed_to_fly_the_angle_it_is_told():
+    filter_off = "flight_software.navigation.drag_filter.time_constant_s=0"
+    flight = edl6dof.fly(
+        "tianwen1", ["dynamics=point_mass", "wind.model=none", "mission.goal=deployment", filter_off]
+    )
+    steered = flight.during(LIFT) & (flight.telemetry["nav.mach"] > 3.0)
+    np.testing.assert_allclose(
+        flight.telemetry["nav.drag_m_s2"][steered], true_drag(flight)[steered], rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("mission", ["tianwen1", "msl"])
+def test_drag_of_a_rigid_body_is_measured_within_a_percent(mission):
+    flight = edl6dof.fly(mission, ["mission.goal=deployment"])
+    truth = true_drag(flight)
+    steered = flight.during(LIFT) & (flight.telemetry["truth.speed_m_s"] > 700.0) & (truth > 2.0)
+    error = flight.telemetry["nav.drag_m_s2"][steered] / truth[steered] - 1.0
+    assert abs(np.mean(error)) < 0.005
+    assert np.std(error) < 0.01

@@ -1,0 +1,76 @@
+"""The study of Yan, Sun & Guo: a printed disturbance beyond the lift, one within, and gains at which the
+order of the laws turns.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from edl6dof.studies import yan2016
+from edl6dof.studies.yan2016.experiments import OTHERS, PRINTED, UNDISTURBED, WITHIN
+from edl6dof.studies.yan2016.flights import last_outside
+from edl6dof.studies.yan2016.settling import settled_s
+
+
+@pytest.fixture(scope="module")
+def yan():
+    return yan2016.run(yan2016.RUNS, lambda done, total: None)
+
+
+def of(report, experiment, label):
+    return next(f.computed for f in report.findings if (f.experiment, f.label) == (experiment.name, label))
+
+
+def test_what_is_said_of_yan2016_holds(yan):
+    assert [found.label for found in yan.findings if not found.ok] == []
+    assert of(yan, PRINTED, "disturbance estimate, largest error") < 4.0
+    assert yan.runs == yan.table.num_rows == yan2016.RUNS
+
+
+def test_yan2016_says_that_the_printed_disturbance_is_beyond_the_lift(yan):
+    """L/V = 0.24 D/V at the peak of drag, by hand, and what that does to the bank angle."""
+    assert of(yan, PRINTED, "largest L/V") == pytest.approx(0.0107, abs=1e-4)
+    share = {x: of(yan, x, "flight in which L/V is above the amplitude") for x in (PRINTED, WITHIN)}
+    assert share[PRINTED] < 15.0 and share[WITHIN] > 80.0
+    saturated = [of(yan, x, "bank saturated, FTC+DOB") for x in (PRINTED, WITHIN, UNDISTURBED)]
+    assert saturated[0] > 60.0 and saturated[0] > 2.0 * saturated[1] > 2.0 * saturated[2]
+
+
+def test_finite_time_error_dynamics_end_and_linear_ones_decay():
+    """Eq. 21 with one power is a damped oscillator (solved by scipy); with less it is zero after a while."""
+    decay = solve_ivp(
+        lambda t, x: [x[1], -0.25 * x[0] - 0.8 * x[1]],
+        (0.0, 60.0),
+        [1.0, 0.0],
+        t_eval=np.arange(0.0, 60.0, 0.001),
+        rtol=1e-10,
+        atol=1e-14,
+    )
+    for share in (1e-2, 1e-4):
+        expected = last_outside(decay.t, decay.y[0], share)
+        assert settled_s(1.0, (0.25, 0.8), 1.0, share) == pytest.approx(expected, abs=0.02)
+    finite = [settled_s(0.3, (0.25, 0.8), 0.6, share) for share in (1e-2, 1e-4, 1e-6)]
+    linear = [settled_s(0.3, (0.25, 0.8), 1.0, share) for share in (1e-2, 1e-4, 1e-6)]
+    assert finite[2] - finite[1] < 0.5 * (finite[1] - finite[0]) and linear[2] - linear[1] > 8.0
+
+
+def test_yan2016_shows_the_gains_at_which_the_order_turns(yan):
+    """Honesty about unprinted gains: where PD settles drag sooner, as the text has it, FTC goes against the
+    text in altitude.
+    """
+    flown = (PRINTED, WITHIN, *OTHERS)
+    later = {x: of(yan, x, "drag settled, PD less FTC") for x in flown}
+    assert later[PRINTED] > 0.1 and later[WITHIN] > 0.1 and min(later.values()) < -0.1
+    assert all(of(yan, x, "RMS altitude error, FTC over PD") > 1.0 for x in flown if later[x] < 0.0)
+
+
+def test_figures_of_the_paper_are_drawn(yan):
+    assert [drawing.key[:4] for drawing in yan.drawings] == [f"fig{n}" for n in range(2, 10)]
+    for drawing in yan.drawings:
+        for panel in drawing.panels:
+            assert all(
+                len(curve.x) and np.isfinite(curve.x).all() and np.isfinite(curve.y).all()
+                for curve in panel.traces
+            )
