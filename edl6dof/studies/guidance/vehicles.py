@@ -63,6 +63,9 @@ VEHICLES = (
     Vehicle("yan2016", _AS_A_VEHICLE),
 )
 
+#: What a law is flown with besides: FNPEG plans its reversals itself.
+_WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
+
 _INERTIA = "vehicle.mass.entry_inertia_kg_m2"
 #: Three sigma, absolute.
 _ABSOLUTE = {
@@ -93,6 +96,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     return vehicle.load(
         "simulation.log_every=5",
         f"{ENTRY}.law={law}",
+        *_WITH_LAW.get(law, ()),
         f"{ENTRY}.bank_profile={json.dumps({'points': planned_bank(planned)})}",
     )
 

@@ -198,7 +198,8 @@ def guide(params, plan, onboard, nav, memory, out):
     if memory.started != 0 and nav.speed > slowest:
         correct(params, onboard, nav, memory, out, slowest)
         reverse_when_due(params, nav, memory)
-    return planned_bank(onboard, bank_plan(params, onboard, nav, memory, memory.bank, memory.turn), nav.speed)
+    ahead = bank_plan(params, onboard, nav, memory, memory.bank, memory.turn)
+    return within_limits(params, onboard, nav, planned_bank(onboard, ahead, nav.speed))
 
 
 MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)
