@@ -15,7 +15,6 @@ from collections.abc import Callable
 from math import asin, atan2, sqrt
 
 import numpy as np
-from scipy.optimize import brentq
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
@@ -40,8 +39,9 @@ from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, un
 SHORTEST_STEP = 0.1
 #: Rows of a plan at most, and how far (m) below the site one is followed.
 MAX_ROWS, TOO_LOW = 8000, 4000.0
-#: Change of cos(bank) that is not sought any finer: about 1 m of range.
-RESOLUTION = 1e-5
+#: Miss (m) that is close enough, change of cos(bank) that is not sought any finer (about 1 m of range), and
+#: how many flights are made to find it.
+CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
 #: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
 SCRATCH = np.dtype(
@@ -103,8 +103,27 @@ def _met(miss: Callable[[float], float], about: float | None) -> float:
     for low, high in spans:
         short, far = miss(low), miss(high)
         if short < 0.0 < far:
-            return float(brentq(miss, low, high, xtol=RESOLUTION))
+            return _false_position(miss, (low, short), (high, far))
     return widest[0] if short >= 0.0 else widest[1]
+
+
+def _false_position(
+    miss: Callable[[float], float], below: tuple[float, float], above: tuple[float, float]
+) -> float:
+    """Zero of ``miss`` between two arguments, each with its value: false position, Illinois variant (Dowell &
+    Jarratt 1971, BIT 11); where it jumps, the place of the jump.
+    """
+    (low, short), (high, far) = below, above
+    for _ in range(MOST_FLIGHTS):
+        middle = low - short * (high - low) / (far - short)
+        value = miss(middle)
+        if abs(value) < CLOSE or high - low < RESOLUTION:
+            return middle
+        if value < 0.0:
+            low, short, far = middle, value, 0.5 * far
+        else:
+            high, far, short = middle, value, 0.5 * short
+    return middle
 
 
 @kernel
