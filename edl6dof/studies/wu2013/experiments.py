@@ -82,8 +82,9 @@ _AS_IN_THE_PRINT = {
     f"{ENTRY}.ehgo_fl.epsilon_s": 0.1,
     f"{ENTRY}.ehgo_fl.share": 100.0,
 }
-#: Memory (s) of the measured drag, none in the paper.
 _FILTER = "flight_software.navigation.drag_filter.time_constant_s"
+#: As in the paper: drag as measured, and guidance in every base cycle, for its observer is continuous.
+CONTINUOUS = {_FILTER: 0.0, "flight_software.rates.entry_guidance_every": 1}
 _KEPT = {f"{ENTRY}.tracking.update": False}
 _WITH_ERRORS = {"sensors.carried": ["perfect", "imu", "navigation_error"]}
 
@@ -124,7 +125,7 @@ def cases(runs: int) -> list[Case]:
                     Case(
                         len(found),
                         truth={**truth, **off},
-                        belief={f"{ENTRY}.law": law, **experiment.belief},
+                        belief={f"{ENTRY}.law": law, **CONTINUOUS, **experiment.belief},
                         label={"law": law, "experiment": experiment.name},
                     )
                 )
