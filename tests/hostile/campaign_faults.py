@@ -1,12 +1,14 @@
 """Fly a small campaign in child processes, each of which dies, or meets an error, at one of its durable
 operations.
 
-    python campaign_faults.py FOLDER STORY FAULT
+    python campaign_faults.py FOLDER STORY:FAULT ...
 
 STORY is what the campaign does: ``new``, ``resume`` (its first part is there), ``force`` (another is complete
-there) or ``force_unfinished``.  FAULT is ``before`` or ``after`` (the process ends there at once) or the name
-of an error, such as ENOSPC.  Every operation is tried once; for each, a line of JSON tells how the program
-ended, what readers then say, and which table the next attempt gives.
+there) or ``force_unfinished``; of these two, what goes before the operations of ``new``.  FAULT is ``before``
+or ``after`` (the process ends there at once) or the name of an error, such as ENOSPC.  Every operation is
+tried once; for each, a line of JSON tells how the program ended, what readers then say, and which table the
+next attempt gives.  Readers and the next attempt see nothing but the folder: one that was left before, byte
+for byte, is not asked again.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import gc
 import io
 import json
 import os
+import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -46,6 +49,8 @@ OPERATIONS = ("replace", "fsync", "unlink", "rmdir", "mkdir", "open")
 #: Status of a process that was made to die.
 DEAD = 77
 RUN = Path("runs/drops")
+#: Names and contents; a folder has none.
+Folder = frozenset[tuple[str, bytes | None]]
 
 
 class Recorded:
@@ -155,6 +160,18 @@ def read() -> dict[str, str]:
     return said
 
 
+def unnumbered(names: list[str]) -> list[str]:
+    """Names of files without the number of the process that wrote them."""
+    return [re.sub(r"\.\d+\.part$", ".part", name) for name in names]
+
+
+def left_over() -> Folder:
+    """Every file and folder that is there, and what is in it."""
+    found = [path for path in (RUN, *RUN.rglob("*")) if path.exists()]
+    contents = [path.read_bytes() if path.is_file() else None for path in found]
+    return frozenset(zip(unnumbered([str(path) for path in found]), contents, strict=True))
+
+
 class Harness:
     """Everything that the children share: plans, flown rows, the folders that stories begin with, the tables
     they should end with.
@@ -165,7 +182,8 @@ class Harness:
         self.file = write_drop(folder)
         self.plans = {seed: load_plan(self.file, cases=CASES, seed=seed) for seed in SEEDS}
         flown = {seed: CaseRunner(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
-        table_of(flown[SEEDS[0]]), source_hash()  # what these load or find is there for all children
+        for plan in self.plans.values():
+            table_of(flown[plan.campaign.seed]), source_hash(), plan.text  # there for all children
         campaign_flight.load_plan = lambda file, sets, cases, seed: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))
         for seed in SEEDS:
@@ -181,6 +199,7 @@ class Harness:
             self.tables[seed] = (RUN / "cases.parquet").read_bytes()
             shutil.copytree("runs", f"complete-{seed}")
         read()  # what a report loads is there for all children too
+        self.known: dict[Folder, dict[str, Any]] = {}
         gc.freeze()
 
     def _use(self, engine: Recorded) -> None:
@@ -205,25 +224,34 @@ class Harness:
         """The durable operations of a story that nothing disturbs."""
         before, work = self.stories()[story]
         self._lay_out(before)
-        return in_child(lambda: (faults := Faults(0, "")) and work() and faults.seen)[1]
+        return unnumbered(in_child(lambda: (faults := Faults(0, "")) and work() and faults.seen)[1])
+
+    def own_operations(self, story: str) -> list[str]:
+        """Those of them that a new campaign has not: a forced one clears the folder, and is a new one."""
+        found = self.operations(story)
+        if not story.startswith("force"):
+            return found
+        new, first = self.operations("new"), "open runs/drops/.campaign.json.part"
+        own, shared = found.index(first), new[new.index(first) :]
+        assert found[own:] == shared[: len(found) - own]
+        return found[: own + 1]
 
     def tried(self, story: str, number: int, fault: str) -> dict[str, Any]:
         """One fault, and what follows."""
         before, work = self.stories()[story]
         self._lay_out(before)
         status, ended = in_child(lambda: Faults(number, fault) and work())
+        left = left_over()
+        if left not in self.known:
+            self.known[left] = self._what_follows()
+        return {"exit": status, "ended": ended, **self.known[left]}
+
+    def _what_follows(self) -> dict[str, Any]:
         said = in_child(read)[1]
         again = in_child(resumed)[1]
         if again.get("status") == 2:
             again = {"resume": again["err"], **in_child(lambda: command(self.file, force=RUN.exists()))[1]}
-        return {
-            "exit": status,
-            "ended": ended,
-            "readers": said,
-            "again": again,
-            "table": self.table(),
-            "left": sorted(os.listdir(RUN)),
-        }
+        return {"readers": said, "again": again, "table": self.table(), "left": sorted(os.listdir(RUN))}
 
     def _lay_out(self, before: str | None) -> None:
         shutil.rmtree("runs", ignore_errors=True)
@@ -231,11 +259,14 @@ class Harness:
             shutil.copytree(before, "runs")
 
 
-def main(folder: str, story: str, fault: str) -> None:
-    """Try every operation of a story."""
+def main(folder: str, *stories: str) -> None:
+    """Try every operation of each story."""
     harness = Harness(Path(folder))
-    for number, operation in enumerate(harness.operations(story), start=1):
-        print(json.dumps({"operation": operation, **harness.tried(story, number, fault)}), flush=True)
+    for case in stories:
+        story, fault = case.split(":")
+        for number, operation in enumerate(harness.own_operations(story), start=1):
+            tried = {"case": case, "operation": operation, **harness.tried(story, number, fault)}
+            print(json.dumps(tried), flush=True)
 
 
 if __name__ == "__main__":
