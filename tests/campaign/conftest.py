@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 
 import pytest
-from campaign_run import finished, write_drop
+from campaign_run import write_drop
+from forked import finished
 
 from edl6dof import cli
 

@@ -2,66 +2,24 @@
 
 from __future__ import annotations
 
-import os
 import re
 import signal
-import subprocess
-import sys
 import time
-from contextlib import contextmanager
 
+import campaign_run
 import pytest
-from campaign_run import ROOT, finished, program, write_drop
+from campaign_run import write_drop
 
 pytest.importorskip("distributed")
 
-
-def process(*words, cwd):
-    return run([sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], cwd)
-
-
-@contextmanager
-def run(words, cwd):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    options = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-    started = subprocess.Popen(words, cwd=cwd, env=environment, **options)
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.communicate(timeout=30)
-
-
-@contextmanager
-def scheduler(cwd):
-    """Address of a scheduler started by hand, as the README says, on a free port; and its process."""
-    with process(
-        "dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", cwd=cwd
-    ) as started:
-        for line in started.stdout:
-            if found := re.search(r"tcp://127\.0\.0\.1:\d+", line):
-                yield found[0], started
-                return
-
-
-def worker(address, cwd):
-    return process(
-        "dask_worker",
-        address,
-        "--nthreads",
-        "1",
-        "--no-nanny",
-        "--no-dashboard",
-        "--host",
-        "127.0.0.1",
-        cwd=cwd,
-    )
+from cluster import impatient_program, scheduler, worker, worker_with_another_numpy
+from forked import Forked, finished
 
 
 def begun(folder, campaign, parts=1):
     """Wait until some parts are in place."""
     end = time.monotonic() + 120.0
-    while len(list((folder / "runs/drops/parts").glob("0*.parquet"))) < parts and campaign.poll() is None:
+    while len(list((folder / "runs/drops/parts").glob("0*.parquet"))) < parts and campaign.returncode is None:
         assert time.monotonic() < end
         time.sleep(0.01)
 
@@ -70,7 +28,7 @@ def test_scheduler_and_workers_started_by_hand(tmp_path, undisturbed):
     """One worker is killed on the way; its cases go to the other."""
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, _), worker(address, tmp_path) as first, worker(address, tmp_path):
-        campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+        campaign = Forked("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
         begun(tmp_path, campaign)
         first.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=200)
@@ -79,31 +37,16 @@ def test_scheduler_and_workers_started_by_hand(tmp_path, undisturbed):
 
 
 def test_cluster_of_its_own(tmp_path, undisturbed):
-    status, _, err = finished(
+    status, _, err = campaign_run.finished(
         "campaign", write_drop(tmp_path), "--engine", "dask", "--workers", "2", "-q", cwd=tmp_path
     )
     assert status == 0, err
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
 
-IMPATIENT = """
-from edl6dof.campaign import engines
-engines.ANSWER_S, engines.PATIENCE_S, engines.LOOK_S = 1.0, 3.0, 0.5
-from edl6dof.cli import main
-main()
-"""
-
-
-def impatient(*words, cwd):
-    """Start the program; it waits for a cluster for seconds only."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    return subprocess.Popen([sys.executable, "-c", IMPATIENT, *words], cwd=cwd, env=environment, **pipes)
-
-
 def test_no_scheduler_there(tmp_path):
     words = ("--engine", "dask", "--cluster", "tcp://127.0.0.1:9", "-q")
-    campaign = impatient("campaign", write_drop(tmp_path), *words, cwd=tmp_path)
+    campaign = Forked("campaign", write_drop(tmp_path), *words, cwd=tmp_path, main=impatient_program)
     _, err = campaign.communicate(timeout=60)
     assert campaign.returncode == 2 and "Traceback" not in err and "127.0.0.1:9" in err
 
@@ -112,7 +55,7 @@ def test_all_workers_are_killed_and_another_joins(tmp_path, undisturbed):
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, _):
         with worker(address, tmp_path) as first, worker(address, tmp_path) as second:
-            campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+            campaign = Forked("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
             begun(tmp_path, campaign)
             first.send_signal(signal.SIGKILL)
             second.send_signal(signal.SIGKILL)
@@ -126,7 +69,8 @@ def test_no_worker_is_left(tmp_path, undisturbed):
     """A message within the time that the program waits for one, and another engine goes on."""
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, _), worker(address, tmp_path) as only:
-        campaign = impatient("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+        words = ("campaign", file, "--engine", "dask", "--cluster", address, "-q")
+        campaign = Forked(*words, cwd=tmp_path, main=impatient_program)
         begun(tmp_path, campaign)
         only.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=60)
@@ -139,7 +83,7 @@ def test_no_worker_is_left(tmp_path, undisturbed):
 def test_scheduler_is_killed(tmp_path, undisturbed):
     file = write_drop(tmp_path)
     with scheduler(tmp_path) as (address, killed), worker(address, tmp_path):
-        campaign = program("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
+        campaign = Forked("campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path)
         begun(tmp_path, campaign)
         killed.send_signal(signal.SIGKILL)
         _, err = campaign.communicate(timeout=120)
@@ -152,36 +96,12 @@ def test_scheduler_is_killed(tmp_path, undisturbed):
     assert (tmp_path / "runs/drops/cases.parquet").read_bytes() == undisturbed
 
 
-OTHER = """
-import sys
-import numpy
-from edl6dof.campaign.storage import identity as origin
-origin.numpy = type("numpy", (), {"__name__": "numpy", "__version__": "0.7"})
-from distributed.cli.dask_worker import main
-main()
-"""
-
-
 def test_worker_that_is_no_copy_is_refused(tmp_path):
     """The message names the worker, and each item in which it differs."""
     file = write_drop(tmp_path)
-    with scheduler(tmp_path) as (address, _):
-        words = [
-            sys.executable,
-            "-c",
-            OTHER,
-            address,
-            "--nthreads",
-            "1",
-            "--no-nanny",
-            "--no-dashboard",
-            "--host",
-            "127.0.0.1",
-        ]
-        with run(words, tmp_path):
-            status, _, err = finished(
-                "campaign", file, "--engine", "dask", "--cluster", address, "-q", cwd=tmp_path
-            )
+    with scheduler(tmp_path) as (address, _), worker(address, tmp_path, worker_with_another_numpy):
+        words = ("campaign", file, "--engine", "dask", "--cluster", address, "-q")
+        status, _, err = finished(*words, cwd=tmp_path)
     assert status == 2 and "Traceback" not in err, err
     assert re.search(
         r"worker tcp://127.0.0.1:\d+ is no copy of this program: numpy: was \S+, is 0.7; ", err

@@ -11,7 +11,8 @@ import time
 from pathlib import Path
 
 import pytest
-from campaign_run import program, write_drop
+from campaign_run import write_drop
+from forked import Forked
 
 import edl6dof
 from edl6dof import cli
@@ -145,12 +146,12 @@ fault_matrix:
 
 def test_killed_matrix_goes_on_to_the_same_table(here):
     words = ("faults", write_drop(here), *WORDS, "-n", "20")
-    running = program(*words, "--out", "m", cwd=here)
+    running = Forked(*words, "--out", "m", cwd=here)
     deadline = time.monotonic() + 120.0
     while not list(here.glob("m/parts/*.parquet")) and time.monotonic() < deadline:
         time.sleep(0.002)
     running.send_signal(signal.SIGKILL)
-    running.communicate()
+    running.communicate(timeout=30)
     assert list(here.glob("m/parts/*.parquet")) and not (here / "m" / "cases.parquet").exists()
     assert "go on with --resume" in command(*words, "--out", "m")[2]
     status, out, err = command(*words, "--out", "m", "--resume")
