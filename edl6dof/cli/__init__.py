@@ -8,6 +8,7 @@ import sys
 
 from edl6dof.cli.campaigns import campaign, faults, refly
 from edl6dof.cli.covariance import covariance
+from edl6dof.cli.design import design
 from edl6dof.cli.evidence import calibrate, figures, study, verify
 from edl6dof.cli.group import app
 from edl6dof.cli.results import compare, export, plot, replay, report
@@ -28,6 +29,7 @@ COMMANDS = (
 )
 for command in COMMANDS:
     app.command()(command)
+app.add_typer(design, name="design")
 
 
 def main() -> None:

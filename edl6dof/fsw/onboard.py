@@ -23,13 +23,14 @@ from edl6dof.fsw.estimation.registry import DISTURBANCE, EstimationParams
 from edl6dof.fsw.estimation.update import ESTIMATION
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
+from edl6dof.fsw.guidance.entry.heading_alignment import HeadingAlignmentParams
 from edl6dof.fsw.guidance.entry.observers.air_data import AirDataParams
 from edl6dof.fsw.guidance.entry.prediction.airframe import AIRFRAME
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE, ReferenceBankParams
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
 from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.fsw.guidance.entry.steering import HeadingAlignmentParams, ReversalParams
+from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
 from edl6dof.fsw.guidance.update import GUIDANCE

@@ -4,8 +4,7 @@ A point mass over the rotating ellipsoid in the believed air and the expected wi
 sequencer runs its own mission from the first phase, and its own steering makes the
 commanded bank angle of the open-loop one: preset bank, limits, sides, reversals at the bank rate, heading
 alignment and level wings are those of the flight.  One number, added to the cosine of the open-loop bank
-angle, brings the end to the aim point; where the mission looks for the aim point itself, the speed there to
-the final speed.
+angle, brings the end, at the final speed or Mach number whatever opens the parachute, to the aim point.
 Source: equations of motion, :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.  Left out: the time the
 vehicle takes to follow the commanded bank angle, about 1 s.
 """
@@ -16,7 +15,6 @@ from collections.abc import Callable
 from math import asin, atan2, sqrt
 
 import numpy as np
-from scipy.optimize import brentq
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.geometry import to_target
@@ -26,7 +24,7 @@ from edl6dof.fsw.guidance.entry.prediction.predictor import aim_direction
 from edl6dof.fsw.guidance.entry.prediction.reference import PLANNED, reference_bank
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.fsw.guidance.update import hold_bank
-from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK, MissionParams
+from edl6dof.fsw.mission.phases import G_ENTRY, G_HOLD_BANK
 from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events
@@ -41,8 +39,9 @@ from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, un
 SHORTEST_STEP = 0.1
 #: Rows of a plan at most, and how far (m) below the site one is followed.
 MAX_ROWS, TOO_LOW = 8000, 4000.0
-#: Change of cos(bank) that is not sought any finer: about 1 m of range.
-RESOLUTION = 1e-5
+#: Miss (m) that is close enough, change of cos(bank) that is not sought any finer (about 1 m of range), and
+#: how many flights are made to find it.
+CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
 #: What is planned with: the state in F, and what the flight computer looks at, remembers and writes.
 SCRATCH = np.dtype(
@@ -74,42 +73,25 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
         the rows of the plan, ``PLANNED``.  Where no bank angle reaches the aim point, those of the nearest.
     """
     record, start = onboard[0], start_of(scenario)
-    miss = _excess_speed(scenario) if _ends_by_range(scenario.mission) else _beyond
     shift = 0.0
     if record["guidance"]["entry"]["reference_bank"]["fit_range"]:
-        shift = _met(lambda value: miss(_flown(record, start, value)), about)
+        shift = _met(lambda value: float(fly_shifted(record, start, value)["beyond"][-1]), about)
     record["reference"]["shift"] = shift
-    return _flown(record, start, shift)
+    return fly_shifted(record, start, shift)
 
 
 def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
     """Rows of the plan, ``PLANNED``, whose shift stands in ``onboard[0]["reference"]``."""
-    return _flown(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
+    return fly_shifted(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
 
 
-def _flown(record: np.void, start: Start, shift: float) -> np.ndarray:
+def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
+    """Rows, ``PLANNED``, of the open-loop profile of an onboard record with its cosine shifted."""
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)
     count = fly_plan(record, start, shift, cycle, stride, history, np.zeros(2, SCRATCH))
     return history[:count]
-
-
-def _ends_by_range(mission: MissionParams) -> bool:
-    """Whether the mission watches for the aim point: then it ends there at any speed."""
-    conditions = (c for ways in mission.exits for way in ways for c in way.when)
-    return any(condition.quantity == "downrange_to_go_m" for condition in conditions)
-
-
-def _beyond(rows: np.ndarray) -> float:
-    """How far beyond the aim point a plan ends, m."""
-    return float(rows["beyond"][-1])
-
-
-def _excess_speed(scenario: Scenario) -> Callable[[np.ndarray], float]:
-    """Gives the speed (m/s) at which a plan ends, less the one at which it should."""
-    final = scenario.flight_software.guidance.entry.final_speed_m_s
-    return lambda rows: float(rows["speed"][-1]) - final
 
 
 def _met(miss: Callable[[float], float], about: float | None) -> float:
@@ -121,8 +103,27 @@ def _met(miss: Callable[[float], float], about: float | None) -> float:
     for low, high in spans:
         short, far = miss(low), miss(high)
         if short < 0.0 < far:
-            return float(brentq(miss, low, high, xtol=RESOLUTION))
+            return _false_position(miss, (low, short), (high, far))
     return widest[0] if short >= 0.0 else widest[1]
+
+
+def _false_position(
+    miss: Callable[[float], float], below: tuple[float, float], above: tuple[float, float]
+) -> float:
+    """Zero of ``miss`` between two arguments, each with its value: false position, Illinois variant (Dowell &
+    Jarratt 1971, BIT 11); where it jumps, the place of the jump.
+    """
+    (low, short), (high, far) = below, above
+    for _ in range(MOST_FLIGHTS):
+        middle = low - short * (high - low) / (far - short)
+        value = miss(middle)
+        if abs(value) < CLOSE or high - low < RESOLUTION:
+            return middle
+        if value < 0.0:
+            low, short, far = middle, value, 0.5 * far
+        else:
+            high, far, short = middle, value, 0.5 * short
+    return middle
 
 
 @kernel

@@ -28,7 +28,7 @@ from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
 
 SCENARIO = "msl"
 ENTRY = "flight_software.guidance.entry"
-_BANK_80_30 = f"{ENTRY}.reference_bank={{fast_bank_deg: 80, slow_bank_deg: 30}}"
+_BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
 
 
 class Change(NamedTuple):
@@ -85,6 +85,7 @@ SENSITIVITIES = (
     Change("axial force +3 %", ("vehicle.aero.capsule.axial_factor=1.03",)),
     Change("bank 80/30 deg", (_BANK_80_30,)),
     Change("target 1 km on", ("terrain.site_longitude_deg=137.4188",)),
+    Change("wind unexpected", (f"{ENTRY}.expected_wind.table_factor=0",)),
 )
 
 
@@ -121,6 +122,7 @@ COLUMNS = (
     ("ground m", "parachute_height_m"),
     ("path deg", "path_deg"),
     ("range km", "range_km"),
+    ("beyond km", "beyond_km"),
 )
 REMARKS = (
     f"Mean and standard deviation over flights that differ by {SPEED_STEP_M_S:g} m/s in entry speed, "

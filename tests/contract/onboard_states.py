@@ -73,15 +73,17 @@ def states(onboard):
     ):
         azimuth = rng.uniform(-pi, pi)
         velocity = speed * np.array([cos(fpa) * cos(azimuth), cos(fpa) * sin(azimuth), -sin(fpa)])
+        attitude = any_attitude(rng) if force else Quaternion(axis=Y, radians=-pi / 2)
         yield nav_state(
             onboard,
             site["aim_latitude"] + away,
             site["aim_longitude"],
             altitude,
             velocity,
-            any_attitude(rng) if force else Quaternion(axis=Y, radians=-pi / 2),
+            attitude,
             rng.normal(size=3) * (1.0 if force else 0.0),
-            (-force, 0.0, 0.1 * force),
+            # any way round in the body
+            attitude.rotate(np.array([-force, 0.0, 0.1 * force])),
             t=rng.uniform(0.0, 600.0),
         )
 

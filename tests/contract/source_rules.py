@@ -27,7 +27,7 @@ LAYERS = (
     ("sim",),
     ("runs", "export"),
     ("campaign",),
-    ("calibration",),
+    ("calibration", "design"),
     ("report", "replay"),
     ("studies", "verify"),
     ("cli", "app", "__init__", "__main__"),

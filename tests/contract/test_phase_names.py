@@ -15,10 +15,14 @@ from edl6dof.config.document.locate import shipped_names
 
 #: Modules in which the word means something else, and the words.
 OTHER_MEANINGS = {
+    "edl6dof.app.covariance": {"parachute"},  # an event, as in the next two
+    "edl6dof.campaign.covariance.events": {"parachute"},
+    "edl6dof.cli.covariance": {"parachute"},
     # field of a record: a force, as in the next ones
     "edl6dof.fsw.guidance.entry.observers.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.prediction.influence": {"lift"},
+    "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.belief": {"lift"},
     "edl6dof.scenario.believed_aero": {"lift"},
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force

@@ -43,20 +43,19 @@ GUSTY = (
 )
 
 EASTWARD = {
-    "tail": steady(90),
     "head": steady(270),
     "left": steady(0),
     "right": steady(180),
     "sheared": SHEARED,
 }
-#: Of each mission the winds it is flown in.  A tail wind that nothing on board expects carries that of Wu et
-#: al. beyond the aim point: laws then bank up to their limit and reverse once more.
+#: Of each mission the winds it is flown in.  A tail wind that nothing on board expects carries all but the
+#: first beyond the aim point: laws then bank up to their limits, down to lift down, in a few great moves.
 MISSIONS = {
-    "zheng2015": EASTWARD,
+    "zheng2015": {"tail": steady(90), **EASTWARD},
     "yan2016": EASTWARD,
     "wu2013": {"head": steady(180), "left": steady(270), "right": steady(90)},
 }
-SOUTHWARD = {"head": steady(0), "left": steady(90), "tail": steady(180), "right": steady(270)}
+SOUTHWARD = {"head": steady(0), "left": steady(90), "right": steady(270)}
 
 
 def bank_travel(mission, law, *overrides):

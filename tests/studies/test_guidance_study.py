@@ -5,7 +5,6 @@ whole.
 from math import degrees
 
 import numpy as np
-import pyarrow as pa
 import pytest
 from numba.core.runtime import _nrt_python, rtsys
 
@@ -19,6 +18,8 @@ from edl6dof.jit import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.studies import call_time, guidance
 from edl6dof.studies.cases import draw
+from edl6dof.studies.guidance import conditions, figures, tables, vehicles
+from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +33,7 @@ def test_every_entry_law_but_the_constant_one_is_compared():
 
 
 def test_dispersions_are_those_of_the_reference_about_the_nominal(nominal):
-    found = {s.path: (s.mean, s.three_sigma) for s in guidance.spreads(nominal.scenario)}
+    found = {s.path: (s.mean, s.three_sigma) for s in vehicles.spreads(nominal.scenario)}
     assert found["initial.flight_path_angle_deg"] == (-11.581, 0.3)
     mass = nominal.scenario.vehicle.mass.entry_kg
     assert found["vehicle.mass.entry_kg"] == pytest.approx((mass, mass * 15.0 / 1285.0))
@@ -41,7 +42,7 @@ def test_dispersions_are_those_of_the_reference_about_the_nominal(nominal):
     assert found["vehicle.mass.entry_inertia_kg_m2.0"] == pytest.approx((1150.0, 115.0))
     assert found["atmosphere.density_factor"] == (1.0, 0.2)
     assert found["vehicle.rcs.thrusters.F6.thrust_n"] == pytest.approx((25.0, 1.25))
-    drawn = draw(guidance.spreads(nominal.scenario), 2000, 3)
+    drawn = draw(list(vehicles.spreads(nominal.scenario)), 2000, 3)
     sample = np.array([truth["initial.flight_path_angle_deg"] for truth in drawn])
     assert np.std(sample) == pytest.approx(0.1, rel=0.06)
     assert np.mean(sample) == pytest.approx(-11.581, abs=0.01)
@@ -49,7 +50,7 @@ def test_dispersions_are_those_of_the_reference_about_the_nominal(nominal):
 
 def test_every_dispersed_entry_is_a_body_that_exists(nominal):
     """All cases of the published count can be built; the moments of inertia keep their ratios."""
-    truths = guidance.entries(nominal.scenario, 200)
+    truths = vehicles.entries(nominal.scenario, 200)
     variants = Variants(nominal)
     for i, truth in enumerate(truths):
         inertia = np.array([truth[f"vehicle.mass.entry_inertia_kg_m2.{k}"] for k in range(3)])
@@ -59,35 +60,87 @@ def test_every_dispersed_entry_is_a_body_that_exists(nominal):
 
 def test_quantile_never_lies_below_the_flights_it_covers():
     miss = np.arange(1.0, 201.0)
-    assert guidance.quantile(miss, 0.99) == 199.0
-    assert np.mean(miss <= guidance.quantile(miss, 0.99)) >= 0.99
-    assert guidance.quantile(np.array([1.0, 2.0, np.inf]), 0.99) == np.inf
+    assert tables.quantile(miss, 0.99) == 199.0
+    assert np.mean(miss <= tables.quantile(miss, 0.99)) >= 0.99
+    assert tables.quantile(np.array([1.0, 2.0, np.inf]), 0.99) == np.inf
 
 
 def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
-    table = pa.table({"parachute_miss_m": [1500.0, None], "success": [True, False]})
-    assert list(guidance.misses(table)) == [1.5, np.inf]
-    assert np.all(np.isinf(guidance.misses(pa.table({"success": [False]}))))
+    rows = [{"parachute_miss_m": 1500.0, "law": "a"}, {"outcome": "crashed", "law": "a"}]
+    assert list(tables.misses(rows)) == [1.5, np.inf]
+    assert tables.unflown(rows) == rows[1:]
 
 
 def test_open_loop_profile_is_the_planned_bank(nominal):
-    loaded = edl6dof.load("tianwen1", guidance.overrides("bank_profile", nominal))
+    loaded = vehicles.with_law(vehicles.VEHICLES[0], "bank_profile")
     points = loaded.scenario.flight_software.guidance.entry.bank_profile.points
     # a constant profile about 90 deg
     planned = degrees(np.arccos(build_records(nominal).onboard[0]["reference"]["shift"]))
     assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
 
 
+@pytest.mark.parametrize("vehicle", vehicles.VEHICLES, ids=lambda vehicle: vehicle.name)
+def test_every_condition_is_truly_met(vehicle):
+    """What the flight of a condition meets, read back from the records that fly."""
+    nominal, variants = vehicle.load(), Variants(vehicle.load())
+    met = {c.name: variants.build(c.case(0, nominal.scenario, 0, {})) for c in CONDITIONS}
+
+    def truth(name):
+        return met[name].loaded.truth
+
+    assert truth("density -40 %").atmosphere.density_factor == 0.6
+    assert truth("density +40 %").atmosphere.density_factor == 1.4
+    for name, more in (("entry -0.3 deg", -0.3), ("entry +0.3 deg", 0.3)):
+        before = nominal.scenario.initial.flight_path_angle_deg
+        assert truth(name).initial.flight_path_angle_deg == pytest.approx(before + more)
+    wind = truth("wind 60 m/s").wind
+    assert wind.model == "constant"
+    assert np.hypot(wind.constant.north_m_s, wind.constant.east_m_s) == pytest.approx(60.0)
+    slow = met["bank 5 deg/s"].loaded.scenario
+    assert slow.flight_software.guidance.entry.bank_rate_deg_s == 5.0
+    # nobody has told the flight computer
+    believed = met["L/D -20 %"].parts.onboard[0]["vehicle"]
+    assert believed == met["nominal"].parts.onboard[0]["vehicle"]
+
+
+def test_less_lift_is_a_fifth_less_in_flight():
+    """Lift over drag across and along the true air-relative velocity."""
+    for vehicle in (*vehicles.VEHICLES[:2], vehicles.VEHICLES[-1]):
+        loaded, found = vehicle.load("simulation.log_every=5"), {}
+        for condition in CONDITIONS:
+            if condition.name in ("nominal", "L/D -20 %"):
+                variant = Variants(loaded).build(condition.case(0, loaded.scenario, 0, {}))
+                found[condition.name] = lift_over_drag(edl6dof.fly(variant.loaded))
+        assert found["L/D -20 %"] == pytest.approx(0.8 * found["nominal"], rel=0.03)
+
+
+def lift_over_drag(flight):
+    """Mean between Mach 8 and 20."""
+    rows = flight.telemetry
+    fast = (rows["truth.mach"] > 8.0) & (rows["truth.mach"] < 20.0)
+    alpha, beta = (np.radians(rows[f"truth.{angle}_deg"][fast]) for angle in ("alpha", "beta"))
+    ahead = np.stack([np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta)])
+    force = np.stack([rows[f"truth.aero_force_{axis}_n"][fast] for axis in "xyz"])
+    drag = -np.sum(force * ahead, axis=0)
+    return float(np.mean(np.linalg.norm(force + drag * ahead, axis=0) / drag))
+
+
+def test_wind_blows_from_all_sides_in_turn(nominal):
+    towards = [conditions._wind(nominal.scenario, flight) for flight in range(4)]
+    total = np.sum([[w["wind.constant.north_m_s"], w["wind.constant.east_m_s"]] for w in towards], axis=0)
+    assert total == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
 def test_figures_of_a_flight_are_its_own_telemetry(nominal):
     flight = edl6dof.fly(edl6dof.load("tianwen1", ["mission.goal=deployment"]))
-    figures, rows = guidance._figures(flight), flight.telemetry
+    found, rows = figures.of_flight(flight), flight.telemetry
     lift = rows["guide.phase"] == 1
     # at least the reversals, each from one side to the other, and the levelling at the end
     reversals = flight.metrics["bank_reversals"]
-    assert figures["bank_travel_deg"] > 2 * 15.0 * reversals
-    assert figures["bank_travel_deg"] <= 20.0 * np.ptp(rows["t_s"][lift])  # the rate limit
-    assert 0.0 <= figures["saturation_s"] < np.ptp(rows["t_s"][lift])
-    assert 0.05 < figures["tracking_error_m_s2"] < 5.0
+    assert found["bank_travel_deg"] > 2 * 15.0 * reversals
+    assert found["bank_travel_deg"] <= 20.0 * np.ptp(rows["t_s"][lift])  # the rate limit
+    assert 0.0 <= found["saturation_s"] < np.ptp(rows["t_s"][lift])
+    assert 0.05 < found["tracking_error_m_s2"] < 5.0
 
 
 @kernel
@@ -120,21 +173,24 @@ def test_no_entry_law_allocates(nominal):
 
 
 def test_small_run_comes_out_whole(monkeypatch):
-    monkeypatch.setattr(guidance, "LAWS", ("npc", "bank_profile"))
-    monkeypatch.setattr(guidance, "MISSIONS", ("tianwen1",))
+    monkeypatch.setattr(guidance, "VEHICLES", (vehicles.VEHICLES[0], vehicles.VEHICLES[-1]))
+    monkeypatch.setattr(guidance, "CONDITIONS", CONDITIONS[:2])
     monkeypatch.setattr(call_time, "REPEATS", 5)
     seen = []
-    report = guidance.run(3, lambda done, total: seen.append((done, total)))
-    assert report.runs == 6 and sorted(seen)[-1] == (6, 6)
-    assert len(report.table) == 6 and report.table["law"].to_pylist() == ["npc"] * 3 + ["bank_profile"] * 3
+    report = guidance.run(("npc", "bank_profile"), 3, lambda done, total: seen.append((done, total)))
+    # of two laws: 2 conditions and 3 dispersed entries of one vehicle, 2 conditions of the other
+    assert report.runs == len(report.table) == 14 and seen[-1] == (14, 14)
+    columns = report.table.to_pydict()
+    dispersed = [i for i, name in enumerate(columns["condition"]) if name == DISPERSED]
+    assert [columns["law"][i] for i in dispersed] == ["npc"] * 3 + ["bank_profile"] * 3
     # both laws meet the same entries
-    paths = ("truth.atmosphere.density_factor", "truth.initial.flight_path_angle_deg", "profile")
-    for path in paths:
-        column = report.table[path].to_pylist()
-        assert column[:3] == column[3:] and len(set(column)) == 3
-    (grid,) = report.grids
-    rows = {row[0]: dict(zip(grid.heads, row, strict=True)) for row in grid.rows}
-    assert rows["npc"]["miss mean km"] < 5.0 < rows["bank_profile"]["miss mean km"]
+    for path in ("truth.atmosphere.density_factor", "truth.initial.flight_path_angle_deg", "profile"):
+        met = [columns[path][i] for i in dispersed]
+        assert met[:3] == met[3:] and len(set(met)) == 3
+    misses, effort, *_ = report.grids
+    rows = {row[0]: dict(zip(misses.heads, row, strict=True)) for row in misses.rows}
+    assert rows["npc"]["dispersed"] < 5.0 < rows["bank_profile"]["dispersed"]
+    rows = {row[0]: dict(zip(effort.heads, row, strict=True)) for row in effort.rows}
     assert rows["npc"]["in box %"] == 100.0
     assert 0.0 < rows["bank_profile"]["call us"] < rows["npc"]["call us"] < 2000.0
-    assert [d.key for d in report.drawings] == ["tianwen1_miss", "tianwen1_footprint"]
+    assert [d.key for d in report.drawings] == ["comparison", "tianwen1_miss", "tianwen1_footprint"]

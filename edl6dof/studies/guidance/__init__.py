@@ -57,8 +57,7 @@ def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[
     """All that a law flies of a vehicle."""
     label = {"vehicle": vehicle.name, "law": law}
     some = range(max(flights // _PER_CONDITION, 1))
-    met = [c for c in CONDITIONS if scenario.dynamics == "six_dof" or not c.rigid_only]
-    plan = [(condition, flight) for condition in met for flight in some]
+    plan = [(condition, flight) for condition in CONDITIONS for flight in some]
     flown = [condition.case(i, scenario, flight, label) for i, (condition, flight) in enumerate(plan)]
     return [*flown, *_dispersed(scenario, flights, len(flown), label)] if vehicle.dispersed else flown
 

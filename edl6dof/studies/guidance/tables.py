@@ -10,6 +10,7 @@ from math import inf, isfinite, nan
 import numpy as np
 
 from edl6dof.campaign.rows import Row
+from edl6dof.config.wording import counted
 from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
 from edl6dof.studies.study import Finding, Grid
 
@@ -71,9 +72,9 @@ def _conditions(vehicle: str, rows: Sequence[Row]) -> Grid:
         (law, *(quantile(misses(of(rows, law=law, condition=name)), 0.99) for name in columns))
         for law in best_first(rows)
     ]
-    several = f"{counts[columns[0]]} flights of each"
+    several = f"{counted(counts[columns[0]], 'flight')} in each column"
     if DISPERSED in counts:
-        several += f" but {counts[DISPERSED]} dispersed"
+        several += f", {counts[DISPERSED]} dispersed"
     return Grid(f"{vehicle}: 99 % of misses at the mortar, km; {several}", ("law", *columns), tuple(lines))
 
 

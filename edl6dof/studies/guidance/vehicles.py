@@ -1,5 +1,5 @@
-"""The entries that the comparison flies: two missions in six degrees of freedom on instruments, and the point
-masses of three papers.
+"""The entries that the comparison flies: two missions in six degrees of freedom on instruments, with either
+trigger of their parachute, and the point masses of three papers.
 
 A paper's point mass is flown here with what a vehicle has: a bank angle that turns at a rate, and a drag
 reference that is updated by the range to go.  The paper as it is printed is flown by its own study.
@@ -55,12 +55,15 @@ class Vehicle:
 
 
 VEHICLES = (
-    Vehicle("tianwen1", dispersed=True),
-    Vehicle("msl", dispersed=True),
+    *(Vehicle(name, dispersed=True) for name in ("tianwen1", "tianwen1_range_trigger")),
+    *(Vehicle(name, dispersed=True) for name in ("msl", "msl_range_trigger")),
     Vehicle("zheng2015", _AS_A_VEHICLE),
     Vehicle("wu2013", _AS_A_VEHICLE),
     Vehicle("yan2016", _AS_A_VEHICLE),
 )
+
+#: What a law is flown with besides: FNPEG plans its reversals itself.
+_WITH_LAW = {"fnpeg": (f"{ENTRY}.reversal.logic=own_sign",)}
 
 _INERTIA = "vehicle.mass.entry_inertia_kg_m2"
 #: Three sigma, absolute.
@@ -92,6 +95,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     return vehicle.load(
         "simulation.log_every=5",
         f"{ENTRY}.law={law}",
+        *_WITH_LAW.get(law, ()),
         f"{ENTRY}.bank_profile={json.dumps({'points': planned_bank(planned)})}",
     )
 

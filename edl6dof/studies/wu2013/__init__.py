@@ -16,7 +16,7 @@ from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies.study import Progress, Report, Study
 from edl6dof.studies.wu2013.drawings import drawings
-from edl6dof.studies.wu2013.experiments import ENTRY, EXPERIMENTS, KEPT, LAWS, PRINTED, cases
+from edl6dof.studies.wu2013.experiments import CONTINUOUS, ENTRY, EXPERIMENTS, KEPT, LAWS, PRINTED, cases
 from edl6dof.studies.wu2013.findings import findings
 from edl6dof.studies.wu2013.flights import figures, history
 
@@ -60,7 +60,7 @@ def run(runs: int, progress: Progress) -> Report:
 
 def _nominal(share: float) -> Flight:
     """The nominal entry, its observer started from a share of the drag."""
-    belief = {f"{ENTRY}.ehgo_fl.start_share": share}
+    belief = {**CONTINUOUS, f"{ENTRY}.ehgo_fl.start_share": share}
     return fly(scenario_of(load_scenario(SCENARIO), Case(0, belief=belief)))
 
 

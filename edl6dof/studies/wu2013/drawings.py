@@ -34,11 +34,9 @@ def _estimates(h: dict[str, np.ndarray]) -> Figure:
         "fig3_estimates",
         (
             plots.panel("Drag", TIME, "drag (m/s2)", drag),
-            plots.panel("Drag at the start", TIME, "drag (m/s2)", drag, y_range=(4.0, 9.0), x_range=first),
+            plots.panel("Drag, 2 s", TIME, "drag (m/s2)", drag, y_range=(4.0, 9.0), x_range=first),
             plots.panel("Drag rate", TIME, "drag rate (m/s3)", rate, y_range=(-4.0, 6.0)),
-            plots.panel(
-                "Drag rate at the start", TIME, "drag rate (m/s3)", rate, y_range=(-1.0, 4.0), x_range=first
-            ),
+            plots.panel("Drag rate, 2 s", TIME, "drag rate (m/s3)", rate, y_range=(-1.0, 4.0), x_range=first),
         ),
     )
 

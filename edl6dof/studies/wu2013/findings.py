@@ -24,9 +24,9 @@ from edl6dof.studies.wu2013.flights import CLOSE, converged_s
 
 #: Largest miss of 2,000 entries by law, km; and from when on the curves of figure 3 coincide, s.
 MISS_KM, CONVERGED_S = {"ehgo_fl": 8.6, "fl": 18.0}, 0.6
-#: Share of the published value within which it counts as reproduced: of largest misses, and of a time read
-#: off a figure.
-MISS_WITHIN, TIME_WITHIN = 0.1, 0.2
+#: Share of the published value within which it counts as reproduced: of the largest of 2,000 misses, which
+#: itself varies by as much from one draw of 2,000 to another (5 to 95 %), and of a time read off a figure.
+MISS_WITHIN, TIME_WITHIN = 0.15, 0.2
 #: Runs from which the largest miss of so many entries is gated as the largest of 2,000.
 ENOUGH = 1000
 

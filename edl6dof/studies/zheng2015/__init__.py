@@ -25,8 +25,9 @@ REMARKS = (
     "'run shown' are its first run; 'settled' is after the saturation at the beginning.",
     "denser air too: no density error, density raised by 3 km of height so that 0.2 Earth g is met at 42 s, "
     "bank profile 65 to 45 deg so that range control ends at 136 s; the height follows.",
-    "as inferred: and the dead band of the bank reversals, not printed, 3.5 km wider at either side, chosen "
-    "for the RMS miss; the shares follow.",
+    "as inferred: and the dead band of the bank reversals, not printed, 3.5 km to either side at no speed in "
+    "place of 0.4, chosen for the RMS miss, which 2.5 to 3.5 km move between 2.2 and 3.0 km; the shares "
+    "follow.",
     "density profile: the 20 % as an error correlated over so many km of height: no reading of it leaves "
     "half of the terminal altitudes within 0.1 km.",
     "flown: as printed, with the outer loop of eq. 12, for which the paper has no method.",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import exp
 from typing import Any
 
 from edl6dof.campaign.design.case import Case
@@ -28,15 +27,15 @@ SPREADS = (
     Spread("initial.azimuth_deg", 90.0, 0.01),
     Spread(DENSITY, 1.0, 0.2),
 )
-#: By how much the density of the print must be raised (m) for 0.2 Earth g at 42 s: the bank angle until then
-#: is printed, so nothing else is free.
-RAISED_M = 3000.0
+#: By how much the density of the print must be raised for 0.2 Earth g at 42 s, as if 3 km of its scale height
+#: higher: the bank angle until then is printed, so nothing else is free.
+DENSER = 1.378
 #: With it, a three-segment bank profile that ends range control at 136 s ends at the printed height.
 DENSER_AIR = {
-    "atmosphere.exponential.density_kg_m3": 0.0158 * exp(RAISED_M / 9354.0),
-    f"{ENTRY}.reference_bank.fast_bank_deg": 65.0,
-    f"{ENTRY}.reference_bank.fast_speed_m_s": 3000.0,
-    f"{ENTRY}.reference_bank.slow_bank_deg": 45.0,
+    DENSITY: DENSER,
+    f"{ENTRY}.reference_bank.points.0.bank_deg": 45.0,
+    f"{ENTRY}.reference_bank.points.1.at": 3000.0,
+    f"{ENTRY}.reference_bank.points.1.bank_deg": 65.0,
     "terrain.site_longitude_deg": 10.8196,
 }
 #: Half width (m) of the bank-reversal dead band at zero velocity, which is not printed: chosen for the RMS
@@ -75,14 +74,14 @@ class Experiment:
 FIXED = {UPDATE: False}
 AS_PRINTED = Experiment("as printed", FIXED, factor=True)
 UNDISPERSED = Experiment("no density error", FIXED)
-DENSER = Experiment("denser air too", {**FIXED, **DENSER_AIR})
-INFERRED = Experiment("as inferred", {**DENSER.told, **DEAD_BAND})
+THICK = Experiment("denser air too", {**FIXED, **DENSER_AIR})
+INFERRED = Experiment("as inferred", {**THICK.told, **DEAD_BAND})
 PROFILES = tuple(
     Experiment(f"density profile {length / 1e3:g} km", FIXED, correlation_m=length)
     for length in (500.0, 5000.0, 50000.0)
 )
 FLOWN = Experiment("flown", {UPDATE: True}, factor=True)
-EXPERIMENTS = (AS_PRINTED, UNDISPERSED, DENSER, INFERRED, *PROFILES, FLOWN)
+EXPERIMENTS = (AS_PRINTED, UNDISPERSED, THICK, INFERRED, *PROFILES, FLOWN)
 
 
 def all_cases(runs: int) -> list[Case]:

@@ -132,6 +132,14 @@ def tracking(shown: Flight, table: pa.Table) -> tuple[Finding, ...]:
         Finding("worst run: peak drag error", "m/s2", worst, 0.2, "<=", "settled"),
         Finding("run shown: peak |s|", "m/s3", one["peak_surface_settled_m_s3"], 0.1, "<=", "settled; c_s"),
         Finding(
+            "run shown: peak |s| from the start",
+            "m/s3",
+            one["peak_surface_m_s3"],
+            0.05,
+            within=STATISTIC,
+            why="the reference is tabulated 22 m/s apart: 0.16 m/s2 off at the start, |s| 0.33 undispersed",
+        ),
+        Finding(
             "run shown: disturbance estimate, RMS error over RMS",
             "%",
             100.0 * rms(off) / rms(true),

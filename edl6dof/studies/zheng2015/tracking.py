@@ -78,11 +78,8 @@ def history(flight: Flight) -> dict[str, np.ndarray]:
         "authority": authority,
         "disturbance": acceleration - authority * np.cos(np.radians(rows["truth.bank_deg"])),
     }
-    profile = flight.scenario.flight_software.guidance.entry.reference_bank
-    speeds, banks = (
-        (profile.slow_speed_m_s, profile.fast_speed_m_s),
-        (profile.slow_bank_deg, profile.fast_bank_deg),
-    )
+    points = flight.scenario.flight_software.guidance.entry.reference_bank.points
+    speeds, banks = [point.at for point in points], [point.bank_deg for point in points]
     return {name: values[control] for name, values in columns.items()} | {
         "planned_deg": np.interp(speed[control], speeds, banks)
     }

@@ -11,7 +11,7 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.prediction.airframe import mach_nodes
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
-from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale
+from edl6dof.fsw.guidance.entry.profiles.range_update import range_scale, scaled
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation.derived import NAV
 
@@ -82,9 +82,17 @@ def table(first=450.0, last=4900.0):
     n = len(reference["drag"])
     reference["first"], reference["spacing"] = first, (last - first) / (n - 1)
     u = first + reference["spacing"] * np.arange(n)
-    reference["drag"] = profile(u)
-    reference["ground"] = slope(u)
+    reference["drag"], reference["ground"] = profile(u), slope(u)
+    # along a flight without gravity, u' = -D, that meets the reference drag
+    reference["drag_rate"] = -profile(u) * derivative(profile, u)
+    reference["drag_acceleration"] = -profile(u) * derivative(
+        lambda x: -profile(x) * derivative(profile, x), u
+    )
     return reference
+
+
+def derivative(function, x):
+    return (function(x + 1.0) - function(x - 1.0)) / 2.0
 
 
 def profile(u):
@@ -95,15 +103,19 @@ def slope(u):
     return 0.97 + 0.02 * np.cos(u / 900.0)
 
 
+def factor(u, scale, first=450.0, last=4900.0):
+    """Wu et al. eq. 15 over the energies of the whole reference."""
+    share = (u**2 - first**2) / (last**2 - first**2)
+    return 1.0 + scale * 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
+
+
 def integrated_range(u_now, u_end, scale):
-    """Wu et al. eqs. 14-15 by adaptive quadrature over energy."""
+    """Wu et al. eq. 14 by adaptive quadrature over energy."""
     now, end = 0.5 * u_now**2, 0.5 * u_end**2
 
     def integrand(energy):
-        share = (energy - now) / (end - now)
-        f = 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
         u = sqrt(2.0 * energy)
-        return slope(u) / (profile(u) * (1.0 + scale * f))
+        return slope(u) / (profile(u) * factor(u, scale))
 
     return quad(integrand, end, now, epsrel=1e-10, limit=200)[0]
 
@@ -134,6 +146,41 @@ def test_longer_range_wants_less_drag():
     nominal = integrated_range(3500.0, 450.0, 0.0)
     assert range_scale(reference, 3500.0, 1.05 * nominal, 0.0, 0.4) < -0.005
     assert range_scale(reference, 3500.0, 0.95 * nominal, 0.0, 0.4) > 0.005
+
+
+@pytest.mark.parametrize("scale", [-0.25, 0.0, 0.15, 0.3])
+@pytest.mark.parametrize("share", [1.0, 0.85])
+@pytest.mark.parametrize("u_now", [4300.0, 2600.0, 1100.0])
+def test_goal_and_its_rates_are_those_of_the_scaled_profile_along_the_flight(scale, share, u_now):
+    """Drag, drag rate and acceleration of the goal against finite differences along an integrated flight,
+    whose drag is the goal (or a share of it: a flight behind its goal passes the energies more slowly).
+
+    With the scale to the first power on rate and acceleration, as once, this fails for every scale but none.
+    """
+    h = 0.2
+
+    def goal(u):
+        return profile(u) * factor(u, scale)
+
+    steps = h * np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+    back, on = (
+        solve_ivp(
+            lambda t, u: -share * goal(u),
+            (0.0, side * 2.0 * h),
+            [u_now],
+            rtol=1e-12,
+            atol=1e-9,
+            dense_output=True,
+        ).sol
+        for side in (-1.0, 1.0)
+    )
+    d = np.array([goal(float((back if t < 0.0 else on)(t)[0])) for t in steps])
+    rate = (8.0 * (d[3] - d[1]) - (d[4] - d[0])) / (12.0 * h)
+    acceleration = (16.0 * (d[3] + d[1]) - (d[4] + d[0]) - 30.0 * d[2]) / (12.0 * h * h)
+    found = scaled(table(), scale, u_now, u_now, 0.0, share * d[2], share * rate)
+    assert found[0] == pytest.approx(d[2], rel=1e-4)
+    assert found[1] == pytest.approx(rate, rel=2e-3, abs=1e-3)
+    assert found[2] == pytest.approx(acceleration, rel=1e-2, abs=2e-3)
 
 
 # ---- geometry ----------------------------------------------------------------------------------------------

@@ -113,7 +113,7 @@ def test_reversal_comes_where_the_predicted_crossranges_have_the_set_ratio(still
         low, high = (middle, high) if side(still, heading(still, middle), 1.0) > 0.0 else (low, middle)
     out = np.zeros(1, GUIDE)[0]
     out["drag_ratio"] = out["lift_ratio"] = 1.0
-    shift = cos(1.0) - cos(still["guidance"]["entry"]["reference_bank"]["fast_bank"])
+    shift = cos(1.0) - cos(still["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
     on, back = (predict(still, heading(still, low), out, shifted(shift, s, 0.0, 0.0))[1] for s in (1.0, -1.0))
     assert -back / on == pytest.approx(ratio, abs=1e-3)
 

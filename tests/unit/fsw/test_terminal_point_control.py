@@ -73,7 +73,7 @@ def rates(record):
     )
     nodes = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
     radius, mu = float(planet["equatorial_radius"]), float(planet["mu"])
-    bank = acos(cos(entry["reference_bank"]["fast_bank"]) + record["reference"]["shift"])
+    bank = acos(cos(entry["reference_bank"]["points"]["bank"][0]) + record["reference"]["shift"])
 
     def by_time(v, x, u):
         h, gamma = x[:2]

@@ -8,12 +8,11 @@ heading error; last the lift is levelled for the parachute.
 
 from __future__ import annotations
 
-from math import atan2
 from typing import Any
 
 import numpy as np
 
-from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
@@ -24,14 +23,6 @@ _Logics: Any = REVERSALS.params_model("ReversalLogics", "logic", "crossrange_cor
 
 class ReversalParams(_Logics):
     """Bank reversals."""
-
-
-class HeadingAlignmentParams(Params):
-    """Heading alignment: below a speed, bank against the heading error instead of controlling range."""
-
-    speed_m_s: float = param(0.0, "speed below which it takes over; 0 for never", ge=0.0)
-    gain: float = param(20.0, "bank angle per heading error", ge=0.0, le=1000.0)
-    limit_deg: float = param(30.0, "largest bank angle it commands", ge=0.0, le=90.0)
 
 
 STEERING = np.dtype(
@@ -63,15 +54,6 @@ def chosen_side(onboard, nav, memory, out, wanted):
 
 
 @kernel
-def heading_bank(onboard, out):
-    """Bank angle against the heading error, the angle at the vehicle between its velocity and the aim
-    point.
-    """
-    p = onboard.guidance.entry.heading
-    return clamp(-p.gain * atan2(out.crossrange, max(out.range_to_go, 1.0)), -p.limit, p.limit)
-
-
-@kernel
 def steer_bank(onboard, nav, memory, out, wanted):
     """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
     ``own_sign`` only).
@@ -82,7 +64,7 @@ def steer_bank(onboard, nav, memory, out, wanted):
     if nav.speed < p.align_speed:
         goal = 0.0
     elif nav.speed < p.heading.speed:
-        goal = heading_bank(onboard, out)
+        goal = heading_bank(p.heading, out.range_to_go, out.crossrange)
     else:
         goal = chosen_side(onboard, nav, memory, out, wanted) * limited(onboard, wanted)
     if memory.t > 0.0:

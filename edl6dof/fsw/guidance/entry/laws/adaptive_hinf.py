@@ -20,7 +20,8 @@ from typing import Self
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.as_printed import PrintedParams
+from edl6dof.config.base import param
 from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
 from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
@@ -43,8 +44,8 @@ PARAMETERS = 5
 STEP_S = 1.0
 
 
-class AdaptiveHinfParams(Params):
-    """Adaptive H-infinity tracking of a drag-velocity profile."""
+class AdaptiveHinfParams(PrintedParams):
+    """Adaptive H-infinity tracking of a drag-velocity profile; the paper prints no numbers but rho = 1."""
 
     start_drag_m_s2: float = param(
         4.0, "drag where the profile begins; before, the reference bank is held", gt=0.0, le=1000.0
@@ -53,7 +54,12 @@ class AdaptiveHinfParams(Params):
         200.0, "lambda: bound on the gain from disturbance to drag error, s2", gt=0.0, le=1e6
     )
     control_weight: float = param(
-        10000.0, "rho: weight of the control in the Riccati equation, s4 (1 in the paper)", gt=0.0, le=1e9
+        10000.0,
+        "rho: weight of the control in the Riccati equation, s4",
+        printed=1.0,
+        source="Lu & Bayard, section 3.3",
+        gt=0.0,
+        le=1e9,
     )
     adaptation_energy: float = param(
         100.0, "epsilon: what the parameters may add to the error energy, m2/s3", gt=0.0, le=1e9
@@ -134,6 +140,32 @@ def goal_rates(onboard, nav, drag, drag_rate, slope, curvature):
 
 
 @kernel
+def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u):
+    """Let theta follow what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
+    now, u = (L/D) cos(bank) without a limit.
+
+    ``dynamics`` is what :func:`~edl6dof.fsw.guidance.entry.prediction.uncertain_drag.uncertain_drag` returns;
+    ``goal_free`` and ``goal_per_u`` are the two parts of D_r''.
+    """
+    free, unknown, per_u = dynamics
+    _, p12, p22 = riccati(p.disturbance_gain, p.control_weight)
+    regressor = (unknown[0], unknown[1], unknown[2], per_u * flown, unknown[4])
+    adapt(
+        memory.theta,
+        memory.low,
+        memory.high,
+        regressor,
+        p12 * error + p22 * error_rate,
+        p.adaptation_energy,
+        dt,
+    )
+    theta, (f1, f2) = memory.theta, feedback(p.disturbance_gain, p.control_weight)
+    known = unknown[0] * theta[0] + unknown[1] * theta[1] + unknown[2] * theta[2] + unknown[4] * theta[4]
+    wanted = f1 * error + f2 * error_rate + goal_free
+    return (wanted + free + known) / ((1.0 - theta[3]) * per_u - goal_per_u)
+
+
+@kernel
 def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from measured drag, speed, and the range to the aim point."""
     p, planet = params, onboard.planet
@@ -152,29 +184,20 @@ def guide(params, plan, onboard, nav, memory, out):
     goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
-    free, unknown, per_u = uncertain_drag(
-        drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height
-    )
-
-    # the parameters move by what happened under the bank angle flown since the last call
-    _, p12, p22 = riccati(p.disturbance_gain, p.control_weight)
-    regressor = (unknown[0], unknown[1], unknown[2], per_u * lift_to_drag * cos(nav.bank), unknown[4])
+    dynamics = uncertain_drag(drag, rate, nav.speed, gravity, planet.equatorial_radius, scale_height)
     dt = clamp(nav.t - memory.t, 0.0, STEP_S)
-    adapt(
-        memory.theta,
-        memory.low,
-        memory.high,
-        regressor,
-        p12 * error + p22 * error_rate,
-        p.adaptation_energy,
-        dt,
-    )
     memory.t = nav.t
-
-    theta, (f1, f2) = memory.theta, feedback(p.disturbance_gain, p.control_weight)
-    known = unknown[0] * theta[0] + unknown[1] * theta[1] + unknown[2] * theta[2] + unknown[4] * theta[4]
-    wanted = f1 * error + f2 * error_rate + goal_free
-    u = (wanted + free + known) / ((1.0 - theta[3]) * per_u - goal_per_u)
+    u = track(
+        p,
+        memory,
+        dt,
+        lift_to_drag * cos(nav.bank),
+        error,
+        error_rate,
+        dynamics,
+        goal_free,
+        goal_per_u,
+    )
     return acos(clamp(u / lift_to_drag, -1.0, 1.0))
 
 

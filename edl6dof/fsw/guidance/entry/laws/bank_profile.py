@@ -11,20 +11,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import model_validator
 
-from edl6dof.config.base import REQUIRED, Capacity, Params, param
+from edl6dof.config.base import Capacity, Params, param
+from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
-
-MAX_POINTS = 32
-
-
-class BankPoint(Params):
-    """One point of the profile."""
-
-    at: float = param(REQUIRED, "speed in m/s, or time from t = 0 in s", ge=0.0, le=20e3)
-    bank_deg: float = param(
-        REQUIRED, "bank angle there; linear between points, constant beyond the ends", ge=-180.0, le=180.0
-    )
 
 
 class BankProfileParams(Params):
@@ -43,24 +33,14 @@ class BankProfileParams(Params):
 
     @model_validator(mode="after")
     def _ascend(self) -> Self:
-        if any(after.at <= before.at for before, after in zip(self.points, self.points[1:], strict=False)):
-            raise ValueError("the points must ascend in 'at'")
+        must_ascend(self.points)
         return self
 
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle: the table at the present speed or time, its sign included."""
-    p = params
-    x = nav.speed if p.over == 0 else nav.t
-    last = p.n_points - 1
-    if x <= p.points[0].at:
-        return p.points[0].bank
-    for i in range(last):
-        low, high = p.points[i], p.points[i + 1]
-        if x < high.at:
-            return low.bank + (x - low.at) / (high.at - low.at) * (high.bank - low.bank)
-    return p.points[last].bank
+    return bank_at(params.points, params.n_points, nav.speed if params.over == 0 else nav.t)
 
 
 MEMBER = Member("bank_profile", BankProfileParams, {"guide": guide}, "Yan, Sun & Guo 2016, section 3")

@@ -5,7 +5,8 @@ Every call flies the onboard prediction to the parachute: from the bank angle th
 rate at which it rolls, through the reversals that are left.  The bank magnitude runs linearly in energy from
 the one that is sought to a fixed one at the end; it is corrected by Gauss-Newton steps, halved until the
 predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
-is none; the one after it is foreseen at a set share of that speed.
+is none; the one after it is foreseen at a set share of that speed.  Where load or heat rate would pass their
+limits, vertical lift is added until the altitude rate is one that keeps them.
 Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
 and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
 "Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
@@ -18,11 +19,14 @@ planned reversals are flown; with another logic the magnitude alone.
 
 from __future__ import annotations
 
+from math import acos, copysign, cos, sin, sqrt
+
 import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.registry import Member
@@ -45,6 +49,12 @@ class FnpegParams(Params):
         0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
     )
     halvings: int = param(3, "most times that a step is halved in one call", ge=0, le=10)
+    limit_time_s: float = param(
+        8.0, "time in which load or heat rate may come up to its limit", status="design", gt=0.0, le=100.0
+    )
+    lift_time_s: float = param(
+        3.0, "time in which lift makes up for an altitude rate too low", status="design", gt=0.0, le=100.0
+    )
     reversals: int = param(3, "reversals planned", ge=0, le=10)
     spacing: float = param(
         0.55,
@@ -150,6 +160,33 @@ def reverse_when_due(params, nav, memory):
 
 
 @kernel
+def least_climb(params, onboard, nav):
+    """Lowest altitude rate (m/s) with which load and heat rate keep their limits, less the margin.
+
+    With exponential air the load changes at the rate -h'/H + 2 V'/V, the heat rate at -h'/(2 H) + 3 V'/V;
+    either may grow by what is left to its limit within the limit time.
+    """
+    limits = onboard.guidance.entry.limits
+    density, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
+    slowing = (nav.drag + nav.gravity * sin(nav.flight_path_angle)) / nav.speed
+    load = max(sqrt(nav.drag * nav.drag + nav.lift * nav.lift), 1e-3)
+    heat = onboard.planet.sutton_graves_constant * sqrt(density / limits.nose_radius) * nav.speed**3
+    most = 1.0 - limits.margin
+    load_growth = (most * limits.load / load - 1.0) / params.limit_time + 2.0 * slowing
+    heat_growth = (most * limits.heat_rate / max(heat, 1e-3) - 1.0) / params.limit_time + 3.0 * slowing
+    return -scale_height * min(load_growth, 2.0 * heat_growth)
+
+
+@kernel
+def within_limits(params, onboard, nav, bank):
+    """Bank angle (rad) whose vertical lift is that of ``bank`` and what the limits ask for besides."""
+    short = least_climb(params, onboard, nav) - nav.speed * sin(nav.flight_path_angle)
+    if short <= 0.0 or nav.lift <= 0.0:
+        return bank
+    return copysign(acos(clamp(cos(bank) + short / (params.lift_time * nav.lift), -1.0, 1.0)), bank)
+
+
+@kernel
 def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle, its sign included."""
     entry = onboard.guidance.entry
@@ -161,7 +198,8 @@ def guide(params, plan, onboard, nav, memory, out):
     if memory.started != 0 and nav.speed > slowest:
         correct(params, onboard, nav, memory, out, slowest)
         reverse_when_due(params, nav, memory)
-    return planned_bank(onboard, bank_plan(params, onboard, nav, memory, memory.bank, memory.turn), nav.speed)
+    ahead = bank_plan(params, onboard, nav, memory, memory.bank, memory.turn)
+    return within_limits(params, onboard, nav, planned_bank(onboard, ahead, nav.speed))
 
 
 MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)

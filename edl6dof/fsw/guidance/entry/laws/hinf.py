@@ -10,8 +10,8 @@ Source: Lu & Bayard, sections 3.3-3.4, eqs. 17-20; Lu & Packard 1997.
 
 Differences from the print: F = +B' P / 2 lacks the minus sign that its own equation P (A + B F) + (A + B F)'
 P + ... = 0 needs; the L2 inequality holds from z(0) = 0, otherwise z(0)' P z(0) is added; rho is 1 in the
-print, which in seconds means a drag loop of 0.7 rad/s,
-faster than a capsule can bank: the weight sets the bandwidth.
+print (``settings: as_printed``), which in seconds means a drag loop of 0.7 rad/s, faster than a capsule can
+bank: the weight sets the bandwidth.
 """
 
 from __future__ import annotations

@@ -70,12 +70,12 @@ def disturbed_drag(onboard, nav, p, memory, out):
     cos(bank).  A disturbance d of the
     path rate acts as lift does: f = b V/L.
     """
-    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, out)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
     rate, authority, free = drag_dynamics(
         nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
     )
+    goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, nav.drag, rate, out)
     disturbance = observe_path(p, memory.observer, nav, lift)
     out.path_disturbance = disturbance
     path_authority = (

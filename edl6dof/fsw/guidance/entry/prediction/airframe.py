@@ -59,3 +59,13 @@ def believed_aero(vehicle, mach):
     if mach < table.wing_mach:
         return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
     return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)
+
+
+@kernel
+def area_rate(vehicle, mach, speed, speed_rate):
+    """Relative rate (1/s) of the drag area at trim while the speed changes at ``speed_rate`` (m/s2), the
+    speed of sound held.
+    """
+    drag = vehicle.airframe.drag
+    i, _ = node_of(mach)
+    return log(drag[i + 1] / drag[i]) / SPACING * speed_rate / speed

@@ -20,15 +20,16 @@ from edl6dof.spatial.vector import clamp
 
 
 @kernel
-def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height):
+def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_rate=0.0):
     """Drag rate and the two parts of its derivative: D'' = b + a cos(bank).  Returns (D', a, b).
 
-    D' = D (-V sin(gamma)/h_s + 2 V'/V) with V' = -D - g sin(gamma); the rest follows by differentiation with
-    gamma' = L cos(bank)/V + (V/r - g/V) cos(gamma), g' = -2 g V sin(gamma)/r and constant h_s.
+    D' = D (-V sin(gamma)/h_s + 2 V'/V + A'/A) with V' = -D - g sin(gamma); the rest follows by
+    differentiation with gamma' = L cos(bank)/V + (V/r - g/V) cos(gamma), g' = -2 g V sin(gamma)/r, constant
+    h_s and constant ``area_rate``, the relative rate A'/A of the drag area (1/s), which the papers leave out.
     """
     s, c = sin(gamma), cos(gamma)
     v_rate = -drag - gravity * s
-    relative = -speed * s / scale_height + 2.0 * v_rate / speed
+    relative = -speed * s / scale_height + 2.0 * v_rate / speed + area_rate
     drag_rate = drag * relative
     path_free = (speed / radius - gravity / speed) * c
     gravity_rate = -2.0 * gravity * speed * s / radius

@@ -1,9 +1,9 @@
 """Onboard prediction of the entry, from the navigated state to the parachute.
 
 Flown with a bank plan, rolled at no more than the vehicle's rate from the bank angle that it has, reversals
-included, and with level wings where the shared steering aligns the heading or levels them.  Steps are taken
-for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014, "Entry
-guidance: a unified method", section II (there with energy as independent variable); the equations:
+included; against the heading error where the shared steering aligns the heading; at last with level wings.
+Steps are taken for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014,
+"Entry guidance: a unified method", section II (there with energy as independent variable); the equations:
 :mod:`~edl6dof.fsw.guidance.entry.prediction.motion`.
 """
 
@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from math import asin, atan2
 
+from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane, next_corner, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.motion import (
     acceleration,
@@ -36,8 +37,9 @@ def predict(onboard, nav, out, plan):
     Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``.
 
     Returns:
-        downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), both
-        relative to the great circle from here to the aim point; altitude (m) and time (s) at the end.
+        downrange miss (m, positive beyond the aim point) and crossrange miss (m, positive right of it)
+        relative to the great circle from here to the aim point; altitude (m) and time (s) at the end.  Where
+        the heading is aligned, a flight out of the plane has for crossrange the one at which that begins.
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = fixed_state(planet, nav)
@@ -48,6 +50,7 @@ def predict(onboard, nav, out, plan):
     t, dt = 0.0, 0.0
     r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
     lift_up, lift_right = 1.0, 0.0
+    aligning, at_handover = False, 0.0
     for _ in range(MAX_STEPS):
         a, drag, mach = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
         end_speed = (
@@ -61,7 +64,14 @@ def predict(onboard, nav, out, plan):
         corner = next_corner(onboard, plan, speed)
         if slowing * dt > speed - corner:
             dt = max((speed - corner) / slowing, SHORTEST_STEP)
-        goal = planned_bank(onboard, plan, speed - 1e-3) if speed > steered_above + 1e-3 else 0.0
+        goal = 0.0
+        if speed > steered_above + 1e-3:
+            goal = planned_bank(onboard, plan, speed - 1e-3)
+        elif speed > entry.align_speed + 1e-3 and not in_plane(plan):
+            range_to_go, crossrange = to_aim(planet, target, r, v)
+            goal = heading_bank(entry.heading, range_to_go, crossrange)
+            if not aligning:
+                aligning, at_handover = True, crossrange
         bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
         if in_plane(plan):
             lift_right = 0.0
@@ -76,12 +86,25 @@ def predict(onboard, nav, out, plan):
         t -= back * dt
     there = unit(r)
     beyond = atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
-    aside = asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
+    aside = planet.equatorial_radius * asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
     return (
         beyond * planet.equatorial_radius,
-        aside * planet.equatorial_radius,
+        at_handover if aligning else aside,
         height_above_ellipsoid(planet, r),
         t,
+    )
+
+
+@kernel
+def to_aim(planet, target, r, v):
+    """Great-circle range to the aim point in direction ``target`` and signed crossrange, as ``to_target`` has
+    them, m.
+    """
+    up = unit(r)
+    left = unit(cross(up, v))
+    radius = planet.equatorial_radius
+    return radius * atan2(norm(cross(up, target)), dot(up, target)), radius * asin(
+        clamp(dot(target, left), -1.0, 1.0)
     )
 
 

@@ -1,23 +1,24 @@
 """Reference trajectory: the entry as it is planned before the flight, at an open-loop bank profile.
 
-It is flown on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile in three segments over
-speed (constant, linear, constant).  Unless told otherwise the profile is shifted, by one number added to
+It is flown on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile that is linear in speed
+between points.  Unless told otherwise the profile is shifted, by one number added to
 cos(bank), so that it ends at the aim point.  What guidance needs of it is tabulated over the square root of
 twice the specific energy, which is near the speed.
-Sources: three-segment bank profile, Zheng & Cui 2015, section 3.2, with the linear middle segment of Yan, Sun
-& Guo 2016, section 3.
+Sources: bank profile in segments over speed, Zheng & Cui 2015, section 3.2; with linear ones, Yan, Sun & Guo
+2016, section 3.
 """
 
 from __future__ import annotations
 
 from math import acos, cos, sin
-from typing import Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Capacity, Params, param
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS, BankPoint, bank_at, must_ascend
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import held_cell
@@ -25,30 +26,34 @@ from edl6dof.spatial.vector import clamp
 
 NODES = 256
 #: Standard deviation of the window that the planned drag is smoothed over, s.
-SMOOTHED = 2.0
+SMOOTHED = 1.0
 
 
 class ReferenceBankParams(Params):
-    """Open-loop bank profile of the reference trajectory: constant, linear in speed, constant; zero in
-    alignment.
-    """
+    """Open-loop bank profile of the reference trajectory: magnitudes over speed; zero in alignment."""
 
-    fast_bank_deg: float = param(90.0, "bank above fast_speed_m_s", ge=0.0, le=180.0)
-    fast_speed_m_s: float = param(
-        3500.0, "speed above which the bank is constant", status="published", source="Yan 2016", gt=0.0
+    former: ClassVar = dict.fromkeys(
+        ("fast_bank_deg", "fast_speed_m_s", "slow_bank_deg", "slow_speed_m_s"),
+        "points, ascending in speed: reference_bank: {points: [{at: 1500, bank_deg: 50}, {at: 3500, "
+        "bank_deg: 75}]}",
     )
-    slow_bank_deg: float = param(90.0, "bank below slow_speed_m_s", ge=0.0, le=180.0)
-    slow_speed_m_s: float = param(
-        1500.0, "speed below which the bank is constant", status="published", source="Yan 2016", gt=0.0
+
+    points: Annotated[list[BankPoint], Capacity(MAX_POINTS)] = param(
+        None,
+        "points of the profile, ascending in speed (m/s); magnitudes",
+        factory=lambda: [BankPoint(at=1500.0, bank_deg=90.0)],
+        min_length=1,
+        max_length=MAX_POINTS,
     )
     fit_range: bool = param(
         True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point"
     )
 
     @model_validator(mode="after")
-    def _speeds_fall(self) -> Self:
-        if not self.slow_speed_m_s < self.fast_speed_m_s:
-            raise ValueError("slow_speed_m_s must be below fast_speed_m_s")
+    def _ascend(self) -> Self:
+        must_ascend(self.points)
+        if any(point.bank_deg < 0.0 for point in self.points):
+            raise ValueError("the points must have no negative bank_deg: the side is the reversal logic's")
         return self
 
 
@@ -117,8 +122,7 @@ def reference_bank(onboard, shift, speed):
     if speed <= max(entry.align_speed, entry.heading.speed):
         return 0.0
     p = entry.reference_bank
-    share = clamp((speed - p.slow_speed) / (p.fast_speed - p.slow_speed), 0.0, 1.0)
-    wanted = cos(p.slow_bank + share * (p.fast_bank - p.slow_bank)) + shift
+    wanted = cos(bank_at(p.points, p.n_points, speed)) + shift
     return acos(clamp(wanted, cos(entry.bank_max), cos(entry.bank_min)))
 
 
@@ -156,10 +160,13 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
 
 
 def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Logarithm-weighted means of positive ``values`` over a normal window of ``SMOOTHED`` seconds."""
+    """Logarithm-weighted means of positive ``values`` over a window of ``SMOOTHED`` seconds that leaves a
+    parabola, and so the peak of drag, as it is: a normal one times 1.5 - 0.5 x^2.
+    """
     even = np.arange(t[0], t[-1], t[1] - t[0])
     reach = int(4.0 * SMOOTHED / (t[1] - t[0]))
-    window = np.exp(-0.5 * (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2)
+    x2 = (np.arange(-reach, reach + 1) * (t[1] - t[0]) / SMOOTHED) ** 2
+    window = np.exp(-0.5 * x2) * (1.5 - 0.5 * x2)
     logs = np.pad(
         np.interp(even, t, np.log(np.maximum(values, 1e-12))), reach, mode="reflect", reflect_type="odd"
     )

@@ -40,26 +40,54 @@ class Design:
 
 @dataclass(frozen=True)
 class Response:
-    """One integration; every array has shape (steps,), ``theta`` (steps, 5)."""
+    """One integration or flight; every array has shape (rows,).
+
+    Attributes:
+        t, error, disturbance: time (s), drag error (m/s2) and w (m/s4).
+        state_energy: z' P z, m2/s3.
+    """
 
     t: np.ndarray
     error: np.ndarray
     disturbance: np.ndarray
-    theta: np.ndarray
-    start_energy: float
+    state_energy: np.ndarray
 
     @property
     def error_energy(self) -> float:
         """Integral of e^2, m2/s3."""
         return float(np.trapezoid(self.error**2, self.t))
 
-    def bound(self, design: Design) -> float:
-        """What the theorem allows the error energy to be: lambda^2 int w^2 + epsilon + z(0)' P z(0)."""
-        return (
-            float(design.gain**2 * np.trapezoid(self.disturbance**2, self.t))
-            + design.energy
-            + self.start_energy
-        )
+    def disturbance_energy(self, design: Design) -> float:
+        """lambda^2 int w^2, m2/s3."""
+        return float(design.gain**2 * np.trapezoid(self.disturbance**2, self.t))
+
+    def over_bound(self, design: Design) -> float:
+        """Error energy over what the theorem allows: lambda^2 int w^2 + epsilon + z(0)' P z(0)."""
+        allowed = self.disturbance_energy(design) + design.energy + self.state_energy[0]
+        return self.error_energy / float(allowed)
+
+    def settled_error(self) -> float:
+        """Largest drag error of the last 5 s, m/s2."""
+        return float(np.max(np.abs(self.error[self.t > self.t[-1] - 5.0])))
+
+
+@dataclass(frozen=True)
+class Adapted(Response):
+    """A response with the estimates of theta, shape (rows, 5)."""
+
+    theta: np.ndarray
+
+    def storage(self, design: Design, theta: np.ndarray) -> np.ndarray:
+        """W = z' P z + (p - theta)' Q (p - theta) of each row, which without disturbance must not rise."""
+        width = design.high - design.low
+        off = (self.theta - theta) / width
+        return self.state_energy + design.energy / len(width) * np.sum(off**2, axis=1)
+
+
+def state_energy(design: Design, error: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """z' P z of drag errors (m/s2) and their rates (m/s3)."""
+    p11, p12, p22 = riccati(design.gain, design.weight)
+    return p11 * error**2 + 2.0 * p12 * error * rate + p22 * rate**2
 
 
 def respond(
@@ -71,7 +99,7 @@ def respond(
     duration: float,
     *,
     adaptive: bool = True,
-) -> Response:
+) -> Adapted:
     """Integrate the closed loop by RK4, the estimate of theta held over each step.
 
     Args:
@@ -83,22 +111,19 @@ def respond(
         duration: s.
         adaptive: whether the estimate moves.
     """
-    p11, p12, p22 = riccati(design.gain, design.weight)
+    _, p12, p22 = riccati(design.gain, design.weight)
     goal, goal_rate, _ = reference(0.0)
     state, estimate = (
         np.array([goal + start[0], goal_rate + start[1], start[2]]),
         0.5 * (design.low + design.high),
     )
     steps = round(duration / STEP_S)
-    t, errors, estimates = (
-        STEP_S * np.arange(steps + 1),
-        np.empty(steps + 1),
-        np.empty((steps + 1, len(estimate))),
-    )
+    t, errors, error_rates = STEP_S * np.arange(steps + 1), np.empty(steps + 1), np.empty(steps + 1)
+    estimates = np.empty((steps + 1, len(estimate)))
     for k, now in enumerate(t):
         goal, goal_rate, _ = reference(now)
         error, error_rate = state[0] - goal, state[1] - goal_rate
-        errors[k], estimates[k] = error, estimate
+        errors[k], error_rates[k], estimates[k] = error, error_rate, estimate
         first, regressor = _rates(design, reference, theta, estimate, disturbance, now, state)
         half = now + 0.5 * STEP_S
         second, _ = _rates(
@@ -121,8 +146,8 @@ def respond(
                 STEP_S,
             )
         state = state + STEP_S / 6.0 * (first + 2.0 * (second + third) + fourth)
-    stored = p11 * start[0] ** 2 + 2.0 * p12 * start[0] * start[1] + p22 * start[1] ** 2
-    return Response(t, errors, np.array([disturbance(now) for now in t]), estimates, stored)
+    w = np.array([disturbance(now) for now in t])
+    return Adapted(t, errors, w, state_energy(design, errors, error_rates), estimates)
 
 
 def _rates(

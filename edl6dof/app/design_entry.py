@@ -1,0 +1,154 @@
+"""``edl6dof design entry``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import get_args
+
+from rich.console import Console
+from rich.table import Table
+
+from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
+from edl6dof.config.document.extends import EXTENDS
+from edl6dof.config.document.scalars import write_scalar
+from edl6dof.config.errors import refusal
+from edl6dof.design.entry_plan import Plan
+from edl6dof.design.entry_profile import Design, Goal, design_entry
+from edl6dof.report.terminal import open_table
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.scenario.schema import load_scenario
+
+SUFFIXES = (".yaml", ".yml")
+
+
+@dataclass(frozen=True)
+class DesignOptions:
+    """Options of ``edl6dof design entry``."""
+
+    scenario: str
+    sets: tuple[str, ...]
+    maximise: str | None
+    minimise: str | None
+    points: int
+    reserve_deg: float
+    out: Path | None
+    force: bool
+
+
+def run_design_entry(options: DesignOptions) -> int:
+    """Design the bank profile, show it beside the scenario's own, write it; returns the exit status."""
+    goal = _goal(options)
+    if options.out is not None:
+        if options.out.suffix not in SUFFIXES:
+            raise refusal(options.out, f"must end in {', '.join(SUFFIXES)}")
+        refuse_existing_file(options.out, options.force)
+    scenario = load_scenario(options.scenario, list(options.sets)).scenario
+    if all(phase.guidance != "entry" for phase in scenario.mission.phases):
+        raise refusal(options.scenario, "has no phase with guidance: entry, so there is no entry to design")
+    entry = scenario.flight_software.guidance.entry
+    if entry.bank_min_deg + options.reserve_deg >= entry.bank_max_deg - options.reserve_deg:
+        raise refusal(
+            "--reserve",
+            f"{options.reserve_deg:g} leaves nothing between bank_min_deg {entry.bank_min_deg:g} and "
+            f"bank_max_deg {entry.bank_max_deg:g}",
+        )
+    found = design_entry(scenario, goal, options.points, options.reserve_deg)
+    _show(Console(highlight=False, soft_wrap=True), scenario.name, found)
+    if options.out is not None:
+        with atomic_file(options.out, options.force) as partial:
+            partial.write_text(overlay(options, scenario.name, found), encoding="utf-8")
+        print(options.out)
+    return NOT_WITHIN_LIMITS if found.broken else 0
+
+
+def _goal(options: DesignOptions) -> Goal:
+    """What is asked for: one of the goals, by the option that belongs to it."""
+    given = {"--maximise": options.maximise, "--minimise": options.minimise}
+    if None not in given.values():
+        raise refusal("--minimise", "and --maximise cannot both be given")
+    known = dict(zip(given, get_args(Goal), strict=True))
+    for option, value in given.items():
+        if value is not None and value != known[option]:
+            raise refusal(option, f"must be {known[option]!r} (got {value!r})")
+    return "dispersion" if options.minimise else "parachute_altitude"
+
+
+def overlay(options: DesignOptions, name: str, found: Design) -> str:
+    """YAML text of the scenario with the designed profile."""
+    file = Path(options.scenario)
+    extended = str(file.resolve()) if file.is_file() else options.scenario
+    rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}" for at, bank in found.after.points)
+    return "\n".join(
+        (
+            f"{EXTENDS}: {write_scalar(extended)}",
+            f"name: {write_scalar(f'{name}_designed')}",
+            "flight_software:",
+            "  guidance:",
+            "    entry:",
+            "      reference_bank:",
+            f"        points:  # [D] edl6dof design entry {options.scenario}",
+            *rows,
+            "",
+        )
+    )
+
+
+def _show(console: Console, name: str, found: Design) -> None:
+    console.print(_profile(name, found))
+    console.print(_figures(found))
+    for broken in found.broken:
+        console.print(f"not kept: {_REMEDIES[broken]}", markup=False)
+
+
+def _profile(name: str, found: Design) -> Table:
+    table = open_table(f"{name}: bank profile", "speed m/s>", "planned deg>", "designed deg>")
+    for (speed, bank), (_, designed) in zip(found.before.points, found.after.points, strict=True):
+        table.add_row(f"{speed:.0f}", f"{bank:.1f}", f"{designed:.1f}")
+    return table
+
+
+def _figures(found: Design) -> Table:
+    limits = found.limits
+    table = open_table("Plan, open loop", "figure", "unit", "planned>", "designed>", "limit>")
+
+    def row(figure: str, unit: str, of: tuple[float, float], limit: str = "", places: int = 0) -> None:
+        table.add_row(figure, unit, *(f"{value:,.{places}f}" for value in of), limit)
+
+    def both(name: str) -> tuple[float, float]:
+        return getattr(found.before, name), getattr(found.after, name)
+
+    row("altitude of the parachute", "m", both("altitude_m"))
+    row("beyond the aim point", "m", both("beyond_m"))
+    row("right of it", "m", both("aside_m"), f"{limits.aside_m:,.0f}")
+    row("largest load", "g0", both("load_g0"), f"{limits.load_g0:.1f}", 2)
+    row("largest heat rate", "W/cm2", both("heat_rate_w_cm2"), f"{limits.heat_rate_w_cm2:.0f}", 1)
+    row("largest dynamic pressure", "Pa", both("dynamic_pressure_pa"), f"{limits.dynamic_pressure_pa:,.0f}")
+    row("least distance to the bank limits", "deg", both("reserve_deg"), f"{limits.reserve_deg:g}", 1)
+    row("fastest change of the profile", "deg/s", both("bank_slope_deg_s"), f"{limits.bank_slope_deg_s:g}", 2)
+    row("miss by 1 sigma of density", "m", _misses(found, 0))
+    row("miss by 1 sigma of lift", "m", _misses(found, 1))
+    row("miss by 1 sigma of entry angle", "m", _misses(found, 2))
+    row("1 sigma of the miss without guidance", "m", both("dispersion_m"))
+    return table
+
+
+def _misses(found: Design, index: int) -> tuple[float, float]:
+    def of(plan: Plan) -> float:
+        return plan.misses_m[index]
+
+    return of(found.before), of(found.after)
+
+
+_LIMITS = "flight_software.guidance.entry.limits"
+#: What to change where a designed plan does not keep a limit.
+_REMEDIES = {
+    "load": f"load: enter at a flatter angle, or raise {_LIMITS}.load_g0",
+    "heat rate": f"heat rate: enter at a flatter angle, or raise {_LIMITS}.heat_rate_w_cm2",
+    "dynamic pressure": f"dynamic pressure: enter at a flatter angle, or raise {_LIMITS}.dynamic_pressure_pa",
+    "bank slope": "change of the bank angle: fewer --points",
+    "reserve": "reserve: move the landing site or the entry state along the track, or lower --reserve",
+    "crossrange": "crossrange: narrow the corridor of the bank reversals",
+    "aim point": "aim point: out of reach within the reserve; move the landing site or the entry state along "
+    "the track, or lower --reserve",
+}

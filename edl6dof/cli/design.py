@@ -1,0 +1,52 @@
+"""The command that designs a part of a mission on the ground."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from edl6dof.cli.options import Sets, Trust, load_plugins
+
+design = typer.Typer(no_args_is_help=True, help="Design a part of a mission: entry, its bank profile.")
+
+
+@design.command("entry")
+def design_entry(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+    ],
+    sets: Sets = None,
+    maximise: Annotated[
+        str | None, typer.Option(metavar="WHAT", help="parachute_altitude; the default.")
+    ] = None,
+    minimise: Annotated[
+        str | None,
+        typer.Option(metavar="WHAT", help="dispersion: of the open loop, by density, L/D and entry angle."),
+    ] = None,
+    points: Annotated[
+        int, typer.Option(metavar="N", min=2, max=16, help="Speeds at which the bank angle is free.")
+    ] = 6,
+    reserve: Annotated[
+        float,
+        typer.Option(metavar="DEG", min=0.0, max=60.0, help="How far the plan stays from the bank limits."),
+    ] = 10.0,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a scenario (.yaml) that extends this one.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Bank profile of the planned entry, optimised, beside the one of the scenario.
+
+    Load, heat rate and dynamic pressure keep to flight_software.guidance.entry.limits, the bank angles to
+    their limits less the reserve, and the profile to a quarter of the bank rate.
+
+    Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.design_entry import DesignOptions, run_design_entry
+
+    options = DesignOptions(scenario, tuple(sets or ()), maximise, minimise, points, reserve, out, force)
+    raise typer.Exit(run_design_entry(options))

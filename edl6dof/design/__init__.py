@@ -1,0 +1,1 @@
+"""What is designed on the ground before a flight."""
