@@ -114,10 +114,10 @@ def planned_bank(loaded: LoadedScenario) -> list[dict[str, float]]:
 def spreads(scenario: Scenario) -> Iterator[Spread]:
     """Dispersions of a vehicle in six degrees of freedom about its own nominal.
 
-    Section 8 of the Tianwen-1 reference numbers, as in the campaign ``tianwen1_mc``, as far as they act before
-    the parachute; one factor of 5 % stands for the axial force, whose error there depends on the Mach number.
-    The mean wind is off by half at three sigma; more of it is a condition of its own.  The other vehicle gets
-    the same relative errors.
+    Section 8 of the Tianwen-1 reference numbers, as in the campaign ``tianwen1_mc``, as far as they act
+    before the parachute; one factor of 5 % stands for the axial force, whose error there depends on the Mach
+    number.  The mean wind is off by half at three sigma; more of it is a condition of its own.  The other
+    vehicle gets the same relative errors.
     """
     for path, three_sigma in _ABSOLUTE.items():
         yield Spread(path, value_at(scenario, path), three_sigma)
