@@ -7,10 +7,13 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.mission.phases import Event, MissionParams, Trigger, WayOut
+from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Trigger, WayOut
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR
 from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Quantities that guidance works out, and which guidance does; of others navigation always tells.
+WORKED_OUT_BY = {"downrange_to_go_m": ("hold_bank", "entry"), "time_to_go_s": ("powered",)}
 
 
 def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
@@ -74,6 +77,26 @@ def way_problems(mission: MissionParams) -> dict[str, str]:
             if window.latest_s < window.earliest_s:
                 message = f"must not lie before earliest_s {window.earliest_s:g} (got {window.latest_s:g})"
                 problems[f"{here}.{below}.latest_s"] = message
+    return problems
+
+
+def quantity_problems(mission: MissionParams) -> dict[str, str]:
+    """Watched quantities that the guidance of the phase does not work out, by dotted key."""
+    problems: dict[str, str] = {}
+    for i, phase in enumerate(mission.phases):
+        conditions: dict[str, Condition] = {
+            f"events.{k}.when": event.when for k, event in enumerate(phase.events)
+        }
+        for k, way in enumerate(phase.ways_out):
+            conditions |= {f"ways_out.{k}.when.{m}": condition for m, condition in enumerate(way.when)}
+        conditions |= {"until": phase.until} if phase.until is not None else {}
+        for below, condition in conditions.items():
+            guidance = WORKED_OUT_BY.get(condition.quantity, (phase.guidance,))
+            if phase.guidance not in guidance:
+                problems[f"mission.phases.{i}.{below}.quantity"] = (
+                    f"{condition.quantity} is worked out by guidance {' or '.join(guidance)}, and the phase "
+                    f"has {phase.guidance}"
+                )
     return problems
 
 
