@@ -11,13 +11,15 @@ from rich.table import Table
 
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
 from edl6dof.config.document.extends import EXTENDS
+from edl6dof.config.document.overrides import with_values
 from edl6dof.config.document.scalars import write_scalar
 from edl6dof.config.errors import refusal
 from edl6dof.design.entry_plan import Plan
 from edl6dof.design.entry_profile import Design, Goal, design_entry
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, load_scenario
+from edl6dof.sim.flight import resolved_text
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -43,7 +45,8 @@ def run_design_entry(options: DesignOptions) -> int:
         if options.out.suffix not in SUFFIXES:
             raise refusal(options.out, f"must end in {', '.join(SUFFIXES)}")
         refuse_existing_file(options.out, options.force)
-    scenario = load_scenario(options.scenario, list(options.sets)).scenario
+    loaded = load_scenario(options.scenario, list(options.sets))
+    scenario = loaded.scenario
     if all(phase.guidance != "entry" for phase in scenario.mission.phases):
         raise refusal(options.scenario, "has no phase with guidance: entry, so there is no entry to design")
     entry = scenario.flight_software.guidance.entry
@@ -57,7 +60,7 @@ def run_design_entry(options: DesignOptions) -> int:
     _show(Console(highlight=False, soft_wrap=True), scenario.name, found)
     if options.out is not None:
         with atomic_file(options.out, options.force) as partial:
-            partial.write_text(overlay(options, scenario.name, found), encoding="utf-8")
+            partial.write_text(_designed(options, loaded, found), encoding="utf-8")
         print(options.out)
     return NOT_WITHIN_LIMITS if found.broken else 0
 
@@ -74,15 +77,26 @@ def _goal(options: DesignOptions) -> Goal:
     return "dispersion" if options.minimise else "parachute_altitude"
 
 
-def overlay(options: DesignOptions, name: str, found: Design) -> str:
-    """YAML text of the scenario with the designed profile."""
+def _designed(options: DesignOptions, loaded: LoadedScenario, found: Design) -> str:
+    """YAML text of the scenario with the designed profile: one that extends it, or with values of ``--set``
+    all of it.
+    """
+    name = f"{loaded.scenario.name}_designed"
+    if not options.sets:
+        return _overlay(options, name, found)
+    points = [{"at": round(at, 1), "bank_deg": round(bank, 2)} for at, bank in found.after.points]
+    values = {"name": name, "flight_software.guidance.entry.reference_bank.points": points}
+    return resolved_text(check_document(with_values(loaded.document, values, Scenario)))
+
+
+def _overlay(options: DesignOptions, name: str, found: Design) -> str:
     file = Path(options.scenario)
     extended = str(file.resolve()) if file.is_file() else options.scenario
     rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}" for at, bank in found.after.points)
     return "\n".join(
         (
             f"{EXTENDS}: {write_scalar(extended)}",
-            f"name: {write_scalar(f'{name}_designed')}",
+            f"name: {write_scalar(name)}",
             "flight_software:",
             "  guidance:",
             "    entry:",
@@ -103,7 +117,7 @@ def _show(console: Console, name: str, found: Design) -> None:
 
 def _profile(name: str, found: Design) -> Table:
     table = open_table(f"{name}: bank profile", "speed m/s>", "planned deg>", "designed deg>")
-    for (speed, bank), (_, designed) in zip(found.before.points, found.after.points, strict=True):
+    for bank, (speed, designed) in zip(found.planned_deg, found.after.points, strict=True):
         table.add_row(f"{speed:.0f}", f"{bank:.1f}", f"{designed:.1f}")
     return table
 
@@ -113,7 +127,7 @@ def _figures(found: Design) -> Table:
     table = open_table("Plan, open loop", "figure", "unit", "planned>", "designed>", "limit>")
 
     def row(figure: str, unit: str, of: tuple[float, float], limit: str = "", places: int = 0) -> None:
-        table.add_row(figure, unit, *(f"{value:,.{places}f}" for value in of), limit)
+        table.add_row(figure, unit, *(f"{round(value, places) + 0.0:,.{places}f}" for value in of), limit)
 
     def both(name: str) -> tuple[float, float]:
         return getattr(found.before, name), getattr(found.after, name)

@@ -10,7 +10,6 @@ from pathlib import Path
 from statistics import median
 from textwrap import wrap
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -20,6 +19,7 @@ from edl6dof.app.exit_status import refuse
 from edl6dof.config.wording import counted, nearest
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import open_table
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.studies.registry import STUDIES
 from edl6dof.studies.study import Finding, Grid, Progress, Report, Study
@@ -103,18 +103,7 @@ def _show(study: Study, report: Report, target: Path) -> None:
 
 def _table(experiment: str, findings: Iterable[Finding]) -> Table:
     """The findings of one experiment, under its name."""
-    title = Text(experiment, style="bold") if experiment else None
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading, right in (
-        ("figure", 0),
-        ("unit", 0),
-        ("computed", 1),
-        ("published", 1),
-        ("difference", 1),
-        ("", 0),
-        ("note", 0),
-    ):
-        table.add_column(heading, justify="right" if right else "left", header_style="")
+    table = open_table(experiment, "figure", "unit", "computed>", "published>", "difference>", "", "note")
     for finding in findings:
         table.add_row(
             finding.label,

@@ -33,7 +33,10 @@ def design_entry(
         typer.Option(metavar="DEG", min=0.0, max=60.0, help="How far the plan stays from the bank limits."),
     ] = 10.0,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a scenario (.yaml) that extends this one.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write a scenario (.yaml) that extends this one; with --set, all of it."
+        ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     trust: Trust = False,

@@ -13,6 +13,7 @@ from typing import Any, Literal, Self
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, param
+from edl6dof.config.errors import Inconsistent
 
 
 class PrintedParams(Params):
@@ -35,7 +36,7 @@ class PrintedParams(Params):
     @model_validator(mode="after")
     def _named_truly(self) -> Self:
         if self.settings == "as_printed" and (wrong := self._other_than_printed()):
-            raise ValueError(f"settings: as_printed has {'; '.join(wrong)}: leave it out, or say flown")
+            raise Inconsistent(wrong)
         return self
 
     @classmethod
@@ -55,9 +56,9 @@ class PrintedParams(Params):
                     found[name] = info.default
         return found
 
-    def _other_than_printed(self) -> list[str]:
-        return [
-            f"{name} {value:g} (got {own:g})"
+    def _other_than_printed(self) -> dict[str, str]:
+        return {
+            name: f"is {value:g} with settings: as_printed (got {own:g}): leave it out, or say flown"
             for name, value in self.printed().items()
             if (own := getattr(self, name)) != value
-        ]
+        }

@@ -25,7 +25,7 @@ class Plan:
     """Figures of a planned entry.
 
     Attributes:
-        points: speed (m/s) and bank angle (deg) of the profile, ascending in speed.
+        points: speed (m/s) and bank angle (deg) of the profile, ascending in speed, before any shift.
         altitude_m: above the ellipsoid, where the range is to be met.
         beyond_m: beyond the aim point there.
         aside_m: right of it.
@@ -66,6 +66,15 @@ def with_points(onboard: np.ndarray, points: Sequence[tuple[float, float]]) -> n
     return copy
 
 
+def own_points(record: np.void, lowest: float, highest: float) -> list[tuple[float, float]]:
+    """The profile (m/s, deg) of an onboard record, not shifted, between two speeds."""
+    profile = record["guidance"]["entry"]["reference_bank"]
+    points = profile["points"][: int(profile["n_points"])]
+    speeds = np.unique(np.clip(points["at"], lowest, highest))
+    banks = np.degrees(np.interp(speeds, points["at"], points["bank"]))
+    return list(zip(speeds.tolist(), banks.tolist(), strict=True))
+
+
 def figures(
     onboard: np.ndarray, start: Start, points: Sequence[tuple[float, float]], shift: float = 0.0
 ) -> Plan:
@@ -82,7 +91,7 @@ def figures(
         heat_rate_w_cm2=_heat_rate(own[0], rows) / 1e4,
         dynamic_pressure_pa=float(rows["dynamic_pressure"].max()),
         reserve_deg=_reserve(own[0], points, shift),
-        bank_slope_deg_s=_slope(points, rows),
+        bank_slope_deg_s=_slope(points, shift, rows),
         misses_m=tuple(float(r["beyond"][-1] - end["beyond"]) for r in _off_nominal(own, start, shift)),
     )
 
@@ -117,14 +126,18 @@ def _heat_rate(record: np.void, rows: np.ndarray) -> float:
 def _reserve(record: np.void, points: Sequence[tuple[float, float]], shift: float) -> float:
     """Least distance (deg) of the shifted bank angles of the points from the limits; negative beyond them."""
     entry = record["guidance"]["entry"]
-    cosines = np.clip([cos(radians(bank)) + shift for _, bank in points], -1.0, 1.0)
-    banks = np.degrees(np.arccos(cosines))
+    banks = _shifted(np.array([bank for _, bank in points]), shift)
     low, high = degrees(entry["bank_min"]), degrees(entry["bank_max"])
     return float(min(np.min(banks) - low, high - np.max(banks)))
 
 
-def _slope(points: Sequence[tuple[float, float]], rows: np.ndarray) -> float:
-    """Fastest change (deg/s) of the profile along the flight."""
+def _slope(points: Sequence[tuple[float, float]], shift: float, rows: np.ndarray) -> float:
+    """Fastest change (deg/s) of the shifted profile along the flight."""
     speeds, banks = np.array(points).T
-    along = np.interp(rows["speed"], speeds, banks)
+    along = _shifted(np.interp(rows["speed"], speeds, banks), shift)
     return float(np.max(np.abs(np.gradient(along, rows["t"]))))
+
+
+def _shifted(banks: np.ndarray, shift: float) -> np.ndarray:
+    """Bank angles (deg) with ``shift`` added to their cosine."""
+    return np.degrees(np.arccos(np.clip(np.cos(np.radians(banks)) + shift, -1.0, 1.0)))

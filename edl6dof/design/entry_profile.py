@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import linprog
 
-from edl6dof.design.entry_plan import G0, Plan, figures
+from edl6dof.design.entry_plan import G0, Plan, figures, own_points
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
@@ -68,9 +68,18 @@ class Limits:
 
 @dataclass(frozen=True)
 class Design:
-    """The plan of the scenario, the designed one, the limits, and how many profiles were flown."""
+    """The plan of the scenario, the designed one, and the limits.
+
+    Attributes:
+        before: the plan of the scenario.
+        planned_deg: its bank angles at the speeds of the designed one.
+        after: the designed plan.
+        limits: what it keeps to.
+        profiles: how many were flown.
+    """
 
     before: Plan
+    planned_deg: tuple[float, ...]
     after: Plan
     limits: Limits
     profiles: int
@@ -96,7 +105,8 @@ def design_entry(scenario: Scenario, goal: Goal, nodes: int, reserve_deg: float)
     shift, limits = float(record["reference"]["shift"]), _limits(record, reserve_deg)
     rows = planned_again(onboard, scenario)
     lowest = max(float(entry["align_speed"]), float(entry["heading"]["speed"]), float(rows["speed"][-1]))
-    speeds = np.linspace(lowest, float(rows["speed"][rows["side"] != 0.0].max()), nodes)
+    highest = float(rows["speed"][rows["side"] != 0.0].max())
+    speeds = np.linspace(lowest, highest, nodes)
     by_hand = np.degrees([reference_bank(record, shift, speed + 1e-3) for speed in speeds])
     bounds = degrees(entry["bank_min"]) + reserve_deg, degrees(entry["bank_max"]) - reserve_deg
     count = 0
@@ -106,9 +116,9 @@ def design_entry(scenario: Scenario, goal: Goal, nodes: int, reserve_deg: float)
         count += 1
         return figures(onboard, start, list(zip(speeds.tolist(), banks.tolist(), strict=True)))
 
-    before = plan_of(by_hand)
+    before = figures(onboard, start, own_points(record, lowest, highest), shift)
     found = _optimised(plan_of, np.clip(by_hand, *bounds), bounds, goal, limits)
-    return Design(before, plan_of(found), limits, count)
+    return Design(before, tuple(by_hand.tolist()), plan_of(found), limits, count)
 
 
 def _limits(record: np.void, reserve_deg: float) -> Limits:

@@ -214,13 +214,12 @@ def _heat(axes: Axes, heat: Heat) -> None:
 
     low, high = heat.limits
     cells = axes.pcolormesh(
-        heat.x,
-        heat.y,
+        _edges(heat.x),
+        _edges(heat.y),
         np.ma.masked_invalid(heat.values),
         cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
         vmin=low,
         vmax=high,
-        shading="nearest",
         rasterized=True,
     )
     axes.grid(False)
@@ -228,3 +227,11 @@ def _heat(axes: Axes, heat: Heat) -> None:
         _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
+    if len(centres) == 1:
+        return centres[0] + np.array([-0.5, 0.5])
+    half = 0.5 * np.diff(centres)
+    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])

@@ -14,7 +14,7 @@ from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
-from edl6dof.scenario.events import event_problems, way_problems
+from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.vehicle.faults.fault import fault_problems
 
@@ -160,6 +160,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
+    CrossCheck(frozenset({"mission"}), lambda s: quantity_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), _heed_problems),
     CrossCheck(frozenset({"mission", "vehicle"}), lambda s: event_problems(s.mission, s.vehicle)),
     CrossCheck(frozenset({"initial", "flight_software", "mission"}), _entry_problems),

@@ -4,13 +4,18 @@ sides alike.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from edl6dof.config.dtype import fill
-from edl6dof.fsw.mission.phases import Event, MissionParams, Trigger, WayOut
+from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Trigger, WayOut
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
 from edl6dof.interface.events import ACTIONS, LANDING_GEAR
 from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Quantities that guidance works out, and which guidance does; of others navigation always tells.
+WORKED_OUT_BY = {"downrange_to_go_m": ("hold_bank", "entry"), "time_to_go_s": ("powered",)}
 
 
 def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
@@ -75,6 +80,37 @@ def way_problems(mission: MissionParams) -> dict[str, str]:
                 message = f"must not lie before earliest_s {window.earliest_s:g} (got {window.latest_s:g})"
                 problems[f"{here}.{below}.latest_s"] = message
     return problems
+
+
+def quantity_problems(mission: MissionParams) -> dict[str, str]:
+    """Watched quantities that guidance has not worked out: not that of the phase, or not yet, as the mission
+    goes before guidance in the first cycle; by dotted key.
+    """
+    problems: dict[str, str] = {}
+    for i, phase in enumerate(mission.phases):
+        for below, condition, earliest_s in _conditions(phase):
+            here, name = f"mission.phases.{i}.{below}", condition.quantity
+            guidance = WORKED_OUT_BY.get(name, (phase.guidance,))
+            if phase.guidance not in guidance:
+                problems[f"{here}.quantity"] = (
+                    f"{name} is worked out by guidance {' or '.join(guidance)}, and the phase has "
+                    f"{phase.guidance}"
+                )
+            elif name in WORKED_OUT_BY and i == 0 and earliest_s == 0.0:
+                problems[f"{here}.quantity"] = (
+                    f"{name} is not known in the first cycle of the flight: give an earliest_s above 0"
+                )
+    return problems
+
+
+def _conditions(phase: Phase) -> Iterator[tuple[str, Condition, float]]:
+    """Every condition of a phase with its dotted key and the time before which it is not looked at, s."""
+    for k, event in enumerate(phase.events):
+        yield f"events.{k}.when", event.when, event.when.earliest_s
+    for k, way in enumerate(phase.ways_out):
+        yield from ((f"ways_out.{k}.when.{m}", one, way.earliest_s) for m, one in enumerate(way.when))
+    if phase.until is not None:
+        yield "until", phase.until, phase.until.earliest_s
 
 
 def fill_events(record: np.void, mission: MissionParams, vehicle: VehicleParams) -> None:

@@ -19,10 +19,10 @@ from edl6dof.app.compare import MOST
 from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table
-from edl6dof.report.matplotlib_figure import write_figure
+from edl6dof.report.matplotlib_figure import matplotlib_figure, write_figure
 from edl6dof.report.pdf import write_pdf
 from edl6dof.runs.run import Run
 
@@ -225,3 +225,11 @@ def test_a_plot_of_a_single_time_has_an_axis_around_it(t_s, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         write_figure(figure, tmp_path / "single.png")
+
+
+def test_a_map_of_one_row_has_cells():
+    heat = Heat(np.arange(3), np.arange(1), np.array([[0.0, 1.0, np.nan]]), "miss, km", 0.0, 1.0)
+    names = Axis("", names=["nominal", "wind", "dense"]), Axis("", names=["fnpeg"])
+    canvas = matplotlib_figure(Figure("map", "", [Panel(*names, heat=heat)]))
+    (cells,) = canvas.axes[0].collections
+    assert np.ptp(cells.get_coordinates(), axis=(0, 1)).tolist() == [3.0, 1.0]

@@ -68,8 +68,11 @@ class Covariance:
 
     @property
     def rest(self) -> np.ndarray:
-        """Standard deviation of every figure that no source apart gives, shape (figures,)."""
-        return np.sqrt(np.maximum(self.spread.deviation**2 - self.budget.sum(axis=0), 0.0))
+        """Standard deviation of every figure that no source apart gives, shape (figures,): at most all of it,
+        though the parts told are below zero where chance alone would give more.
+        """
+        told = np.maximum(self.budget.sum(axis=0), 0.0)
+        return np.sqrt(np.maximum(self.spread.deviation**2 - told, 0.0))
 
     @property
     def _slopes(self) -> np.ndarray:

@@ -57,11 +57,14 @@ def test_one_key_chooses_on_the_command_line_whatever_gains_the_file_has(text):
 
 
 def test_another_number_does_not_go_by_the_name_of_the_paper():
-    with pytest.raises(ValidationError, match=r"as_printed has gain 2 \(got 0.5\); time_s 0.1 \(got 3\)"):
+    with pytest.raises(ValidationError):
         Law(settings="as_printed", gain=0.5, time_s=3.0)
-    document = read("law:\n  settings: as_printed\n  gain: 0.5\n")
-    with pytest.raises(ConfigError, match=r"toy.yaml:.*leave it out, or say flown"):
+    document = read("law:\n  settings: as_printed\n  gain: 0.5\n  time_s: 3.0\n")
+    with pytest.raises(ConfigError) as refused:
         validate(Guidance, document)
+    first, second = map(str, refused.value.problems)
+    assert first.startswith("toy.yaml:3:3: law.gain: is 2 with settings: as_printed (got 0.5)")
+    assert second.startswith("toy.yaml:4:3: law.time_s: is 0.1 with") and "say flown" in second
 
 
 def test_resolved_settings_read_back_and_bear_the_mark_of_the_paper():
