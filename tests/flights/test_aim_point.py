@@ -177,10 +177,12 @@ def test_calm_air_that_was_expected_lands_near_the_site():
 
 
 def test_true_wind_moves_the_landing_and_not_the_aim_point(nominal):
-    """Without the wind that was allowed for the lander comes down where the wind would have come from."""
+    """Without the wind that was allowed for the lander comes down where the wind would have come from, 3 km
+    off; either way guidance misses by a kilometre or two.
+    """
+    windy = edl6dof.fly("tianwen1", ["sensors.set=perfect"])
     calm = edl6dof.fly("tianwen1", ["wind.model=none", "sensors.set=perfect"])
-    assert calm.aim_point == nominal.aim_point
-    north, east = landing(calm)
-    assert -1800.0 < north < -200.0
-    assert -2900.0 < east < -1800.0
-    assert 1500.0 < np.hypot(*landing(edl6dof.fly("tianwen1", ["sensors.set=perfect"]))) < 2800.0
+    assert calm.aim_point == windy.aim_point == nominal.aim_point
+    (calm_north, calm_east), (north, east) = landing(calm), landing(windy)
+    assert 2000.0 < east - calm_east < 4000.0 and -200.0 < north - calm_north < 2000.0
+    assert np.hypot(north, east) < 2800.0

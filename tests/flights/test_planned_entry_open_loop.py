@@ -18,9 +18,14 @@ ENTRY = "flight_software.guidance.entry"
 BELIEVED_AIR = "truth={atmosphere.seasonal: {surface_pressure_factor: 1.0, temperature_bias_k: 0.0}}"
 
 
+PLANNED = ("mission.goal=deployment", f"{ENTRY}.reference_bank.fit_range=true")
+
+
 def open_loop(name, *overrides):
-    """A flight at the bank angles that are planned, each to the side that is planned at its speed."""
-    scenario = load_scenario(name, ["mission.goal=deployment"]).scenario
+    """A flight at the bank angles that are planned to the aim point, each to the side that is planned at its
+    speed.
+    """
+    scenario = load_scenario(name, PLANNED).scenario
     onboard = build_onboard(scenario)
     rows, entry = planned_again(onboard, scenario), onboard[0]["guidance"]["entry"]
     shift = float(onboard[0]["reference"]["shift"])

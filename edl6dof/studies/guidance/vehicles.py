@@ -91,7 +91,7 @@ _THRUST = 0.05
 
 def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     """The entry flown by a law; the open-loop law flies the bank angle that was planned."""
-    planned = vehicle.load()
+    planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
     return vehicle.load(
         "simulation.log_every=5",
         f"{ENTRY}.law={law}",

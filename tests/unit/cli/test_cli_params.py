@@ -81,6 +81,7 @@ def test_json_has_the_same_rows(capsys, monkeypatch):
         "meaning": "speed of the pack relative to the vehicle at mortar fire",
         "status": "estimate",
         "source": "",
+        "printed": "",
     }
     assert all(path.startswith("vehicle.parachutes[]") for path in found)
 

@@ -101,7 +101,5 @@ def test_the_peak_tension_is_drag_times_the_opening_load_factor_once_nothing_is_
     moved = [peak_over_drag("area_oscillates=always", once, phase) for phase in phases]
     assert 1.05 * FACTOR < max(moved) < 1.25 * FACTOR and 0.85 * FACTOR < min(moved) < FACTOR
     for phase in phases[::2]:
-        assert peak_over_drag("area_oscillates=open", once, phase) == pytest.approx(
-            stated * FACTOR, rel=0.005
-        )
-    assert peak_over_drag("area_oscillates=open") == pytest.approx(FACTOR, rel=0.005)
+        assert peak_over_drag("area_oscillates=open", once, phase) == pytest.approx(stated * FACTOR, rel=0.01)
+    assert peak_over_drag("area_oscillates=open") == pytest.approx(FACTOR, rel=0.01)
