@@ -11,9 +11,11 @@ import edl6dof
 #: Files that take longest, the longest first: begun last, one would run alone while the other processes have
 #: nothing left to do.
 LONGEST = (
-    *("test_nothing_is_lost.py", "test_dask.py", "test_campaign_kills.py", "test_fuzz.py"),
-    *("test_phase_roles.py", "test_plot_compare.py", "test_types.py", "test_bounds_check.py"),
-    *("test_report_rendered.py", "test_rendered.py", "test_server.py", "test_hu2022.py"),
+    *("test_plugins.py", "test_damaged_runs.py", "test_files_of_failed_flights.py", "test_dask.py"),
+    *("test_phase_roles.py", "test_campaign_damage.py", "test_calibration.py", "test_bounds_check.py"),
+    *("test_types.py", "test_error_state_consistency.py", "test_nothing_is_lost.py"),
+    *("test_campaign_kills.py", "test_fuzz.py", "test_report_rendered.py", "test_rendered.py"),
+    *("test_server.py", "test_hu2022.py"),
 )
 
 

@@ -16,13 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, lsq_linear
 from scipy.stats import qmc
 
-from edl6dof.calibration.surface import Surface, regression
+from edl6dof.calibration.surface import Data, Surface, regression
 
 #: Designs one after the other: the second lies where the answer is, the third tells how firm it is.
 DESIGNS = 3
@@ -32,13 +31,6 @@ AT_BOUND = 1e-3
 #: Figures (flights, figures) of flights at parameters (flights, parameters); ``nan`` where one was not
 #: reached.
 Fly = Callable[[np.ndarray], np.ndarray]
-
-
-class Data(NamedTuple):
-    """What is published: numbers and standard deviations, shape (figures,)."""
-
-    number: np.ndarray
-    sigma: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,13 @@ class TooFew(ValueError):
     """Too few flights of a design reached every figure."""
 
 
+class Data(NamedTuple):
+    """What is published: numbers and standard deviations, shape (figures,)."""
+
+    number: np.ndarray
+    sigma: np.ndarray
+
+
 class Surface(NamedTuple):
     """The fitted function.
 

@@ -20,9 +20,12 @@ STRONG, MORE = 60.0, 1.5
 #: Rounding of what has the same reversals (deg).
 ROUNDING = 0.1
 
+#: A PD law with gains as quick as an ideal bank angle swings between the limits of a slow one, in calm air
+#: already: it flies with those of tianwen1.
+SLOWER = f"{ENTRY}.pd_dob={{error_gain: 0.01, rate_gain: 0.18}}"
 BANKS = {
     "ideal": ("point_mass.bank_response=ideal", f"{ENTRY}.bank_rate_deg_s=20000"),
-    "limited": ("point_mass.bank_response=rate_limited", f"{ENTRY}.bank_rate_deg_s=20"),
+    "limited": ("point_mass.bank_response=rate_limited", f"{ENTRY}.bank_rate_deg_s=20", SLOWER),
 }
 
 

@@ -112,7 +112,7 @@ def test_every_flipped_bit_of_a_complete_campaign_is_told(lay_out):
 def test_every_flipped_bit_of_an_unfinished_campaign_is_flown_again_or_told(lay_out, flown):
     """The parts come back; what says which campaign it is does not."""
     random, undisturbed = Random(2), (flown / "complete/drops/cases.parquet").read_bytes()
-    for number in range(60):
+    for number in range(30):
         folder = lay_out("unfinished")
         name = (
             "parts/000000.parquet",
