@@ -134,9 +134,8 @@ def headline(flight: Flight) -> Text:
 def open_table(title: str, *columns: str) -> Table:
     """An open table; a heading that ends in ``>`` is that of right-aligned numbers."""
     table = Table(
-        title=title,
+        title=Text(title, style="bold") if title else None,
         title_justify="left",
-        title_style="bold",
         header_style="",
         box=box.SIMPLE_HEAD,
         pad_edge=False,
