@@ -117,11 +117,16 @@ def findings(rows: Sequence[Row], calls: Calls) -> Iterator[Finding]:
     failed = unflown(rows)
     note = f"{failed[0]['vehicle']}, {failed[0]['law']}: {failed[0]['cause']}" if failed else ""
     yield Finding("flights that did not reach the mortar", "", float(len(failed)), note=note)
+    first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
     for label, bound, predicts in (
-        ("longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
-        ("longest guidance call of the others", CALL_US, False),
+        (f"{first}: longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),
+        (f"{first}: longest guidance call of the others", CALL_US, False),
     ):
-        timed = [(us, law) for (_, law), us in calls.items() if (law in PREDICTORS) == predicts]
+        timed = [
+            (us, law)
+            for (vehicle, law), us in calls.items()
+            if vehicle == first and (law in PREDICTORS) == predicts
+        ]
         if timed:
             us, law = max(timed)
             yield Finding(label, "us", us, bound, "<=", law)
