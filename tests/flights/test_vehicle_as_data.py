@@ -367,7 +367,7 @@ def test_thrusters_on_a_small_tank_of_their_own_starve_and_the_engine_does_not()
     flight = edl6dof.fly(
         "tianwen1",
         [
-            tanks(main=178.0, rcs=12.0),
+            tanks(main=180.0, rcs=10.0),
             f"vehicle.rcs.thrusters={json.dumps(own)}",
             "vehicle.engines.main.draws_from=[main]",
         ],

@@ -71,11 +71,16 @@ def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
     assert tables.unflown(rows) == rows[1:]
 
 
-def test_open_loop_profile_is_the_planned_bank(nominal):
+def test_open_loop_profile_is_the_planned_bank():
     loaded = vehicles.with_law(vehicles.VEHICLES[0], "bank_profile")
     points = loaded.scenario.flight_software.guidance.entry.bank_profile.points
-    # a constant profile about 90 deg
-    planned = degrees(np.arccos(build_records(nominal).onboard[0]["reference"]["shift"]))
+    # a constant profile, shifted to the range
+    fitted = edl6dof.load(
+        "tianwen1", ["mission.goal=deployment", f"{vehicles.ENTRY}.reference_bank.fit_range=true"]
+    )
+    record = build_records(fitted).onboard[0]
+    cosine = np.cos(record["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
+    planned = degrees(np.arccos(cosine + record["reference"]["shift"]))
     assert [point.bank_deg for point in points] == pytest.approx([planned] * len(points))
 
 

@@ -48,7 +48,7 @@ def test_the_scenario_flies_the_paper_as_printed_and_refuses_other_gains_by_that
     entry = load_scenario("wu2013").scenario.flight_software.guidance.entry
     assert entry.ehgo_fl.settings == entry.fl.settings == "as_printed"
     assert (entry.ehgo_fl.error_gain, entry.ehgo_fl.rate_gain, entry.ehgo_fl.epsilon_s) == (0.04, 0.4, 0.1)
-    with pytest.raises(ConfigError, match="as_printed has error_gain 0.04"):
+    with pytest.raises(ConfigError, match="error_gain: is 0.04 with settings: as_printed"):
         load_scenario("wu2013", [f"{ENTRY}.fl.error_gain=0.02"])
     flown = load_scenario("wu2013", [f"{ENTRY}.ehgo_fl.settings=flown"]).scenario.flight_software.guidance
     assert flown.entry.ehgo_fl.epsilon_s == 2.0

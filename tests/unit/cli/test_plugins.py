@@ -54,7 +54,9 @@ def scenario_with(folder, plugin, *changes):
 def plugins_of_this_process(monkeypatch):
     """Tests may try plugins; nothing of that stays."""
     monkeypatch.setattr(plugins, "ACTIVE", {})
-    monkeypatch.setattr(jit, "outside_sources", {})
+    files: dict[str, str] = {}
+    for module in (jit, plugins):
+        monkeypatch.setattr(module, "outside_sources", files)
     yield
 
 

@@ -1,4 +1,6 @@
-"""The Tianwen-1 scenario, its onboard record and its planned entry, built once."""
+"""The Tianwen-1 scenario with a plan that ends at the aim point, its onboard record and its planned entry,
+built once.
+"""
 
 import pytest
 
@@ -6,10 +8,14 @@ from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import load_scenario
 
+BANK = "points: [{at: 1500, bank_deg: 90}, {at: 3500, bank_deg: 90}]"
+#: A bank angle of 90 deg at all speeds, shifted to the range.
+PLANNED = f"flight_software.guidance.entry.reference_bank={{fit_range: true, {BANK}}}"
+
 
 @pytest.fixture(scope="session")
 def scenario():
-    return load_scenario("tianwen1").scenario
+    return load_scenario("tianwen1", [PLANNED]).scenario
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,7 @@ from edl6dof.scenario.schema import load_scenario
 from edl6dof.scenario.start import start_of
 
 ENTRY = "flight_software.guidance.entry"
+FITTED = f"{ENTRY}.reference_bank.fit_range=true"
 
 
 def ellipsoid(planet, r):
@@ -110,7 +111,7 @@ def test_plan_is_the_flight_of_independent_equations(name):
 
 @pytest.mark.parametrize("name", ["tianwen1", "msl", "zheng2015"])
 def test_plan_ends_at_the_aim_point_at_the_speed_of_the_mission(name):
-    scenario = load_scenario(name).scenario
+    scenario = load_scenario(name, [FITTED]).scenario
     onboard = build_onboard(scenario)
     rows = planned_again(onboard, scenario)
     entry = scenario.flight_software.guidance.entry
@@ -134,8 +135,8 @@ def test_plan_banks_as_the_steering_does(scenario, planned_rows):
 
 def test_slower_banking_costs_the_plan_lift_that_it_makes_up_for():
     """Rolling through zero bank lifts; at 3 deg/s a reversal takes so long that the plan banks more."""
-    slow = build_onboard(load_scenario("tianwen1", [f"{ENTRY}.bank_rate_deg_s=3"]).scenario)
-    usual = build_onboard(load_scenario("tianwen1").scenario)
+    slow = build_onboard(load_scenario("tianwen1", [FITTED, f"{ENTRY}.bank_rate_deg_s=3"]).scenario)
+    usual = build_onboard(load_scenario("tianwen1", [FITTED]).scenario)
     banks = [reference_bank(o[0], float(o[0]["reference"]["shift"]), 3000.0) for o in (slow, usual)]
     assert banks[0] > banks[1] + radians(1.0)
 
@@ -143,7 +144,7 @@ def test_slower_banking_costs_the_plan_lift_that_it_makes_up_for():
 @pytest.mark.parametrize("degrees_back, bound", [(4.0, "bank_min"), (-6.0, "bank_max")])
 def test_out_of_reach_the_plan_goes_to_the_nearer_limit(degrees_back, bound):
     """Tianwen-1 flies south: with an entry farther north all lift is too little, farther south too much."""
-    scenario = load_scenario("tianwen1", [f"initial.latitude_deg={37.953 + degrees_back}"]).scenario
+    scenario = load_scenario("tianwen1", [FITTED, f"initial.latitude_deg={37.953 + degrees_back}"]).scenario
     record = build_onboard(scenario)[0]
     bank = reference_bank(record, float(record["reference"]["shift"]), 3000.0)
     assert bank == pytest.approx(float(record["guidance"]["entry"][bound]), abs=1e-9)
