@@ -1,8 +1,9 @@
 """The powered guidance laws of the deceleration phase.
 
-A member has one kernel, ``guide(params, vehicle, nav, memory, out)``: it returns the thrust acceleration it
-wants, north, east and up (m/s2, gravity included), and the tilt limit (rad).  ``params`` and ``memory`` are
-its own; ``vehicle`` is the believed one; it writes the time to go into ``out``.
+A member has one kernel, ``guide(params, vehicle, state, nav, target, memory, out)``: it returns the thrust
+acceleration it wants, north, east and up (m/s2, gravity included), and the tilt limit (rad).  ``params`` and
+``memory`` are its own; ``vehicle`` is the believed one, ``state`` its mass and what its engines can do now;
+``target`` is where it shall be at rest; it writes the time to go into ``out``.
 """
 
 from __future__ import annotations
@@ -18,4 +19,6 @@ POWERED_LAWS = Family(
     ),
 )
 
-powered_guidance = POWERED_LAWS.switch("guide", "params", "vehicle", "nav", "memory", "out")
+powered_guidance = POWERED_LAWS.switch(
+    "guide", "params", "vehicle", "state", "nav", "target", "memory", "out"
+)
