@@ -15,7 +15,6 @@ from math import cos, tan
 import numpy as np
 
 from edl6dof.config.base import Vec3, param
-from edl6dof.config.dtype import in_si
 from edl6dof.interface.capacities import STEREO_CELLS
 from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
@@ -81,7 +80,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
             if found and uniform(unit.key, 2 * block) >= params.textureless:
                 cell = (pair * STEREO_CELLS + i) * STEREO_CELLS + j
                 noise, _ = normal_pair(unit.key, 2 * cell + 1)
-                disparity = unit.bias + params.disparity_noise * noise
+                disparity = unit.bias + params.disparity_noise_px * noise
                 stereo.range[i, j] = max(way * (1.0 + way * direction[0] * per_pixel * disparity), 0.0)
             else:
                 stereo.range[i, j] = 0.0
@@ -90,7 +89,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 def plan(params: StereoParams, rng: np.random.Generator, unit: np.void) -> None:
     """Draw the errors of the copy that flies."""
     draw_eye(params, rng, unit)
-    unit["bias"] = in_si(params)["disparity_bias"] * rng.standard_normal()
+    unit["bias"] = params.disparity_bias_px * rng.standard_normal()
 
 
 MEMBER = Member(
