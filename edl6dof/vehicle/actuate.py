@@ -10,8 +10,8 @@ from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
 
 @kernel
 def actuate(case, command, plant):
-    """Set valve intervals, engine level and the bank angle a point mass follows; pass on what the eyes are told,
-    and schedule what was requested with its delay.
+    """Set valve intervals, engine level and the bank angle a point mass follows; pass on what the eyes
+    are told, and schedule what was requested with its delay.
 
     Faults and latch valves have the last word.
     """
