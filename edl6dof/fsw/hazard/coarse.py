@@ -63,8 +63,8 @@ COARSE = np.dtype(
 
 @kernel
 def part_of(parts, along, across, y, z):
-    """Part of the image in which a cell at (``y``, ``z``) of B lies: of two, that right (1) or left (0) of the
-    velocity (``along``, ``across`` in y and z); of four, by the signs.
+    """Part of the image in which a cell at (``y``, ``z``) of B lies: of two, that on one side (1) or the other
+    (0) of the velocity (``along``, ``across`` in y and z); of four, by the signs.
     """
     if parts == 2:
         return 1 if along * z - across * y > 0.0 else 0

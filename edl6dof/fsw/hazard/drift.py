@@ -39,7 +39,7 @@ DRIFT = np.dtype(
 
 @kernel
 def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
-    """Acceleration (north, east, down, m/s2) at an altitude (m) in the expected wind and a ``shift`` of it."""
+    """Acceleration (north, east, down, m/s2) at an altitude (m); ``shift``: of the wind that is expected."""
     density, _, _ = model_atmosphere(atmosphere, altitude)
     wind_north, wind_east = expected_wind(atmosphere, altitude)
     north, east = velocity[0] - wind_north - shift[0], velocity[1] - wind_east - shift[1]

@@ -1,5 +1,5 @@
-"""Hazard detection in flight: an image at the start of powered descent, a scan in hover, and what follows from
-them; which runs, and when.
+"""Hazard detection in flight: an image at the start of powered descent, a scan in hover, and what follows
+from them; which runs, and when.
 """
 
 from __future__ import annotations

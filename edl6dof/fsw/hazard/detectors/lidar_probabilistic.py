@@ -23,7 +23,7 @@ class ProbabilisticParams(Params):
     )
     roughness_limit_m: float = param(
         0.22,
-        "largest distance of a cell of the footprint from its plane, that of a rock of less than half a metre",
+        "largest distance of a cell of the footprint from its plane: less than a rock of half a metre has",
         status="estimate", gt=0.0, le=5.0,
     )  # fmt: skip
     relief_between_m: float = param(
