@@ -20,9 +20,7 @@ HAZARD_DETECTION = Family("hazard detection", (given.MEMBER, lidar.MEMBER, lidar
 #: Number of the one that detects nothing.
 GIVEN = HAZARD_DETECTION.names.index("given")
 
-_Detectors: Any = HAZARD_DETECTION.params_model(
-    "HazardDetectors", "detection", "given", "Hazard detection.", bare=True
-)
+_Detectors: Any = HAZARD_DETECTION.params_model("HazardDetectors", "detection", "given", "Hazard detection.")
 
 
 class ScanParams(Params):
