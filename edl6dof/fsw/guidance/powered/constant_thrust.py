@@ -34,7 +34,6 @@ class ConstantThrustParams(PlanningParams):
     offset_deg: float = param(
         15.0, "angle from the anti-velocity direction to the thrust", status="estimate", ge=0.0, le=45.0
     )
-    least_burn_s: float = param(1.0, "shortest constant burn", status="estimate", ge=0.0, le=30.0)
 
 
 MEMORY = np.dtype(
@@ -46,12 +45,13 @@ MEMORY = np.dtype(
 @kernel
 def burn_time(strong, weak, height, descent):
     """How long (s) to decelerate with ``strong`` so that ``weak`` (m/s2, gravity taken off) does the rest of
-    the ``height`` (m) to rest; as long as it takes to come to rest if even that is too little.
+    the ``height`` (m) to rest; as long as it takes to come to rest if even that is too little, and not at all
+    if ``weak`` can do it alone.
     """
-    if strong <= weak:
+    excess = descent * descent - 2.0 * weak * height
+    if excess <= 0.0 or strong <= weak:
         return 0.0
-    left = descent * descent - strong * (descent * descent - 2.0 * weak * height) / (strong - weak)
-    return (descent - sqrt(max(left, 0.0))) / strong
+    return (descent - sqrt(max(descent * descent - strong * excess / (strong - weak), 0.0))) / strong
 
 
 @kernel
@@ -76,7 +76,7 @@ def plan_burn(p, state, nav, target, memory):
     strong = state.engine.full_thrust / state.mass * cos(p.offset) - nav.gravity
     height = max(nav.height - target.height, LEAST_HEIGHT)
     weak = planned_upward(p.thrust_reserve, state, nav, target)
-    memory.burn_end = nav.t + max(burn_time(strong, weak, height, nav.v_N[2]), p.least_burn)
+    memory.burn_end = nav.t + burn_time(strong, weak, height, nav.v_N[2])
 
 
 @kernel
