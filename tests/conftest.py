@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import signal
 
+import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
-from typer.main import get_command
 
 import edl6dof
-from edl6dof import cli
 
 #: Files that take longest, the longest first: begun last, one would run alone while the other processes have
 #: nothing left to do.
@@ -25,11 +24,6 @@ def pytest_collection_modifyitems(items):
     """Begin with the longest files."""
     place = {name: number for number, name in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path.name, len(place)))
-
-
-#: The command line, put together once in a process: for every call again, it would take longer than most of
-#: what the calls ask for.
-cli.app = get_command(cli.app)
 
 
 @pytest.fixture(scope="session")

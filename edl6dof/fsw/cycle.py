@@ -1,5 +1,6 @@
 """One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
-attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows from it.
+attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
+from it.
 
 The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
 signature names.

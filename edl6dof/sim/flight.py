@@ -15,8 +15,10 @@ from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
+from edl6dof.metrics.drift import drift_figures
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
 from edl6dof.metrics.exclusions import Exclusion, exclusion_figures, exclusions
+from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
@@ -184,7 +186,18 @@ class Flight:
             if self.scenario.navigation_filter != "given":
                 figures |= navigation_figures(self.telemetry, when)
                 figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])
-            return figures | self._deployment(figures)
+            return figures | self._hazard(figures, when) | self._deployment(figures)
+
+    def _hazard(self, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+        """What hazard detection did and what it kept away from; empty without it."""
+        scenario = self.scenario
+        params = scenario.flight_software.hazard
+        if params.detection == "given":
+            return {}
+        lines = max((chute.line_length_m for chute in scenario.vehicle.parachutes), default=0.0)
+        return drift_figures(self.telemetry, when, lines) | hazard_figures(
+            self.case, self.fsw[0], self.telemetry, figures, params.footprint_radius_m
+        )
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
         """Miss of the aim point where the parachute opened; empty without a mortar or without entry

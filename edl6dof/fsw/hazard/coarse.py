@@ -1,8 +1,8 @@
 """Coarse avoidance: the part of an image with the fewest obstacles, and a target in it that keeps clear of
 backshell and canopy.
 
-Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of the velocity to the vertical lies
-within a preset range, the image is halved along the velocity, else quartered about its centre; the part with
+Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of the velocity to the vertical
+lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part with
 the fewest obstacles is taken, and the thrust turned to its side.  Cells that show no ground count as
 obstacles.  The distance of the target and the choice by the drift of backshell and canopy are estimates.
 """
@@ -63,8 +63,8 @@ COARSE = np.dtype(
 
 @kernel
 def part_of(parts, along, across, y, z):
-    """Part of the image in which a cell at (``y``, ``z``) of B lies: of two, that on one side (1) or the other
-    (0) of the velocity (``along``, ``across`` in y and z); of four, by the signs.
+    """Part of the image in which a cell at (``y``, ``z``) of B lies: of two, that on one side (1) or the
+    other (0) of the velocity (``along``, ``across`` in y and z); of four, by the signs.
     """
     if parts == 2:
         return 1 if along * z - across * y > 0.0 else 0
