@@ -1,4 +1,4 @@
-"""How near backshell and canopy came to the lander once they had parted, between the rows of telemetry too."""
+"""How near backshell and canopy came to the lander once they had parted, between rows as well."""
 
 from __future__ import annotations
 

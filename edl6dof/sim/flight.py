@@ -32,6 +32,7 @@ from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.telemetry.columns import Telemetry
+from edl6dof.telemetry.landing_map import LandingMap, landing_map
 from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
 from edl6dof.vehicle.plant import NOT_BEGUN, OUTPUTS, WORKSPACE
 
@@ -209,6 +210,11 @@ class Flight:
             return {}
         radius_m = self.scenario.planet.equatorial_radius_m
         return deployment_figures(self.telemetry, figures["parachute_s"], self.aim_point, radius_m)
+
+    @cached_property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it; ``None`` without a spot chosen from a scan."""
+        return landing_map(self.fsw[0])
 
     @cached_property
     def checks(self) -> list[Check]:

@@ -139,11 +139,9 @@ CHANNELS: tuple[Channel, ...] = (
         "guide.hazard_stage",
         "hazard detection: 0 not begun, 1 image asked for, 2 coarse point chosen, 3 scanning, 4 spot chosen",
     ),
-    Channel(
-        "guide.coarse_east_m", "coarse point to land at, relative to the landing site as navigated, east"
-    ),
+    Channel("guide.coarse_east_m", "coarse point to land at, from the landing site as navigated, east"),
     Channel("guide.coarse_north_m", "coarse point to land at, likewise, north"),
-    Channel("guide.spot_east_m", "spot to land on, relative to the landing site as navigated, east"),
+    Channel("guide.spot_east_m", "spot to land on, from the landing site as navigated, east"),
     Channel("guide.spot_north_m", "spot to land on, likewise, north"),
     *_vector("control.error", "deg", "roll pitch yaw", "attitude error used by the controller"),
     *_vector("control.torque", "nm", "x y z", "demanded torque in B"),

@@ -2,8 +2,8 @@
 backshell and canopy.
 
 Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of the velocity to the vertical
-lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part with
-the fewest obstacles is taken, and the thrust turned to its side.  Cells that show no ground count as
+lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part
+with the fewest obstacles is taken, and the thrust turned to its side.  Cells that show no ground count as
 obstacles.  The distance of the target and the choice by the drift of backshell and canopy are estimates.
 """
 

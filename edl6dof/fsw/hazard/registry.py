@@ -2,8 +2,8 @@
 
 A member has one kernel, ``judge(params, chart, footprint, radius, deviation, out)``: from a map of
 elevations (``ELEVATION_MAP``) and slope and roughness of the footprint at its cells (``FOOTPRINT``, of
-``radius`` m) it writes into ``out`` (``JUDGED``) which cells are safe; ``deviation`` is the standard deviation
-of the elevation of one point (m).  ``params`` are its own.
+``radius`` m) it writes into ``out`` (``JUDGED``) which cells are safe; ``deviation`` is the standard
+deviation of the elevation of one point (m).  ``params`` are its own.
 """
 
 from __future__ import annotations
