@@ -25,7 +25,7 @@ from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye
 from edl6dof.sensors.ground_cells import GROUND_CELLS, lay_cells, middle, shows_ground
 from edl6dof.sensors.obstacles import share_of_obstacles
 from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
-from edl6dof.sensors.sight import sight
+from edl6dof.sensors.sight import across, sight
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, take3
@@ -81,7 +81,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
     origin, axes, _ = sight(case, tables, plant, outputs, position, turn)
-    view = (origin, axes, tangent)
+    view = (origin, across(axes), tangent)
     lay_cells(case, tables, origin, axes, tangent, params.longest, memory.cells)
     find_discs(case, plant, outputs, position, turn, memory.discs)
     motion = _motion(case, plant, outputs, position)
@@ -93,7 +93,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
             camera.seen[i, j] = 1 if seen else 0
             memory.sharp[i, j] = 0.0
             if seen:
-                depth = dot(sub(middle(memory.cells, i, j), origin), axes[0])
+                depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
                 row, column = _smear(motion, direction, depth, tangent, params.exposure)
                 blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
                 smallest = (params.smallest_px + blur) * pixel * depth
@@ -104,7 +104,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         for j in range(CAMERA_CELLS):
             camera.density[i, j] = 0.0
             if camera.seen[i, j] != 0:
-                depth = dot(sub(middle(memory.cells, i, j), origin), axes[0])
+                depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
                 smear = _smear(motion, look(tangent, CAMERA_CELLS, i, j), depth, tangent, params.exposure)
                 camera.density[i, j] = smeared(memory.sharp, i, j, smear)
 

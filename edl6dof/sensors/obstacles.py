@@ -27,7 +27,8 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 
     Args:
         area: ``LANDING_AREA`` record.
-        view: origin, axes and tangent of half the field of view of the eye.
+        view: of the eye: origin, :func:`~edl6dof.sensors.sight.across` its axes, tangent of half the field of
+            view.
         cells: ``GROUND_CELLS`` record.
         smallest: diameter (m) of the smallest obstacle that can be made out.
         steepest: tangent of the slope from which on ground is an obstacle.
@@ -80,12 +81,12 @@ def wall(diameter, freshness):
 @kernel
 def shows_at(view, place, i, j):
     """Whether a place on the ground shows in the cell (``i``, ``j``)."""
-    origin, axes, tangent = view
+    origin, parts, tangent = view
     to_place = sub(place, origin)
-    depth = dot(to_place, axes[0])
+    depth = dot(to_place, parts[0])
     if depth <= 0.0:
         return False
     half = 0.5 * CAMERA_CELLS / (tangent * depth)
-    column = floor(half * dot(to_place, axes[1]) + 0.5 * CAMERA_CELLS)
-    row = floor(half * dot(to_place, axes[2]) + 0.5 * CAMERA_CELLS)
+    column = floor(half * dot(to_place, parts[1]) + 0.5 * CAMERA_CELLS)
+    row = floor(half * dot(to_place, parts[2]) + 0.5 * CAMERA_CELLS)
     return row == i and column == j

@@ -15,7 +15,7 @@ from edl6dof.jit import kernel
 from edl6dof.sensors.echo import antenna
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
-from edl6dof.spatial.vector import dot, take3
+from edl6dof.spatial.vector import cross, dot, scale, take3
 from edl6dof.vehicle.plant import ATTITUDE
 from edl6dof.vehicle.surroundings import planet_rotation
 
@@ -72,6 +72,16 @@ def along(axes, look_B):
         look_B[0] * x[1] + look_B[1] * y[1] + look_B[2] * z[1],
         look_B[0] * x[2] + look_B[1] * y[2] + look_B[2] * z[2],
     )
+
+
+@kernel
+def across(axes):
+    """Vectors whose products with a way (m north, east and up) are its parts along the axes: places are a
+    little skewed against them, where the areoid is no sphere.
+    """
+    x, y, z = axes
+    inverse = 1.0 / dot(x, cross(y, z))
+    return scale(inverse, cross(y, z)), scale(inverse, cross(z, x)), scale(inverse, cross(x, y))
 
 
 @kernel
