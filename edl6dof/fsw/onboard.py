@@ -32,6 +32,7 @@ from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
 from edl6dof.fsw.guidance.update import GUIDANCE
 from edl6dof.fsw.health import HEALTH
@@ -118,6 +119,7 @@ class PoweredGuidanceParams(_PoweredLaws):
         ge=1.0,
         le=100.0,
     )
+    target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
 
 

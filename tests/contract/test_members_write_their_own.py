@@ -13,9 +13,11 @@ from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, e
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.records import numbers
 
 
@@ -68,9 +70,9 @@ CALLS = {
     },
     **{
         f"{POWERED_LAWS.title}: {name}": (
-            {"params": ONBOARD["guidance"]["powered"], "vehicle": ONBOARD["vehicle"], "nav": NAV}
-            | {"memory": POWERED_LAWS.memory, "out": GUIDE},
-            lambda p, vehicle, nav, memory, out, i=i: powered_guidance(i, p, vehicle, nav, memory, out),
+            {"params": ONBOARD["guidance"]["powered"], "vehicle": ONBOARD["vehicle"], "state": VEHICLE_STATE}
+            | {"nav": NAV, "target": POWERED_TARGET, "memory": POWERED_LAWS.memory, "out": GUIDE},
+            lambda *given, i=i: powered_guidance(i, *given),
             {"memory", "out"},
         )
         for i, name in enumerate(POWERED_LAWS.names)

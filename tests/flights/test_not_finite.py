@@ -86,7 +86,7 @@ def test_sensed_quantity_is_named(loaded, state, path, value):
         (20.0, "mission.phase_start"),
         (150.0, "guidance.entry.air.drag"),
         (150.0, "guidance.entry.law.drag_tracking.tracking.scale"),
-        (440.0, "guidance.powered.polynomial.end"),
+        (440.0, "guidance.target.arrival"),
         (440.0, "vehicle.mass"),
         (300.0, "vehicle.mass"),
         (490.0, "guidance.terminal.target_L"),

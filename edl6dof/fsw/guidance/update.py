@@ -8,6 +8,7 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -24,7 +25,13 @@ from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, put3, take3
 
 GUIDANCE = np.dtype(
-    [("entry", ENTRY_MEMORY), ("powered", POWERED_LAWS.memory), ("terminal", TERMINAL)], align=True
+    [
+        ("entry", ENTRY_MEMORY),
+        ("target", POWERED_TARGET),
+        ("powered", POWERED_LAWS.memory),
+        ("terminal", TERMINAL),
+    ],
+    align=True,
 )
 
 
@@ -72,7 +79,10 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal):
     if kind == G_POWERED and state.ignited == 0:
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
-        north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
+        choose_target(p.target, nav, memory.target)
+        north, east, up, tilt_limit = powered_guidance(
+            p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal
+        )
         command_thrust(mass, (north, east, up), tilt_limit, goal)
         start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
     if kind not in (G_HOVER, G_AVOID, G_DESCEND):

@@ -4,13 +4,14 @@ from math import acos, atan, cos, exp, hypot, radians, sin, tan
 
 import numpy as np
 import pytest
+from powered_flight import G, Guided, PointMass
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.frames import shortest_arc
 from edl6dof.fsw.estimation.registry import DISTURBANCE
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -26,40 +27,7 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
-G = 3.72
 STILL = np.zeros(2)
-
-
-class PointMass:
-    """Position east, north, height; velocity north, east, down; the guidance sees it as navigation."""
-
-    def __init__(self, height, velocity_N, east=0.0, north=0.0):
-        self.nav, self.out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
-        self.nav["gravity"] = G
-        self.t, self.r, self.v = 0.0, np.array([north, east, height], float), np.array(velocity_N, float)
-        self.see()
-
-    def see(self):
-        self.nav["t"], self.nav["height"], self.nav["v_N"] = self.t, self.r[2], self.v
-        self.nav["site_L"] = self.r[1], self.r[0], self.r[2]
-        self.nav["speed"] = np.linalg.norm(self.v)
-
-    def move(self, north, east, up, dt):
-        """``up`` includes what gravity takes away."""
-        a = np.array([north, east, G - up])
-        self.r = self.r + (self.v * dt + 0.5 * a * dt * dt) * (1.0, 1.0, -1.0)
-        self.v = self.v + a * dt
-        self.t += dt
-        self.see()
-
-
-def law_memory():
-    return np.zeros(1, POWERED_LAWS.memory)[0]
-
-
-def given(record):
-    """Settings and believed vehicle that a powered law gets."""
-    return record["guidance"]["powered"], record["vehicle"]
 
 
 def terminal(onboard):
@@ -80,16 +48,14 @@ def test_polynomial_law_follows_a_cubic_down_and_a_quartic_sideways_that_ends_up
     record = onboard[0]
     p = record["guidance"]["powered"]["polynomial"]
     p["time_floor"] = p["lateral_time_floor"] = 0.3
-    body, memory = PointMass(height, (north, east, descent)), law_memory()
-    law = POWERED_LAWS.names.index("polynomial")
+    body = PointMass(height, (north, east, descent))
+    law = Guided(record, "polynomial", body)
     dt, seen, pushes = 0.02, [], []
-    powered_guidance(law, *given(record), body.nav, memory, body.out)
-    duration = float(body.out["time_to_go"])
-    lead = memory["polynomial"]["target_L"]
-    goal = np.array([lead[1], lead[0], p["final_height"]])
+    law(body)
+    duration, goal = float(body.out["time_to_go"]), law.goal
     start = body.r.copy(), body.v * (1.0, 1.0, -1.0)
     while body.out["time_to_go"] > 0.35:
-        n, e, u, limit = powered_guidance(law, *given(record), body.nav, memory, body.out)
+        n, e, u, limit = law(body)
         assert limit == pytest.approx(p["tilt_limit"])
         seen.append((body.t, *body.r))
         pushes.append(hypot(n, e))
@@ -125,30 +91,38 @@ def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
     quiet = np.zeros(1, DISTURBANCE)[0]
     descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
     assert body.out["thrust_direction_N"] == pytest.approx((held[0], held[1], -held[2]), abs=1e-12)
-    assert memory["powered"]["polynomial"]["started"] == 0  # planned from where the engine lights
+    assert memory["target"]["set"] == 0  # chosen where the engine lights
     state["ignited"], state["mass"], state["engine"] = 1, 950.0, onboard[0]["vehicle"]["engines"][0]
     descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
-    assert memory["powered"]["polynomial"]["started"] == 1
+    assert memory["target"]["set"] == 1
     assert body.out["thrust_direction_N"][:2] @ held[:2] < 0.0  # against the drift
 
 
-def test_polynomial_law_diverts_against_the_drift_away_from_the_backshell(onboard):
-    record = onboard[0]
-    p = record["guidance"]["powered"]["polynomial"]
-    body, memory = PointMass(1300.0, (-10.0, 0.0, 80.0)), law_memory()
-    powered_guidance(POWERED_LAWS.names.index("polynomial"), *given(record), body.nav, memory, body.out)
-    ahead = p["drift_share"] * body.out["time_to_go"] * -10.0
-    assert memory["polynomial"]["target_L"] == pytest.approx((0.0, ahead + p["divert"]))
+@pytest.mark.parametrize("drift", [(-10.0, 0.0), (3.0, 4.0), (0.0, 0.3)])
+def test_target_lies_ahead_by_a_share_of_the_drift_less_a_divert_away_from_the_backshell(onboard, drift):
+    p = onboard[0]["guidance"]["powered"]["target"]
+    body, target = PointMass(1300.0, (*drift, 80.0), east=70.0), np.zeros(1, POWERED_TARGET)[0]
+    choose_target(p, body.nav, target)
+    duration = p["time_factor"] * 2.0 * (1300.0 - p["height"]) / 80.0
+    speed = hypot(*drift)
+    against = np.array(drift) / -speed if speed > 0.5 else np.array([-1.0, 0.0])
+    north, east = p["drift_share"] * duration * np.array(drift) + p["divert"] * against
+    assert target["point_L"] == pytest.approx((70.0 + east, north))
+    assert (target["arrival"], target["height"]) == pytest.approx((duration, p["height"]))
+    before = target.copy()
+    body.move(5.0, -3.0, 6.0, 1.0)
+    choose_target(p, body.nav, target)
+    assert target == before  # once only
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 80.0), (20.0, -10.0, 75.0)])
 def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_velocity(onboard, velocity):
-    body, memory = PointMass(1400.0, velocity), law_memory()
-    final = onboard[0]["guidance"]["powered"]["gravity_turn"]["final_height"]
-    law = POWERED_LAWS.names.index("gravity_turn")
+    body = PointMass(1400.0, velocity)
+    law = Guided(onboard[0], "gravity_turn", body)
+    final = law.goal[2]
     braking = []
     while body.r[2] > final + 2.0 and body.t < 120.0:
-        n, e, u, _ = powered_guidance(law, *given(onboard[0]), body.nav, memory, body.out)
+        n, e, u, _ = law(body)
         thrust = np.array([n, e, -(u - G)])
         assert np.cross(thrust, body.v) == pytest.approx(np.zeros(3), abs=1e-9)
         assert thrust @ body.v < 0.0
