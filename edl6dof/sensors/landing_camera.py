@@ -11,7 +11,7 @@ Left out: shadow and texture.
 
 from __future__ import annotations
 
-from math import ceil, floor, tan
+from math import tan
 
 import numpy as np
 
@@ -27,10 +27,14 @@ from edl6dof.sensors.obstacles import share_of_obstacles
 from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
 from edl6dof.sensors.sight import across, sight
 from edl6dof.spatial.frames import rotate_z
+from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 from edl6dof.vehicle.surroundings import planet_rotation
+
+#: Samples of an image on each half of a smear: two for each cell of one that is 16 cells long.
+_SAMPLES = 16
 
 
 class LandingCameraParams(EyeParams):
@@ -136,18 +140,15 @@ def _smear(motion, look_B, depth, tangent, exposure):
 @kernel
 def smeared(sharp, i, j, smear):
     """Mean of an image along a smear (rows, columns) about the cell (``i``, ``j``)."""
-    most = sharp.shape[0] - 1.0
-    steps = int(min(ceil(2.0 * max(abs(smear[0]), abs(smear[1]))), 4.0 * most))
-    total = 0.0
-    for k in range(-steps, steps + 1):
-        share = 0.5 * k / max(steps, 1)
-        row, column = clamp(i + share * smear[0], 0.0, most), clamp(j + share * smear[1], 0.0, most)
-        a, b = min(int(floor(row)), int(most) - 1), min(int(floor(column)), int(most) - 1)
-        u, t = row - a, column - b
-        south = (1.0 - t) * sharp[a, b] + t * sharp[a, b + 1]
-        north = (1.0 - t) * sharp[a + 1, b] + t * sharp[a + 1, b + 1]
-        total += (1.0 - u) * south + u * north
-    return total / (2 * steps + 1)
+    cells, total = sharp.shape[0] - 1, 0.0
+    for k in range(-_SAMPLES, _SAMPLES + 1):
+        share = 0.5 * k / _SAMPLES
+        a, u = held_cell(i + share * smear[0], cells)
+        b, t = held_cell(j + share * smear[1], cells)
+        before = (1.0 - t) * sharp[a, b] + t * sharp[a, b + 1]
+        after = (1.0 - t) * sharp[a + 1, b] + t * sharp[a + 1, b + 1]
+        total += (1.0 - u) * before + u * after
+    return total / (2 * _SAMPLES + 1)
 
 
 MEMBER = Member(
