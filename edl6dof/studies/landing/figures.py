@@ -19,11 +19,11 @@ def of_flight(flight: Flight) -> dict[str, float]:
 
     ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: the true state where the engine
     lights.  ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the
-    end of a flight that lands.  ``target_miss_m``: true distance, level, from the target, as far from the
-    lander's place at ignition as guidance has put it; what navigation knows worse of the site is no miss.
-    ``hover_off_m``, ``hover_speed_m_s``: height off the target's and speed where hover begins.  ``peak_tilt_deg``:
-    of the thrust axis while decelerating.  ``saturated_s``: thrust at the upper end or beyond, or commanded
-    tilt at its limit, the start at full level left out.
+    end of a flight that lands.  ``target_miss_m``: true distance, level, from the target where hover begins;
+    the target lies where guidance has put it from the lander's place at ignition, however well that is known
+    from the site.  ``hover_off_m``, ``hover_speed_m_s``: height off the target's, and speed, there.
+    ``peak_tilt_deg``: of the thrust axis while decelerating.  ``saturated_s``: thrust at the upper end or
+    beyond, or commanded tilt at its limit, the start at full level left out.
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
@@ -33,9 +33,7 @@ def of_flight(flight: Flight) -> dict[str, float]:
     found = {
         "ignition_height_m": float(rows["truth.height_m"][start]),
         "ignition_descent_m_s": float(rows["truth.v_down_m_s"][start]),
-        "ignition_drift_m_s": hypot(
-            *(float(rows[f"truth.v_{axis}_m_s"][start]) for axis in ("north", "east"))
-        ),
+        "ignition_drift_m_s": hypot(rows["truth.v_north_m_s"][start], rows["truth.v_east_m_s"][start]),
         "peak_tilt_deg": float(np.max(rows["truth.tilt_deg"][burning])),
         "saturated_s": _saturated(flight, burning),
     }

@@ -24,7 +24,7 @@ _TWO_SIDED = 1.96
 
 def of(rows: Sequence[Row], law: str = "", condition: str = DISPERSED) -> list[Row]:
     """The rows of a law, or of all, in a condition."""
-    return [row for row in rows if row["condition"] == condition and row["law"] in (law or row["law"])]
+    return [row for row in rows if row["condition"] == condition and law in ("", row["law"])]
 
 
 def laws(rows: Sequence[Row]) -> list[str]:
@@ -66,32 +66,44 @@ def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
 
 def grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
     """Dispersed landings, diverts, failing engines."""
-    yield _dispersed(rows, calls)
+    yield _fuel(rows)
+    yield _feasibility(rows, calls)
     yield _diverts(rows)
     yield _faults(rows)
 
 
-_HEADS = (
-    "law", "hover fuel kg", "ground fuel kg", "hover less ref.", "+-", "ground less ref.", "+-",
-    "miss m: 50 %", "99 %", "tilt deg: mean", "peak", "not reached %", "saturated %", "landed %", "call us",
-)  # fmt: skip
+def _fuel(rows: Sequence[Row]) -> Grid:
+    heads = ("law", "to hover kg", "less ref. kg", "95 % +-", "to ground kg", "less ref., kg", "95 %, +-")
+    lines = [
+        (
+            *(law, _mean(of(rows, law), "hover_fuel_kg"), *difference(rows, law, "hover_fuel_kg")),
+            *(_mean(of(rows, law), "ground_fuel_kg"), *difference(rows, law, "ground_fuel_kg")),
+        )
+        for law in laws(rows)
+    ]
+    return Grid(f"{_flights(rows)} dispersed landings: propellant, and less {REFERENCE}", heads, tuple(lines))
 
 
-def _dispersed(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
+def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
+    heads = (
+        "law", "miss m: 50 %", "99 %", "tilt deg: mean", "peak", "not reached %", "saturated %", "landed %",
+        "call us",
+    )  # fmt: skip
     lines: list[tuple[str | float, ...]] = []
     for law in laws(rows):
         flown = of(rows, law)
         miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg")
         lines.append((
-            law, _mean(flown, "hover_fuel_kg"), _mean(flown, "ground_fuel_kg"),
-            *difference(rows, law, "hover_fuel_kg"), *difference(rows, law, "ground_fuel_kg"),
-            _quantile(miss, 0.5), _quantile(miss, 0.99), float(np.nanmean(tilt)), float(np.nanmax(tilt)),
+            law, _quantile(miss, 0.5), _quantile(miss, 0.99), float(np.nanmean(tilt)), float(np.nanmax(tilt)),
             _share(not reached(row) for row in flown),
             _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
             _share(landed(row) for row in flown), calls[law],
         ))  # fmt: skip
-    flights = len(of(rows, laws(rows)[0]))
-    return Grid(f"{flights} dispersed landings; fuel less {REFERENCE}, 95 %", _unique(_HEADS), tuple(lines))
+    return Grid(f"{_flights(rows)} dispersed landings: target and limits", heads, tuple(lines))
+
+
+def _flights(rows: Sequence[Row]) -> int:
+    return len(of(rows, laws(rows)[0]))
 
 
 def _diverts(rows: Sequence[Row]) -> Grid:
@@ -109,9 +121,8 @@ def _diverts(rows: Sequence[Row]) -> Grid:
             ]
         lines.append(tuple(line))
     flights = len(of(rows, laws(rows)[0], divert(DIVERTS[0])))
-    return Grid(
-        f"diverts against the drift, fuel to hover; {flights} flights each", tuple(heads), tuple(lines)
-    )
+    title = f"diverts against the drift, propellant to hover; {flights} flights each"
+    return Grid(title, tuple(heads), tuple(lines))
 
 
 def _faults(rows: Sequence[Row]) -> Grid:
@@ -120,19 +131,13 @@ def _faults(rows: Sequence[Row]) -> Grid:
         (law, *("; ".join(_end(row) for row in of(rows, law, condition)) for condition in conditions))
         for law in laws(rows)
     ]
-    return Grid(
-        "engine fails, seconds after backshell release: end of flight", ("law", *conditions), tuple(lines)
-    )
+    title = "engine fails, seconds after backshell release: how the flight ends"
+    return Grid(title, ("law", *conditions), tuple(lines))
 
 
 def _end(row: Row) -> str:
     """How a flight ended, without its cause."""
     return str(row["outcome"]).partition(":")[0].partition(" after ")[0]
-
-
-def _unique(heads: Sequence[str]) -> tuple[str, ...]:
-    """Heads of which a repeated one gets as many spaces as it has been before, so that each names one column."""
-    return tuple(head + " " * heads[:i].count(head) for i, head in enumerate(heads))
 
 
 def _mean(rows: Sequence[Row], name: str) -> float:
@@ -168,8 +173,8 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
 
 REMARKS = (
     "The bounds are this project's own targets.",
-    f"Reached: hover begins within {MISS_M:g} m of the target, {SPEED_M_S:g} m/s and {HEIGHT_M:g} m of height; "
-    f"saturated: thrust at the upper end of the band or beyond, or tilt at its limit, for more than "
+    f"Reached: hover begins within {MISS_M:g} m of the target, {SPEED_M_S:g} m/s and {HEIGHT_M:g} m of "
+    f"height; saturated: thrust at the upper end of the band or beyond, or tilt at its limit, for more than "
     f"{SATURATED_S:g} s after the start.",
     "gravity_turn has no target: its miss is where the gravity turn ends.",
 )
