@@ -17,13 +17,17 @@ _AT_LIMIT_DEG, _AT_LIMIT_N = 0.1, 1.0
 def of_flight(flight: Flight) -> dict[str, float]:
     """From ignition to hover, and to the ground.
 
-    ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: the true state where the engine
-    lights.  ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the
-    end of a flight that lands.  ``target_miss_m``: true distance, level, from the target where hover begins;
-    the target lies where guidance has put it from the lander's place at ignition, however well that is known
-    from the site.  ``hover_off_m``, ``hover_speed_m_s``: height off the target's, and speed, there.
-    ``peak_tilt_deg``: of the thrust axis while decelerating.  ``saturated_s``: thrust at the upper end or
-    beyond, or commanded tilt at its limit, the start at full level left out.
+    - ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: true state where the engine
+      lights.
+    - ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the end of a
+      flight that lands.
+    - ``target_miss_m``: true level distance from the target where hover begins; the target lies where
+      guidance has put it from the lander's place at ignition, however well that is known from the site.
+    - ``navigated_miss_m``: the same as navigation sees it.
+    - ``hover_off_m``, ``hover_speed_m_s``: height off the target's, and speed, there.
+    - ``peak_tilt_deg``: of the thrust axis while decelerating.
+    - ``saturated_s``: thrust at the upper end of the band or beyond, or commanded tilt at its limit, the
+      start at full level left out.
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
@@ -62,23 +66,23 @@ def _saturated(flight: Flight, burning: np.ndarray) -> float:
 def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
     """Where hover begins, against the target."""
     rows, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
-    place = _place(flight, hover)
-    miss = (
-        # the target lies where navigation believed it when it was chosen, which its error then puts elsewhere
-        place[i] - float(target["point_L"][i] - rows[f"nav.error_{axis}_m"][start])
-        for i, axis in enumerate(("east", "north"))
+    off = _place(flight, hover) - target["point_L"]
+    chosen, now = (
+        np.array([rows[f"nav.error_{axis}_m"][i] for axis in ("east", "north")]) for i in (start, hover)
     )
     return {
-        "target_miss_m": hypot(*miss),
+        # the target lies where navigation believed it when it was chosen, which its error then puts elsewhere
+        "target_miss_m": float(np.hypot(*(off + chosen))),
+        "navigated_miss_m": float(np.hypot(*(off + now))),
         "hover_off_m": float(rows["truth.height_m"][hover] - target["height"]),
         "hover_speed_m_s": float(rows["truth.speed_m_s"][hover]),
     }
 
 
-def _place(flight: Flight, row: int) -> tuple[float, float]:
+def _place(flight: Flight, row: int) -> np.ndarray:
     """True place east and north of the landing site, m."""
     rows, case = flight.telemetry, flight.case[0]
     turned = case["planet"]["rotation_rate"] * rows["t_s"][row]
     r_I = tuple(float(rows[f"truth.r_I_{axis}_m"][row]) for axis in "xyz")
     east, north, _ = to_local(case["site"], rotate_z(cos(turned), sin(turned), r_I))
-    return float(east), float(north)
+    return np.array([east, north])

@@ -18,6 +18,8 @@ REFERENCE, OPTIMISERS = "polynomial", ("convex",)
 MISS_M, SPEED_M_S, HEIGHT_M, SATURATED_S = 5.0, 5.0, 10.0, 10.0
 #: Targets of this study: miss of the longest divert (m), time of a call (us), share of landings (%).
 DIVERT_MISS_M, CALL_US, OPTIMISER_CALL_US, LANDED_PCT = 2.0, 5.0, 5000.0, 99.0
+#: A row of a table: the law, and its figures.
+Line = tuple[str | float, ...]
 #: Half the width of a 95 % interval, in standard errors.
 _TWO_SIDED = 1.96
 
@@ -74,7 +76,7 @@ def grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
 
 def _fuel(rows: Sequence[Row]) -> Grid:
     heads = ("law", "to hover kg", "less ref. kg", "95 % +-", "to ground kg", "less ref., kg", "95 %, +-")
-    lines = [
+    lines: list[Line] = [
         (
             *(law, _mean(of(rows, law), "hover_fuel_kg"), *difference(rows, law, "hover_fuel_kg")),
             *(_mean(of(rows, law), "ground_fuel_kg"), *difference(rows, law, "ground_fuel_kg")),
@@ -86,20 +88,23 @@ def _fuel(rows: Sequence[Row]) -> Grid:
 
 def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
     heads = (
-        "law", "miss m: 50 %", "99 %", "tilt deg: mean", "peak", "not reached %", "saturated %", "landed %",
-        "call us",
+        "law", "miss m: 50 %", "99 %", "as navigated: 99 %", "tilt deg: mean", "peak", "not reached %",
+        "saturated %", "landed %", "call us",
     )  # fmt: skip
-    lines: list[tuple[str | float, ...]] = []
-    for law in laws(rows):
-        flown = of(rows, law)
-        miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg")
-        lines.append((
-            law, _quantile(miss, 0.5), _quantile(miss, 0.99), float(np.nanmean(tilt)), float(np.nanmax(tilt)),
-            _share(not reached(row) for row in flown),
-            _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
-            _share(landed(row) for row in flown), calls[law],
-        ))  # fmt: skip
+    lines: list[Line] = [(law, *_kept(of(rows, law)), calls[law]) for law in laws(rows)]
     return Grid(f"{_flights(rows)} dispersed landings: target and limits", heads, tuple(lines))
+
+
+def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
+    miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg")
+    return (
+        *(_quantile(miss, 0.5), _quantile(miss, 0.99)),
+        _quantile(values(flown, "navigated_miss_m", inf), 0.99),
+        *(float(np.nanmean(tilt)), float(np.nanmax(tilt))),
+        _share(not reached(row) for row in flown),
+        _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
+        _share(landed(row) for row in flown),
+    )
 
 
 def _flights(rows: Sequence[Row]) -> int:
@@ -107,37 +112,36 @@ def _flights(rows: Sequence[Row]) -> int:
 
 
 def _diverts(rows: Sequence[Row]) -> Grid:
-    heads, lines = ["law"], []
+    heads = ["law"]
     for metres in DIVERTS:
-        heads += [f"{metres:g} m: fuel kg", f"{metres:g} m: miss m, largest", f"{metres:g} m: not reached %"]
-    for law in laws(rows):
-        line: list[str | float] = [law]
-        for metres in DIVERTS:
-            flown = of(rows, law, divert(metres))
-            line += [
-                _mean(flown, "hover_fuel_kg"),
-                float(np.max(values(flown, "target_miss_m", inf))),
-                _share(not reached(row) for row in flown),
-            ]
-        lines.append(tuple(line))
+        heads += [f"{metres:g} m: kg", f"{metres:g} m: miss m", f"{metres:g} m: not %"]
+    lines: list[Line] = [
+        (law, *(figure for metres in DIVERTS for figure in _diverted(of(rows, law, divert(metres)))))
+        for law in laws(rows)
+    ]
     flights = len(of(rows, laws(rows)[0], divert(DIVERTS[0])))
-    title = f"diverts against the drift, propellant to hover; {flights} flights each"
+    title = (
+        f"diverts, {flights} flights each: propellant to hover, largest miss as navigated, share not reached"
+    )
     return Grid(title, tuple(heads), tuple(lines))
+
+
+def _diverted(flown: Sequence[Row]) -> tuple[float, float, float]:
+    return (
+        _mean(flown, "hover_fuel_kg"),
+        float(np.max(values(flown, "navigated_miss_m", inf))),
+        _share(not reached(row) for row in flown),
+    )
 
 
 def _faults(rows: Sequence[Row]) -> Grid:
     conditions = [fault(*one) for one in ENGINE_FAULTS]
-    lines = [
-        (law, *("; ".join(_end(row) for row in of(rows, law, condition)) for condition in conditions))
+    lines: list[Line] = [
+        (law, *(_mean(of(rows, law, condition), "touchdown_vertical_m_s") for condition in conditions))
         for law in laws(rows)
     ]
-    title = "engine fails, seconds after backshell release: how the flight ends"
+    title = "engine fails, s after backshell release: descent rate at the ground, m/s; -: lost before"
     return Grid(title, ("law", *conditions), tuple(lines))
-
-
-def _end(row: Row) -> str:
-    """How a flight ended, without its cause."""
-    return str(row["outcome"]).partition(":")[0].partition(" after ")[0]
 
 
 def _mean(rows: Sequence[Row], name: str) -> float:
@@ -159,9 +163,16 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
         share = _share(landed(row) for row in of(rows, law))
         yield Finding(f"{law}: dispersed landings", "%", share, LANDED_PCT, ">=")
     longest = divert(DIVERTS[-1])
-    worst = {law: float(np.max(values(of(rows, law, longest), "target_miss_m", inf))) for law in laws(rows)}
+    worst = {
+        law: float(np.max(values(of(rows, law, longest), "navigated_miss_m", inf))) for law in laws(rows)
+    }
     best = min(worst, key=lambda law: worst[law])
     yield Finding(f"largest miss, {longest}, best law", "m", worst[best], DIVERT_MISS_M, "<=", best)
+    for one in ENGINE_FAULTS:
+        flown = of(rows, condition=fault(*one))
+        causes = dict.fromkeys(row["cause"] for row in flown if not landed(row))
+        down = float(sum(landed(row) for row in flown))
+        yield Finding(f"{fault(*one)}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
     for law in laws(rows):
         saved, half = difference(rows, law, "hover_fuel_kg")
         if law != REFERENCE and isfinite(saved):
@@ -176,5 +187,6 @@ REMARKS = (
     f"Reached: hover begins within {MISS_M:g} m of the target, {SPEED_M_S:g} m/s and {HEIGHT_M:g} m of "
     f"height; saturated: thrust at the upper end of the band or beyond, or tilt at its limit, for more than "
     f"{SATURATED_S:g} s after the start.",
+    "The miss as navigated leaves out what the error of navigation changes from ignition to hover.",
     "gravity_turn has no target: its miss is where the gravity turn ends.",
 )
