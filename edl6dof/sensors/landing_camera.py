@@ -2,7 +2,8 @@
 
 An obstacle is made out from some pixels on; the motion of the image while it is exposed, by speed and by
 turning, blurs that, and smears what is seen along itself.  Cells that look past the ground, farther than the
-camera sees, or at the backshell, the canopy or another part, show no ground.
+camera sees, or at the backshell, the canopy or another part, show no ground; nor does what moves across the
+whole image.
 
 Source: Trawny et al., Flight testing of terrain-relative navigation and large-divert guidance on a VTVL
 rocket, AIAA SPACE (2015), for image motion; obstacles of a landing image: Chinese patent CN108594802B.
@@ -70,7 +71,8 @@ MEMORY = np.dtype(
     [
         ("cells", GROUND_CELLS),
         ("discs", DISCS),
-        ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # as without motion
+        ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image as without motion
+        ("smear", "f8", (CAMERA_CELLS, CAMERA_CELLS, 2)),  # rows and columns that each cell moves by
     ],
     align=True,
 )
@@ -93,24 +95,24 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):
             direction = look(tangent, CAMERA_CELLS, i, j)
-            seen = shows_ground(memory.cells, i, j) and not is_hidden(memory.discs, direction)
+            depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
+            row, column = _smear(motion, direction, depth, tangent, params.exposure)
+            blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
+            shows = shows_ground(memory.cells, i, j) and not is_hidden(memory.discs, direction)
+            seen = shows and blur < params.pixels
             camera.seen[i, j] = 1 if seen else 0
-            memory.sharp[i, j] = 0.0
+            memory.sharp[i, j] = memory.smear[i, j, 0] = memory.smear[i, j, 1] = 0.0
             if seen:
-                depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
-                row, column = _smear(motion, direction, depth, tangent, params.exposure)
-                blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
+                memory.smear[i, j, 0], memory.smear[i, j, 1] = row, column
                 smallest = (params.smallest_px + blur) * pixel * depth
                 memory.sharp[i, j] = share_of_obstacles(
                     case.terrain.landing_area, view, memory.cells, i, j, smallest, steepest
                 )
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):
-            camera.density[i, j] = 0.0
-            if camera.seen[i, j] != 0:
-                depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
-                smear = _smear(motion, look(tangent, CAMERA_CELLS, i, j), depth, tangent, params.exposure)
-                camera.density[i, j] = smeared(memory.sharp, i, j, smear)
+            seen = camera.seen[i, j] != 0
+            smear = (memory.smear[i, j, 0], memory.smear[i, j, 1])
+            camera.density[i, j] = smeared(memory.sharp, i, j, smear) if seen else 0.0
 
 
 @kernel
