@@ -66,9 +66,8 @@ def test_laws_meet_the_same_cases_and_only_they_differ():
         assert {**one.label, "law": ""} == {**other.label, "law": ""}
     counts = {c: sum(one.label["condition"] == c for one in ours) for c in (DISPERSED, divert(600.0))}
     assert counts == {DISPERSED: 20, divert(600.0): 2}
-    assert (
-        truths[3].truth == conditions.dispersed(4)[3].truth
-    )  # a shorter run flies the first of a longer one
+    # a shorter run flies the first of a longer one
+    assert truths[3].truth == conditions.dispersed(4)[3].truth
 
 
 def test_place_is_that_of_the_touchdown_and_saturation_grows_with_the_divert():
@@ -110,7 +109,7 @@ def test_small_run_comes_out_whole(monkeypatch):
     monkeypatch.setattr(conditions, "DIVERTS", (0.0, 600.0))
     monkeypatch.setattr(tables, "DIVERTS", (0.0, 600.0))
     for module in (conditions, tables):
-        monkeypatch.setattr(module, "ENGINE_FAULTS", (("engine_dead", 20.0),))
+        monkeypatch.setattr(module, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
     monkeypatch.setattr(timing, "SAVED_AT", (460.0,))
     seen = []
     report = landing.run(("polynomial", "apollo"), 2, lambda done, total: seen.append((done, total)))
@@ -126,6 +125,6 @@ def test_small_run_comes_out_whole(monkeypatch):
     assert kept.rows[1][-2] == 100.0 and 0.0 < kept.rows[1][-1] < 50.0
     assert diverts.rows[0][4] > diverts.rows[0][1]  # a divert costs
     assert faults.rows[0][1] > 30.0  # without its engine it crashes
-    dead = next(finding for finding in report.findings if finding.label.startswith("engine_dead"))
+    dead = next(finding for finding in report.findings if finding.label.startswith("dead"))
     assert dead.computed == 0.0 and "after main engine dead" in dead.note
     assert [drawing.key for drawing in report.drawings] == ["comparison"]

@@ -8,7 +8,7 @@ from math import inf, isfinite, nan, sqrt
 import numpy as np
 
 from edl6dof.campaign.rows import Row
-from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert, fault
+from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
 from edl6dof.studies.study import Finding, Grid
 
 #: The law that the others are compared with, and the ones that solve an optimisation problem in flight.
@@ -135,13 +135,12 @@ def _diverted(flown: Sequence[Row]) -> tuple[float, float, float]:
 
 
 def _faults(rows: Sequence[Row]) -> Grid:
-    conditions = [fault(*one) for one in ENGINE_FAULTS]
     lines: list[Line] = [
-        (law, *(mean(of(rows, law, condition), "touchdown_vertical_m_s") for condition in conditions))
+        (law, *(mean(of(rows, law, name), "touchdown_vertical_m_s") for name in ENGINE_FAULTS))
         for law in laws(rows)
     ]
     title = "engine fails, s after backshell release: descent rate at the ground, m/s; -: lost before"
-    return Grid(title, ("law", *conditions), tuple(lines))
+    return Grid(title, ("law", *ENGINE_FAULTS), tuple(lines))
 
 
 def mean(rows: Sequence[Row], name: str) -> float:
@@ -169,11 +168,11 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
     }
     best = min(worst, key=lambda law: worst[law])
     yield Finding(f"largest miss, {longest}, best law", "m", worst[best], DIVERT_MISS_M, "<=", best)
-    for one in ENGINE_FAULTS:
-        flown = of(rows, condition=fault(*one))
+    for name in ENGINE_FAULTS:
+        flown = of(rows, condition=name)
         causes = dict.fromkeys(row["cause"] for row in flown if not landed(row))
         down = float(sum(landed(row) for row in flown))
-        yield Finding(f"{fault(*one)}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
+        yield Finding(f"{name}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
     for law in laws(rows):
         saved, half = difference(rows, law, "hover_fuel_kg")
         if law != REFERENCE and isfinite(saved):
