@@ -70,7 +70,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
         aero_inputs(capsule, gas.shock_layer_heat_capacity_ratio)
         if scenario.vehicle.aero.model == "capsule"
         else None,
-        ground_inputs(scenario.terrain),
+        ground_inputs(scenario.terrain, scenario.planet),
         areoid_file(scenario.planet),
     )
 

@@ -18,6 +18,7 @@ from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated
 from edl6dof.metrics.drift import drift_figures
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
 from edl6dof.metrics.exclusions import Exclusion, exclusion_figures, exclusions
+from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
@@ -54,6 +55,7 @@ class Flight:
     Attributes:
         loaded: scenario and where it came from.
         case: true parameters, ``CASE`` record array of length one.
+        tables: the arrays that the case reads, ``TABLES``, shared with others.
         plant: final true state, ``STATE`` record.
         outputs: what follows from it, ``OUTPUTS`` record.
         peaks: the largest loads met, ``PEAKS`` record.
@@ -68,6 +70,7 @@ class Flight:
 
     loaded: LoadedScenario
     case: np.ndarray
+    tables: np.ndarray
     plant: np.ndarray
     outputs: np.ndarray
     peaks: np.ndarray
@@ -180,6 +183,7 @@ class Flight:
             figures |= peak_figures(self.plant[0], self.peaks[0], happened) | touchdown_state(
                 self.case, self.plant
             )
+            figures |= footing_figures(self.case, self.tables, self.plant, self.outputs)
             truth = self.loaded.truth
             figures |= diagnosis_figures(
                 self.isolated_faults, truth.faults, truth.components, truth.branches, self.plant[0]
@@ -384,6 +388,7 @@ def fly(
     return Flight(
         loaded,
         case,
+        tables,
         plant,
         outputs,
         peaks,

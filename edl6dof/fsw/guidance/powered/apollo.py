@@ -18,9 +18,8 @@ class ApolloParams(PlanningParams):
     """Apollo's quadratic guidance."""
 
 
-#: Without final jerk the upward acceleration at arrival is (4 h - V T) / T^2; sideways the law begins with
-#: 12 r / T^2 - 6 v / T.
-_GAINS = (1.0, 4.0, 12.0, 6.0)
+#: Without final jerk the upward acceleration at arrival is (4 h - V T) / T^2.
+_GAINS = (1.0, 4.0)
 
 
 @kernel

@@ -87,7 +87,7 @@ def plan_rest(p, state, nav, target, memory):
     memory.over = 1
     straight = 2.0 * max(nav.height - target.height, LEAST_HEIGHT) / max(nav.v_N[2], 1.0)
     sideways = planned_sideways(p.thrust_reserve, p.tilt_limit, state)
-    memory.arrival = nav.t + max(straight, time_to_divert(sideways, 12.0, 6.0, nav, target))
+    memory.arrival = nav.t + max(straight, time_to_divert(sideways, nav, target))
 
 
 @kernel

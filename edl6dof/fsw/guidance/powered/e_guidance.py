@@ -25,9 +25,8 @@ class EGuidanceParams(PlanningParams):
     )
 
 
-#: At arrival the upward acceleration is (6 h - 2 V T) / T^2; sideways the law begins with
-#: 6 r / T^2 - 4 v / T.
-_GAINS = (2.0, 6.0, 6.0, 4.0)
+#: At arrival the upward acceleration is (6 h - 2 V T) / T^2.
+_GAINS = (2.0, 6.0)
 
 
 #: Times to go (s) between which the quartic is searched, the ratio of neighbours, and halvings after that.

@@ -2,8 +2,8 @@
 
 A law whose upward acceleration is linear in time, or quadratic and flat at its end, needs at arrival
 a = (d h - s V) / T^2 with h the height to lose, V the descent rate and T the time to go.  The plan takes the
-shortest T that keeps this within the throttle band, less a reserve for feedback, that leaves the lateral law
-within the tilt limit where it begins, and that is no shorter than the law itself wants.  From then on T
+shortest T that keeps this within the throttle band, less a reserve for feedback, in which the divert can be
+flown within the tilt limit, and that is no shorter than the law itself wants.  From then on T
 follows from a, which is what the law brings about if nothing disturbs it.  Source: Klumpp, Automatica 10
 (1974) 133-146, who solves for T by a condition at arrival in every cycle; the limits are this project's own.
 """
@@ -78,14 +78,14 @@ def planned_sideways(reserve, tilt_limit, state):
 
 
 @kernel
-def time_to_divert(sideways, k_r, k_v, nav, target):
-    """Shortest time to go (s) of a lateral law a = k_r r / T^2 - k_v v / T, with r what is left of the way,
-    that begins with no more than ``sideways`` (m/s2).
+def time_to_divert(sideways, nav, target):
+    """Shortest time to go (s) in which the lateral law of least effort, a = 6 r / T^2 - 4 v / T with r what
+    is left of the way, begins with no more than ``sideways`` (m/s2).
     """
     north, east = target.point_L[1] - nav.site_L[1], target.point_L[0] - nav.site_L[0]
     away = max(sqrt(north * north + east * east), 1e-6)
     closing = (nav.v_N[0] * north + nav.v_N[1] * east) / away
-    return root(sideways, k_v * closing, k_r * away)
+    return root(sideways, 4.0 * closing, 6.0 * away)
 
 
 @kernel
@@ -95,7 +95,7 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
 
     Args:
         p: tilt limit (rad), thrust reserve, and time to go (s) below which it runs down.
-        gains: s and d of the upward law, k_r and k_v of the lateral one (see above).
+        gains: s and d of the upward law (see above).
         least: time to go that the law wants at least, s.
         state: ``VEHICLE_STATE`` record.
         nav: ``NAV`` record.
@@ -103,13 +103,13 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
         plan: ``PLAN`` record.
     """
     tilt_limit, reserve, runs_down = p
-    s, d, k_r, k_v = gains
+    s, d = gains
     height, descent = max(nav.height - target.height, LEAST_HEIGHT), nav.v_N[2]
     if plan.made == 0:
         plan.made = 1
         upward = planned_upward(reserve, state, nav, target)
         sideways = planned_sideways(reserve, tilt_limit, state)
-        t = max(root(upward, s * descent, d * height), least, time_to_divert(sideways, k_r, k_v, nav, target))
+        t = max(root(upward, s * descent, d * height), least, time_to_divert(sideways, nav, target))
         plan.upward = max((d * height - s * descent * t) / (t * t), LEAST_UPWARD)
         plan.arrival = nav.t + root(plan.upward, s * descent, d * height)
     elif plan.arrival - nav.t > runs_down:
