@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.vehicle.vehicle import VehicleParams
 
 
@@ -17,7 +18,7 @@ def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
     shells = [part for part in vehicle.parts if part.shape == "backshell"]
     for chute in vehicle.parachutes:
         if shells and chute.carried_by == shells[0].name:
-            pack = parts[chute.pack]
+            pack = parts[stated(chute.pack)]
             record["mass"] = shells[0].mass_kg + pack.mass_kg
             canopy = pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient
             record["drag_area"] = shells[0].drag_area_m2 + canopy

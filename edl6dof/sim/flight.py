@@ -196,12 +196,11 @@ class Flight:
     def _hazard(self, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
         """What hazard detection did and what it kept away from; empty without it."""
         scenario = self.scenario
-        params = scenario.flight_software.hazard
-        if params.detection == "given":
+        if scenario.flight_software.hazard.detection == "given":
             return {}
         lines = max((chute.line_length_m for chute in scenario.vehicle.parachutes), default=0.0)
         return drift_figures(self.telemetry, when, lines) | hazard_figures(
-            self.case, self.fsw[0], self.telemetry, figures, params.footprint_radius_m
+            self.case, self.fsw[0], self.telemetry, figures
         )
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
