@@ -17,6 +17,7 @@ _AT_LIMIT_DEG, _AT_LIMIT_N = 0.1, 1.0
 def of_flight(flight: Flight) -> dict[str, float]:
     """From ignition to hover, and to the ground.
 
+    - ``came_down``: whether it landed, within limits or not.
     - ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: true state where the engine
       lights.
     - ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the end of a
@@ -32,9 +33,10 @@ def of_flight(flight: Flight) -> dict[str, float]:
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
     if not len(burning):
-        return {}
+        return {"came_down": flight.landed}
     start, hover = burning[0], np.flatnonzero(flight.during(HOVER_IMAGING))
     found = {
+        "came_down": flight.landed,
         "ignition_height_m": float(rows["truth.height_m"][start]),
         "ignition_descent_m_s": float(rows["truth.v_down_m_s"][start]),
         "ignition_drift_m_s": hypot(rows["truth.v_north_m_s"][start], rows["truth.v_east_m_s"][start]),
