@@ -2,7 +2,8 @@
 
 An obstacle is made out from some pixels on; the motion of the image while it is exposed, by speed and by
 turning, blurs that, and smears what is seen along itself.  Cells that look past the ground, farther than the
-camera sees, or at the backshell, the canopy or another part, show no ground.
+camera sees, or at the backshell, the canopy or another part, show no ground; nor does what moves across the
+whole image.
 
 Source: Trawny et al., Flight testing of terrain-relative navigation and large-divert guidance on a VTVL
 rocket, AIAA SPACE (2015), for image motion; obstacles of a landing image: Chinese patent CN108594802B.
@@ -11,7 +12,7 @@ Left out: shadow and texture.
 
 from __future__ import annotations
 
-from math import ceil, floor, tan
+from math import tan
 
 import numpy as np
 
@@ -25,12 +26,16 @@ from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye
 from edl6dof.sensors.ground_cells import GROUND_CELLS, lay_cells, middle, shows_ground
 from edl6dof.sensors.obstacles import share_of_obstacles
 from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
-from edl6dof.sensors.sight import sight
+from edl6dof.sensors.sight import across, sight
 from edl6dof.spatial.frames import rotate_z
+from edl6dof.spatial.lookups import held_cell
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, dot, norm, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 from edl6dof.vehicle.surroundings import planet_rotation
+
+#: Samples of an image on each half of a smear: two for each cell of one that is 16 cells long.
+_SAMPLES = 16
 
 
 class LandingCameraParams(EyeParams):
@@ -66,7 +71,8 @@ MEMORY = np.dtype(
     [
         ("cells", GROUND_CELLS),
         ("discs", DISCS),
-        ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # as without motion
+        ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image as without motion
+        ("smear", "f8", (CAMERA_CELLS, CAMERA_CELLS, 2)),  # rows and columns that each cell moves by
     ],
     align=True,
 )
@@ -81,7 +87,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
     origin, axes, _ = sight(case, tables, plant, outputs, position, turn)
-    view = (origin, axes, tangent)
+    view = (origin, across(axes), tangent)
     lay_cells(case, tables, origin, axes, tangent, params.longest, memory.cells)
     find_discs(case, plant, outputs, position, turn, memory.discs)
     motion = _motion(case, plant, outputs, position)
@@ -89,24 +95,24 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):
             direction = look(tangent, CAMERA_CELLS, i, j)
-            seen = shows_ground(memory.cells, i, j) and not is_hidden(memory.discs, direction)
+            depth = dot(sub(middle(memory.cells, i, j), origin), view[1][0])
+            row, column = _smear(motion, direction, depth, tangent, params.exposure)
+            blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
+            shows = shows_ground(memory.cells, i, j) and not is_hidden(memory.discs, direction)
+            seen = shows and blur < params.pixels
             camera.seen[i, j] = 1 if seen else 0
-            memory.sharp[i, j] = 0.0
+            memory.sharp[i, j] = memory.smear[i, j, 0] = memory.smear[i, j, 1] = 0.0
             if seen:
-                depth = dot(sub(middle(memory.cells, i, j), origin), axes[0])
-                row, column = _smear(motion, direction, depth, tangent, params.exposure)
-                blur = norm((row, column, 0.0)) * params.pixels / CAMERA_CELLS
+                memory.smear[i, j, 0], memory.smear[i, j, 1] = row, column
                 smallest = (params.smallest_px + blur) * pixel * depth
                 memory.sharp[i, j] = share_of_obstacles(
                     case.terrain.landing_area, view, memory.cells, i, j, smallest, steepest
                 )
     for i in range(CAMERA_CELLS):
         for j in range(CAMERA_CELLS):
-            camera.density[i, j] = 0.0
-            if camera.seen[i, j] != 0:
-                depth = dot(sub(middle(memory.cells, i, j), origin), axes[0])
-                smear = _smear(motion, look(tangent, CAMERA_CELLS, i, j), depth, tangent, params.exposure)
-                camera.density[i, j] = smeared(memory.sharp, i, j, smear)
+            seen = camera.seen[i, j] != 0
+            smear = (memory.smear[i, j, 0], memory.smear[i, j, 1])
+            camera.density[i, j] = smeared(memory.sharp, i, j, smear) if seen else 0.0
 
 
 @kernel
@@ -136,18 +142,15 @@ def _smear(motion, look_B, depth, tangent, exposure):
 @kernel
 def smeared(sharp, i, j, smear):
     """Mean of an image along a smear (rows, columns) about the cell (``i``, ``j``)."""
-    most = sharp.shape[0] - 1.0
-    steps = int(min(ceil(2.0 * max(abs(smear[0]), abs(smear[1]))), 4.0 * most))
-    total = 0.0
-    for k in range(-steps, steps + 1):
-        share = 0.5 * k / max(steps, 1)
-        row, column = clamp(i + share * smear[0], 0.0, most), clamp(j + share * smear[1], 0.0, most)
-        a, b = min(int(floor(row)), int(most) - 1), min(int(floor(column)), int(most) - 1)
-        u, t = row - a, column - b
-        south = (1.0 - t) * sharp[a, b] + t * sharp[a, b + 1]
-        north = (1.0 - t) * sharp[a + 1, b] + t * sharp[a + 1, b + 1]
-        total += (1.0 - u) * south + u * north
-    return total / (2 * steps + 1)
+    cells, total = sharp.shape[0] - 1, 0.0
+    for k in range(-_SAMPLES, _SAMPLES + 1):
+        share = 0.5 * k / _SAMPLES
+        a, u = held_cell(i + share * smear[0], cells)
+        b, t = held_cell(j + share * smear[1], cells)
+        before = (1.0 - t) * sharp[a, b] + t * sharp[a, b + 1]
+        after = (1.0 - t) * sharp[a + 1, b] + t * sharp[a + 1, b + 1]
+        total += (1.0 - u) * before + u * after
+    return total / (2 * _SAMPLES + 1)
 
 
 MEMBER = Member(

@@ -12,7 +12,7 @@ Left out: the width of a ray, and parts of the vehicle that fly below it.
 
 from __future__ import annotations
 
-from math import cos, floor, tan
+from math import cos, tan
 
 import numpy as np
 
@@ -93,8 +93,8 @@ def read(params, unit, way, number):
     if uniform(unit.key, 2 * number) < params.dropout:
         return 0.0
     noise, _ = normal_pair(unit.key, 2 * number + 1)
-    told = way + unit.bias + params.range_noise * noise
-    return max(params.quantum * floor(told / params.quantum + 0.5), 0.0)
+    told = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
+    return max(told - told % params.quantum, 0.0)
 
 
 def plan(params: LidarParams, rng: np.random.Generator, unit: np.void) -> None:

@@ -7,11 +7,11 @@ count as one either: its walls show in the slope of the cells that lie on them.
 
 from __future__ import annotations
 
-from math import floor, pi, sqrt
+from math import pi, sqrt
 
 from edl6dof.environment.landing_area.craters import crater_height
 from edl6dof.environment.landing_area.params import GENERATED
-from edl6dof.environment.landing_area.population import cell_bits, drawn_in, member
+from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.jit import kernel
 from edl6dof.sensors.ground_cells import extent, middle, span
@@ -27,7 +27,8 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 
     Args:
         area: ``LANDING_AREA`` record.
-        view: origin, axes and tangent of half the field of view of the eye.
+        view: of the eye: origin, :func:`~edl6dof.sensors.sight.across` its axes, tangent of half the field of
+            view.
         cells: ``GROUND_CELLS`` record.
         smallest: diameter (m) of the smallest obstacle that can be made out.
         steepest: tangent of the slope from which on ground is an obstacle.
@@ -53,9 +54,8 @@ def covered(population, view, cells, i, j, smallest, largest, steepest):
     for k in range(population.n):
         if population.largest[k] < smallest or population.smallest[k] > largest:
             continue
-        side = population.cell[k]
-        for a in range(int(floor(south / side)), int(floor(north / side)) + 1):
-            for b in range(int(floor(west / side)), int(floor(east / side)) + 1):
+        for a in range(first_cell(population, k, south), last_cell(population, k, north) + 1):
+            for b in range(first_cell(population, k, west), last_cell(population, k, east) + 1):
                 bits = cell_bits(population, k, a, b)
                 for n in range(drawn_in(population, k, bits)):
                     y, x, diameter, character = member(population, k, bits, a, b, n)
@@ -80,12 +80,12 @@ def wall(diameter, freshness):
 @kernel
 def shows_at(view, place, i, j):
     """Whether a place on the ground shows in the cell (``i``, ``j``)."""
-    origin, axes, tangent = view
+    origin, parts, tangent = view
     to_place = sub(place, origin)
-    depth = dot(to_place, axes[0])
+    depth = dot(to_place, parts[0])
     if depth <= 0.0:
         return False
     half = 0.5 * CAMERA_CELLS / (tangent * depth)
-    column = floor(half * dot(to_place, axes[1]) + 0.5 * CAMERA_CELLS)
-    row = floor(half * dot(to_place, axes[2]) + 0.5 * CAMERA_CELLS)
-    return row == i and column == j
+    column = half * dot(to_place, parts[1]) + 0.5 * CAMERA_CELLS
+    row = half * dot(to_place, parts[2]) + 0.5 * CAMERA_CELLS
+    return i <= row < i + 1 and j <= column < j + 1

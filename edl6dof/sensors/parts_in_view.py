@@ -14,8 +14,9 @@ import numpy as np
 from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
+from edl6dof.sensors.sight import eye_attitude
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, unit
+from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3, unit
 from edl6dof.vehicle.parachutes.parachute import RELEASED
 from edl6dof.vehicle.plant import ATTITUDE, POSITION
 
@@ -39,6 +40,7 @@ def find_discs(case, plant, outputs, position, turn, discs):
     y, spin, chute = plant.y, case.planet.rotation_rate, plant.parachute
     q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
     eye = add(take3(y, POSITION), from_frame(q, sub(position, take3(outputs.centre, 0))))
+    axes = eye_attitude(plant, turn)
     discs.n = 0
     for k in range(case.vehicle.n_parts):
         part, r, v = plant.debris[k], take3(plant.debris[k].r_I, 0), take3(plant.debris[k].v_I, 0)
@@ -49,16 +51,15 @@ def find_discs(case, plant, outputs, position, turn, discs):
             own = min(own, case.vehicle.parts[k].drag_area)
             above = unit((-v[0] - spin * r[1], -v[1] + spin * r[0], -v[2]))
             middle = add(to_part, scale(case.vehicle.parachutes[chute].line_length, above))
-            _note(q, turn, middle, part.drag_area - own, discs)
-        _note(q, turn, to_part, own, discs)
+            _note(axes, middle, part.drag_area - own, discs)
+        _note(axes, to_part, own, discs)
 
 
 @kernel
-def _note(q, turn, to_middle, area, discs):
-    """Note a disc of this area (m2) at a place (m, I, from the eye)."""
+def _note(axes, to_middle, area, discs):
+    """Note a disc of this area (m2) at a place (m, I, from the eye) for an eye of this attitude."""
     if area > 0.0:
-        to = to_frame(q, to_middle)
-        put3(discs.to[discs.n], 0, sub(to, cross(turn, to)))
+        put3(discs.to[discs.n], 0, to_frame(axes, to_middle))
         discs.radius[discs.n] = sqrt(area / pi)
         discs.n += 1
 

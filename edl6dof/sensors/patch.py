@@ -9,12 +9,13 @@ of the patch: Ramsey, Potter and Hansen, Ray bilinear patch intersections, Journ
 
 from __future__ import annotations
 
-from math import copysign, floor, sqrt
+from math import copysign, sqrt
 
 import numpy as np
 
 from edl6dof.environment.landing_area.raster import lay_raster
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 
 #: Nodes along each side.
 PATCH_NODES = 512
@@ -80,9 +81,9 @@ def trace(patch, origin, ray, reach):
     z = origin[2] + before * dz
     if not (0.0 <= u < last and 0.0 <= v < last and before <= reach):
         return 0.0, 0.0
-    i, j = int(floor(u)), int(floor(v))
-    step_i, next_i, pause_i = _lines(u - i, x)
-    step_j, next_j, pause_j = _lines(v - j, y)
+    (i, from_i), (j, from_j) = cell(u, last), cell(v, last)
+    step_i, next_i, pause_i = _lines(from_i, x)
+    step_j, next_j, pause_j = _lines(from_j, y)
     entered = 0.0
     while 0 <= i < last and 0 <= j < last and before + entered <= reach:
         left = min(next_i, next_j)

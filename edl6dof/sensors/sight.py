@@ -14,10 +14,18 @@ from edl6dof.environment.terrain import ground
 from edl6dof.jit import kernel
 from edl6dof.sensors.echo import antenna
 from edl6dof.spatial.frames import fixed_to_ned, geodetic, rotate_z
-from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, take3
+from edl6dof.spatial.quaternion import from_frame, multiply, normalise
+from edl6dof.spatial.vector import cross, dot, scale, take3
 from edl6dof.vehicle.plant import ATTITUDE
 from edl6dof.vehicle.surroundings import planet_rotation
+
+
+@kernel
+def eye_attitude(plant, turn):
+    """Attitude in I of the axes of an eye that is turned against B by ``turn`` (rad, B, small)."""
+    y = plant.y
+    q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
+    return normalise(multiply(q, (1.0, 0.5 * turn[0], 0.5 * turn[1], 0.5 * turn[2])))
 
 
 @kernel
@@ -26,12 +34,11 @@ def sight(case, tables, plant, outputs, position, turn):
 
     Returns:
         origin: m north and east of the site, and above it.
-        axes: its own, those of B but for the turn, each as m north, east and up for a metre along it.
+        axes: its own (those of B but for the turn), each as m north, east and up for a metre along it.
         height: m above the ground below.
     """
-    planet, areoid, state = case.planet, plant.inputs.areoid, plant.y
+    planet, areoid = case.planet, plant.inputs.areoid
     c, s = planet_rotation(planet, plant.t)
-    q = (state[ATTITUDE], state[ATTITUDE + 1], state[ATTITUDE + 2], state[ATTITUDE + 3])
     r, _ = antenna(case, plant, outputs, position, (c, s))
     vertical = geodetic(planet.equatorial_radius, planet.flattening, r)
     lat, lon = atan2(vertical[0], vertical[1]), atan2(vertical[2], vertical[3])
@@ -40,11 +47,11 @@ def sight(case, tables, plant, outputs, position, turn):
     height = above - ground(case.terrain, tables.terrain, lat, lon)[0]
     # half way down, where a metre is as long as on the mean of a ray
     stretch = places_per_metre(case.terrain, planet, vertical[0], vertical[1], vertical[4] - 0.5 * height)
-    x, y, z = (1.0, turn[2], -turn[1]), (-turn[2], 1.0, turn[0]), (turn[1], -turn[0], 1.0)
+    q = eye_attitude(plant, turn)
     axes = (
-        _axis(rotate_z(c, s, from_frame(q, x)), vertical, areoid, stretch),
-        _axis(rotate_z(c, s, from_frame(q, y)), vertical, areoid, stretch),
-        _axis(rotate_z(c, s, from_frame(q, z)), vertical, areoid, stretch),
+        _axis(rotate_z(c, s, from_frame(q, (1.0, 0.0, 0.0))), vertical, areoid, stretch),
+        _axis(rotate_z(c, s, from_frame(q, (0.0, 1.0, 0.0))), vertical, areoid, stretch),
+        _axis(rotate_z(c, s, from_frame(q, (0.0, 0.0, 1.0))), vertical, areoid, stretch),
     )
     return (north, east, above - case.terrain.site_elevation), axes, height
 
@@ -65,6 +72,16 @@ def along(axes, look_B):
         look_B[0] * x[1] + look_B[1] * y[1] + look_B[2] * z[1],
         look_B[0] * x[2] + look_B[1] * y[2] + look_B[2] * z[2],
     )
+
+
+@kernel
+def across(axes):
+    """Vectors whose products with a way (m north, east and up) are its parts along the axes: places are a
+    little skewed against them, where the areoid is no sphere.
+    """
+    x, y, z = axes
+    inverse = 1.0 / dot(x, cross(y, z))
+    return scale(inverse, cross(y, z)), scale(inverse, cross(z, x)), scale(inverse, cross(x, y))
 
 
 @kernel

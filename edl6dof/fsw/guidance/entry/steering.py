@@ -48,7 +48,7 @@ def chosen_side(onboard, nav, memory, out, wanted):
     sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
     if sign != memory.sign:
         memory.count += 1
-    memory.sign = sign
+    memory.sign = out.side = sign
     return sign
 
 

@@ -131,6 +131,10 @@ def correct(params, onboard, nav, memory, out, slowest):
     memory.miss, memory.aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn)
     if abs(memory.miss) > params.tolerance:
         correct_range(params, onboard, nav, memory, out)
+    if memory.left > 1 and memory.miss > params.tolerance and memory.bank >= onboard.guidance.entry.bank_max:
+        memory.left -= 1  # through lift up so often leads beyond the aim point, whatever the bank angle
+        foresee(params, nav, memory)
+        return
     if memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
         correct_turn(params, onboard, nav, memory, out, slowest)
 

@@ -1,0 +1,72 @@
+"""What landing camera, lidar and stereo cameras have in common."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hovering import Hovering, area
+
+import edl6dof
+from edl6dof.interface.command import COMMAND
+from edl6dof.interface.eyes import look
+from edl6dof.records import first_not_finite
+from edl6dof.scenario.records import build_records, initial_plant
+from edl6dof.vehicle.actuate import actuate
+
+EYES = ("landing_camera", "lidar", "stereo")
+GROUND = area()
+#: What the flight computer of Tianwen-1 needs, and the eyes.
+READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters"
+CARRIED = f"sensors.carried=[{READINGS}, landing_camera, lidar, stereo]"
+
+
+@pytest.mark.parametrize("cells", [64, 128, 256])
+def test_cells_divide_the_plane_across_the_line_of_sight(cells):
+    tangent = np.tan(np.radians(20.0))
+    looks = np.array([[look(tangent, cells, i, j) for j in range(cells)] for i in range(cells)])
+    assert np.allclose(np.linalg.norm(looks, axis=2), 1.0, atol=1e-14)
+    y, z = looks[..., 1] / looks[..., 0], looks[..., 2] / looks[..., 0]
+    middles = tangent * (np.arange(cells) - 0.5 * (cells - 1)) / (0.5 * cells)
+    assert np.allclose(y, middles[None, :], atol=1e-14) and np.allclose(z, middles[:, None], atol=1e-14)
+    corner = look(tangent, cells, -0.5, cells - 0.5)
+    assert (corner[1] / corner[0], corner[2] / corner[0]) == pytest.approx((tangent, -tangent))
+
+
+def test_flight_computer_believes_the_eyes_that_are_carried():
+    carried = [CARRIED, "sensors.lidar.range_noise_m=0.05", "sensors.lidar.quantum_m=0.12"]
+    eyes = build_records(edl6dof.load("tianwen1", carried)).onboard[0]["instruments"]["eyes"]
+    assert tuple(eyes["lidar"]["place"]) == (-0.5, 0.6, 0.0)
+    assert eyes["lidar"]["tangent"] == pytest.approx(np.tan(np.radians(14.0)))
+    assert eyes["camera"]["tangent"] == pytest.approx(np.tan(np.radians(30.0)))
+    assert eyes["lidar"]["sigma"] == pytest.approx(np.sqrt(0.05**2 + 0.12**2 / 12.0))
+    # 0.1 px over 1.5 m and a focal length of 1024 px / tan(14 deg)
+    assert eyes["stereo"]["sigma_square"] == pytest.approx(0.1 / (1024.0 / np.tan(np.radians(14.0)) * 1.5))
+    none = build_records(edl6dof.load("tianwen1")).onboard[0]["instruments"]["eyes"]
+    assert [none[name]["tangent"] for name in ("camera", "lidar", "stereo")] == [0.0, 0.0, 0.0]
+
+
+def test_eyes_stay_where_ideal_sensors_fly():
+    loaded = edl6dof.load(
+        "tianwen1", [CARRIED.replace("perfect, imu", "perfect, radar, imu"), "sensors.set=perfect"]
+    )
+    assert loaded.scenario.sensors.flown == ["perfect", "imu", "landing_camera", "lidar", "stereo"]
+
+
+def test_commands_reach_the_eyes_for_a_cycle():
+    loaded = edl6dof.load("tianwen1")
+    case = build_records(loaded).case
+    plant, command = initial_plant(loaded.truth, case)[0], np.zeros(1, COMMAND)[0]
+    for expose, scan in ((1, 0), (0, 1), (0, 0)):
+        command["expose"], command["scan"] = expose, scan
+        actuate(case[0], command, plant)
+        assert (plant["eyes"]["expose"], plant["eyes"]["scan"]) == (expose, scan)
+
+
+@pytest.mark.parametrize("name", EYES)
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1e300])
+def test_images_are_finite_whatever_the_vehicle_does(name, value):
+    for place, turns in product(range(13), ((0.0, 0.0, 0.0), (0.0, 80.0, 0.0))):
+        bench = Hovering(name, GROUND, turns=turns)
+        bench.plant["y"][place] = value
+        for record in (bench.measure(), bench.memory):
+            assert first_not_finite(np.array([record], record.dtype)) is None
