@@ -1,5 +1,5 @@
-"""One figure: rocks under the lander by abundance, the largest of them, touchdowns from their spots, and the way
-past backshell and canopy.
+"""One figure: rocks under the lander by abundance, the largest of them, touchdowns from their spots, and the
+way past backshell and canopy.
 """
 
 from __future__ import annotations
