@@ -1,4 +1,4 @@
-"""What came out: rocks under the lander, the spots that were chosen, backshell and canopy, and targets kept."""
+"""What came out: rocks under the lander, spots that were chosen, backshell and canopy, and targets kept."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from edl6dof.campaign.rows import Row
 from edl6dof.studies.hazards.conditions import ABUNDANCES, BLIND, blind_share, standard_error
 from edl6dof.studies.study import Finding, Grid
 
-#: Targets, at the abundance that they hold for: flights on a rock (%), spots wrongly thought safe (%), 95 % of
-#: touchdowns from the spot (m), least distance from backshell and canopy (m).
+#: Targets, at the abundance that they hold for: flights on a rock (%), spots wrongly thought safe (%), 95 %
+#: of touchdowns from the spot (m), least distance from backshell and canopy (m).
 AT, ON_A_ROCK_PCT, FALSE_SAFE_PCT, SPOT_M, CLEAR_M = 0.1, 0.5, 0.1, 1.5, 50.0
 #: Standard errors that a counted share may lie off the expected one: 99 % of them do less.
 _ERRORS = 2.58
@@ -34,8 +34,8 @@ def values(rows: Sequence[Row], name: str, missing: float = nan) -> np.ndarray:
 
 
 def on_a_rock(rows: Sequence[Row]) -> float:
-    """Share (%) of flights that came down on a rock that counts; one that did not come down to stand counts as
-    one that did.
+    """Share (%) of flights that came down on a rock that counts; one that did not come down to stand counts
+    as one that did.
     """
     return 100.0 * float(np.mean(values(rows, "rocks_under_lander", inf) > 0.0))
 
@@ -112,7 +112,7 @@ def _avoiding(way: str, rows: Sequence[Row]) -> Iterator[Finding]:
 
 
 REMARKS = (
-    "On a rock: the middle of a rock of half a metre or more lies within the 12.6 m2 under the lander; a flight "
-    "that does not come down counts as one.",
+    "On a rock: the middle of a rock of half a metre or more lies within the 12.6 m2 under the lander; a "
+    "flight that does not come down counts as one.",
     "The bounds are this project's own targets; the share of blind landings is Golombek & Rapp's (1997).",
 )
