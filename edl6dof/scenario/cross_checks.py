@@ -107,6 +107,15 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     return sensor_problems(scenario.sensors_in_flight, (*read, "footpad_contact", "wing_open"))
 
 
+def _stars_problems(scenario: Scenario) -> dict[str, str]:
+    """The event that ends the view of the stars is one of the mission."""
+    name, known = scenario.sensors.star_tracker.until, scenario.mission.events
+    if name is None or name in known:
+        return {}
+    words = ", ".join(known) or "none"
+    return {"sensors.star_tracker.until": f"no event named {name!r} in the mission; names: {words}"}
+
+
 def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
     reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
@@ -155,6 +164,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
+    CrossCheck(frozenset({"sensors", "mission"}), _stars_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
