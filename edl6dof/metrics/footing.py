@@ -18,6 +18,7 @@ from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.landing_area.rocks import HEIGHT
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
+from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, sub, take3
 from edl6dof.vehicle.landing_gear import contact_point
@@ -104,7 +105,7 @@ def under_belly(case, tables, outputs, q, rotation, plane):
     middle = _in_N(out, q, rotation, (lowest - centre[0], -centre[1], -centre[2]))
     along = _in_N(out, q, rotation, (1.0, 0.0, 0.0))
     reach, clearance = -1e9, 1e9
-    count = int(radius / step)
+    count = endless_cell(radius / step)
     for i in range(-count, count + 1):
         for j in range(-count, count + 1):
             y, x = i * step, j * step
