@@ -82,7 +82,7 @@ MEMORY = np.dtype(
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Take an image where one is told."""
     camera = sensed.camera
-    camera.fresh = plant.eyes.expose
+    camera.fresh = 0 if plant.instruments.camera_lost != 0 else plant.eyes.expose
     if camera.fresh == 0:
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)

@@ -61,7 +61,7 @@ MEMORY = np.dtype([("patch", PATCH), ("pairs", COUNT)], align=True)
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Take a pair of images where one is told."""
     stereo = sensed.stereo
-    stereo.fresh = plant.eyes.scan
+    stereo.fresh = 0 if plant.instruments.stereo_lost != 0 else plant.eyes.scan
     if stereo.fresh == 0:
         return
     turn = take3(unit.turn, 0)
