@@ -15,6 +15,8 @@ from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
 from edl6dof.environment.areoid import areoid_at, areoid_height
 from edl6dof.environment.height_map import HEIGHT_MAP, map_height
+from edl6dof.environment.landing_area.dtm import DTM, with_dtm
+from edl6dof.environment.landing_area.dtm_file import DtmFile, Square, dtm_path, read_dtm
 from edl6dof.environment.landing_area.fractal import TILES, fractal_tiles
 from edl6dof.environment.landing_area.params import (
     GENERATED,
@@ -22,7 +24,7 @@ from edl6dof.environment.landing_area.params import (
     LandingAreaParams,
     fill_landing_area,
 )
-from edl6dof.environment.landing_area.plane import fill_plane, place_of
+from edl6dof.environment.landing_area.plane import metres_per_radian, place_of
 from edl6dof.environment.landing_area.surface import relief
 from edl6dof.environment.layout import extended
 from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
@@ -67,7 +69,7 @@ TERRAIN = extended(
     landing_area=LANDING_AREA,
 )
 #: The arrays that the ground is read from, zero where a scenario has none; kernels call it ``grid``.
-GROUND = np.dtype([("map", HEIGHT_MAP), ("tiles", TILES)], align=True)
+GROUND = np.dtype([("map", HEIGHT_MAP), ("dtm", DTM), ("tiles", TILES)], align=True)
 
 
 @kernel
@@ -87,7 +89,16 @@ def ground(terrain, grid, lat, lon):
 
 @kernel
 def regional(terrain, grid, lat, lon):
-    """As :func:`ground`, without the landing area."""
+    """As :func:`ground`, without what is generated."""
+    if grid.dtm.reach > 0.0:
+        y, x = place_of(terrain, lat, lon)
+        return with_dtm(grid.dtm, terrain.site_elevation, y, x, _mapped(terrain, grid, lat, lon))
+    return _mapped(terrain, grid, lat, lon)
+
+
+@kernel
+def _mapped(terrain, grid, lat, lon):
+    """As :func:`ground`, of the map and the plane alone."""
     if terrain.model == NONE:
         return 0.0, 0.0, 0.0
     elevation, north, east = _site_plane(terrain, lat, lon)
@@ -133,13 +144,16 @@ def _site_plane(terrain, lat, lon):
 
 
 class GroundInputs(NamedTuple):
-    """What the arrays of the ground follow from: the map, and the Hurst exponent of the relief."""
+    """What the arrays of the ground follow from: the map, the digital terrain model, and the Hurst exponent
+    of what is generated.
+    """
 
-    map: MapFile | None
-    hurst: float | None
+    map: MapFile | None = None
+    dtm: DtmFile | None = None
+    hurst: float | None = None
 
 
-def ground_inputs(params: TerrainParams) -> GroundInputs:
+def ground_inputs(params: TerrainParams, planet: PlanetParams) -> GroundInputs:
     """What the arrays of the ground follow from.
 
     Raises:
@@ -148,8 +162,21 @@ def ground_inputs(params: TerrainParams) -> GroundInputs:
     area = params.landing_area
     return GroundInputs(
         map_file(MAP) if params.model == "mola" else None,
+        _dtm(params, planet) if area.dtm.file else None,
         area.hurst if area.model == "generated" else None,
     )
+
+
+def _dtm(params: TerrainParams, planet: PlanetParams) -> DtmFile:
+    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    dtm, metres = params.landing_area.dtm, _metres(params, planet)
+    return DtmFile(map_file(dtm_path(dtm.file)), dtm.coordinates, Square(*place, *metres, dtm.reach_m))
+
+
+def _metres(params: TerrainParams, planet: PlanetParams) -> tuple[float, float]:
+    """Metres per radian of latitude and longitude at the site."""
+    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    return metres_per_radian(planet, place[0], params.site_elevation_m + areoid_height(planet, *place))
 
 
 @lru_cache(maxsize=4)
@@ -157,11 +184,14 @@ def ground_arrays(inputs: GroundInputs) -> np.void:
     """The arrays of the ground, ``GROUND``, which all share and nobody writes to.
 
     Raises:
-        OSError, ValueError: as :func:`edl6dof.environment.map_file.read_map`.
+        OSError, ValueError, ModuleNotFoundError: as :func:`edl6dof.environment.map_file.read_map` and
+            :func:`edl6dof.environment.landing_area.dtm_file.read_dtm`.
     """
     record = np.zeros(1, GROUND)
     if inputs.map is not None:
         record["map"] = read_map(inputs.map)
+    if inputs.dtm is not None:
+        record["dtm"] = read_dtm(inputs.dtm)
     if inputs.hurst is not None:
         record["tiles"] = fractal_tiles(inputs.hurst)
     record.flags.writeable = False
@@ -196,5 +226,5 @@ def fill_terrain(
     steepness = -tan(radians(params.slope_deg))
     record["tilt_north"] = steepness * cos(radians(params.slope_azimuth_deg))
     record["tilt_east"] = steepness * sin(radians(params.slope_azimuth_deg))
-    fill_plane(record, planet, params.site_elevation_m + areoid_height(planet, *place))
+    record["metres_north"], record["metres_east"] = _metres(params, planet)
     fill_landing_area(record["landing_area"], params.landing_area, grid["tiles"], seed, case)

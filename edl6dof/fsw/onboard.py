@@ -35,6 +35,10 @@ from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
 from edl6dof.fsw.guidance.update import GUIDANCE
+from edl6dof.fsw.hazard.drift import DRIFTER
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.hazard.registry import HazardParams
+from edl6dof.fsw.hazard.update import HAZARD
 from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
@@ -151,6 +155,7 @@ class FlightSoftwareParams(Params):
 
     rates: RateParams = group(RateParams, "rate table")
     navigation: NavigationParams = group(NavigationParams, "navigation")
+    hazard: HazardParams = group(HazardParams, "hazard detection and the choice of a spot")
     guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
     check_out: CheckOutParams = group(CheckOutParams, "check-out of thrusters")
     control: ControlParams = group(ControlParams, "attitude controllers")
@@ -255,6 +260,8 @@ ONBOARD = np.dtype(
         ("instruments", INSTRUMENTS),
         ("flow_meters", FLAG),  # whether propellant branches are metered
         ("navigation", dtype_of(NavigationParams)),
+        ("hazard", dtype_of(HazardParams)),
+        ("drifter", DRIFTER),
         ("guidance", dtype_of(GuidanceParams)),
         ("check_out", CHECK_OUT),
         ("control", dtype_of(ControlParams)),
@@ -275,6 +282,7 @@ ONBOARD = np.dtype(
 FSW = np.dtype(
     [
         ("mission", SEQUENCE),
+        ("landing_point", LANDING_POINT),
         ("guidance", GUIDANCE),
         ("control", CONTROL),
         ("health", HEALTH),
@@ -293,6 +301,7 @@ FSW = np.dtype(
         ("allocation", ALLOCATION),
         ("modulation", MODULATION),
         ("command", COMMAND),
+        ("hazard", HAZARD),  # by far the largest
     ],
     align=True,
 )

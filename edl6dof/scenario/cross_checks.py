@@ -10,6 +10,7 @@ from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
+from edl6dof.environment.landing_area.params import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
@@ -51,6 +52,11 @@ def _cycle_problems(scenario: Scenario) -> dict[str, str]:
         f"{scenario.simulation.step_s:g})"
     )
     return {"simulation.step_s": message}
+
+
+def _landing_area_problems(scenario: Scenario) -> dict[str, str]:
+    found = landing_area_problems(scenario.terrain.landing_area)
+    return {f"terrain.landing_area.{key}": message for key, message in found.items()}
 
 
 def _lag_problems(scenario: Scenario) -> dict[str, str]:
@@ -153,6 +159,7 @@ def _entry_problems(scenario: Scenario) -> dict[str, str]:
 
 CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
+    CrossCheck(frozenset({"terrain"}), _landing_area_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),

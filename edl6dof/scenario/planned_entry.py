@@ -226,7 +226,7 @@ def note(onboard, s, here, ahead, target, row):
     aim point.
     """
     nav, radius = s.nav, onboard.planet.equatorial_radius
-    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     row.t, row.altitude, row.speed, row.path_angle = nav.t, nav.altitude, nav.speed, nav.flight_path_angle
     row.azimuth, row.energy, row.mach = nav.azimuth, nav.energy, nav.mach
     there, end = unit(take3(s.r, 0)), atan2(dot(target, ahead), dot(target, here))

@@ -23,7 +23,7 @@ class Relief:
 
     def __init__(self, params: TerrainParams, planet: PlanetParams, seed: int, case: int) -> None:
         self._terrain = np.zeros(1, TERRAIN)
-        self._grid = ground_arrays(ground_inputs(params))
+        self._grid = ground_arrays(ground_inputs(params, planet))
         self._areoid = areoid_map(areoid_file(planet))
         fill_terrain(self._terrain[0], params, self._grid, planet, seed, case)
 

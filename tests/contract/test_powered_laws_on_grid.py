@@ -11,6 +11,7 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 
@@ -33,7 +34,7 @@ def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_th
         for _ in range(2):
             memory, guide = np.zeros(1, POWERED_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
             target = np.zeros(1, POWERED_TARGET)[0]
-            choose_target(settings["target"], nav, target)
+            choose_target(settings["target"], nav, np.zeros(1, LANDING_POINT)[0], target)
             for _ in range(3):
                 *acceleration, limit = powered_guidance(index, settings, *vehicle, nav, target, memory, guide)
             command_thrust(900.0, tuple(acceleration), limit, guide)

@@ -36,7 +36,7 @@ def site(scenario) -> Site:
 
 
 def test_ground_is_that_of_the_simulation(scenario, site):
-    terrain, grid = np.zeros(1, TERRAIN), ground_arrays(ground_inputs(scenario.terrain))
+    terrain, grid = np.zeros(1, TERRAIN), ground_arrays(ground_inputs(scenario.terrain, scenario.planet))
     fill_terrain(terrain[0], scenario.terrain, grid, scenario.planet)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
         lat, lon = (

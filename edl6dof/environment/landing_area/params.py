@@ -7,9 +7,17 @@ from typing import Literal
 
 import numpy as np
 
-from edl6dof.config.base import Params, param
+from edl6dof.config.base import Params, group, param
+from edl6dof.environment.landing_area.craters import EDGE
+from edl6dof.environment.landing_area.dtm import DtmParams
 from edl6dof.environment.landing_area.fractal import COARSE_CELLS, NODES, fractal_at, unit_slope
-from edl6dof.environment.landing_area.population import POPULATION, fill_population
+from edl6dof.environment.landing_area.population import (
+    CROWD,
+    POPULATION,
+    Law,
+    fill_population,
+    most_in_a_cell,
+)
 from edl6dof.environment.landing_area.rocks import rock_law
 from edl6dof.environment.layout import extended
 from edl6dof.environment.profiles import GROUND_STREAM, stream
@@ -39,7 +47,7 @@ class LandingAreaParams(Params):
         le=0.95,
     )
     rms_slope_deg: float = param(
-        2.0, "RMS slope of the fractal relief over slope_baseline_m", status="estimate", ge=0.0, le=20.0
+        1.5, "RMS slope of the fractal relief over slope_baseline_m", status="estimate", ge=0.0, le=20.0
     )
     slope_baseline_m: float = param(5.0, "distance over which rms_slope_deg is taken", ge=0.5, le=100.0)
     crater_density_per_km2: float = param(
@@ -66,8 +74,10 @@ class LandingAreaParams(Params):
     smallest_rock_m: float = param(0.2, "smallest diameter of rocks", ge=0.05, le=1.0)
     largest_rock_m: float = param(5.0, "largest diameter of rocks", ge=1.0, le=20.0)
 
+    dtm: DtmParams = group(DtmParams, "digital terrain model in place of the map", record=False)
 
-#: ``key``: of what is generated; ``roughness``: factor of the tiles; ``level`` m: taken off, so that the
+
+#: ``roughness``: factor of the tiles; ``level`` m: taken off, so that the
 #: fractal relief is 0 at the site; ``offset``, ``turn``: how the tiles lie in this case.
 LANDING_AREA = extended(
     LandingAreaParams,
@@ -89,14 +99,38 @@ def fill_landing_area(
     rng = stream(seed, case, GROUND_STREAM)
     record["offset"] = rng.integers(0, NODES * COARSE_CELLS, 4)
     record["turn"] = rng.integers(0, 8)
-    baseline = params.slope_baseline_m / params.cell_m
+    slope = tan(np.radians(params.rms_slope_deg))
     record["roughness"] = (
-        tan(np.radians(params.rms_slope_deg)) * params.cell_m / unit_slope(params.hurst, baseline)
+        slope * params.cell_m / unit_slope(params.hurst, params.slope_baseline_m / params.cell_m)
     )
     record["level"] = fractal_at(record, tiles, 0, 0)
-    density = params.crater_density_per_km2 * 1e-6 * CRATER_DIAMETER**params.crater_exponent
-    sizes = (params.smallest_crater_m, params.largest_crater_m)
-    crater_law = (density * params.crater_exponent, params.crater_exponent, 0.0)
-    fill_population(record["craters"], crater_law, sizes, 1.0, params.cell_m, rng)
-    sizes = (params.smallest_rock_m, params.largest_rock_m)
-    fill_population(record["rocks"], rock_law(params.rock_abundance), sizes, 0.5, params.cell_m, rng)
+    for name, law in _laws(params).items():
+        fill_population(record[name], law, params.cell_m, rng)
+
+
+def landing_area_problems(params: LandingAreaParams) -> dict[str, str]:
+    """Key to message of numbers that do not fit together."""
+    found = {}
+    for name, law in _laws(params).items():
+        one = name.removesuffix("s")
+        if law.largest <= law.smallest:
+            found[f"smallest_{one}_m"] = (
+                f"must be below largest_{one}_m {law.largest:g} (got {law.smallest:g})"
+            )
+        elif (most := most_in_a_cell(law, params.cell_m)) > CROWD:
+            found[f"smallest_{one}_m"] = (
+                f"so many {name} of that size that {most:.0f} reach one place, at most {CROWD:g} are "
+                f"allowed: raise it (got {law.smallest:g})"
+            )
+    return found
+
+
+def _laws(params: LandingAreaParams) -> dict[str, Law]:
+    """The populations of a landing area by the names of their records."""
+    exponent = params.crater_exponent
+    craters = params.crater_density_per_km2 * 1e-6 * CRATER_DIAMETER**exponent * exponent
+    amount, decay = rock_law(params.rock_abundance)
+    return {
+        "craters": Law(craters, exponent, 0.0, params.smallest_crater_m, params.largest_crater_m, 0.5 * EDGE),
+        "rocks": Law(amount, 1.0, decay, params.smallest_rock_m, params.largest_rock_m, 0.5),
+    }

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from math import cos, pi, sin, sqrt
 
-import numpy as np
-
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import wrapped
@@ -32,12 +30,11 @@ def geodetic_of(terrain, north, east):
     )
 
 
-def fill_plane(record: np.void, planet: PlanetParams, altitude_m: float) -> None:
-    """Metres per radian of latitude and longitude at the site of a terrain record, ``altitude_m`` above the
+def metres_per_radian(planet: PlanetParams, latitude: float, altitude_m: float) -> tuple[float, float]:
+    """Metres per radian of latitude and longitude at a geodetic latitude (rad) and altitude above the
     ellipsoid.
     """
-    lat = float(record["site_latitude"])
     e2 = planet.flattening * (2.0 - planet.flattening)
-    w = sqrt(1.0 - e2 * sin(lat) ** 2)
-    record["metres_north"] = planet.equatorial_radius_m * (1.0 - e2) / w**3 + altitude_m
-    record["metres_east"] = (planet.equatorial_radius_m / w + altitude_m) * cos(lat)
+    w = sqrt(1.0 - e2 * sin(latitude) ** 2)
+    north = planet.equatorial_radius_m * (1.0 - e2) / w**3 + altitude_m
+    return north, (planet.equatorial_radius_m / w + altitude_m) * cos(latitude)

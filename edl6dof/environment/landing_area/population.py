@@ -11,7 +11,8 @@ Source: thinning: Lewis and Shedler, Naval Research Logistics 26, 403 (1979).
 
 from __future__ import annotations
 
-from math import exp, floor, log2
+from math import ceil, exp, floor, log2
+from typing import NamedTuple
 
 import numpy as np
 
@@ -94,38 +95,41 @@ def member(population, k, bits, i, j, n):
     return north, east, diameter, character
 
 
-def fill_population(
-    record: np.void,
-    law: tuple[float, float, float],
-    sizes: tuple[float, float],
-    reach: float,
-    lattice: float,
-    rng: np.random.Generator,
-) -> None:
-    """Divide a population into classes.
-
-    Args:
-        record: ``POPULATION``, written.
-        law: amount, exponent and decay (per m) of the number per m2 and m of diameter.
-        sizes: smallest and largest diameter, m.
-        reach: from the middle of a member to where it ends, in its diameters.
-        lattice: cell of the lattice, m.
-        rng: draws the keys.
-
-    Raises:
-        ValueError: so many that they lie one upon another.
+class Law(NamedTuple):
+    """A population: amount, exponent and decay (per m) of its number per m2 and m of diameter; smallest and
+    largest diameter (m); and from the middle of a member to where it ends, in its diameters.
     """
-    amount, exponent, decay = law
-    count = 0 if amount == 0.0 else max(1, int(np.ceil(log2(sizes[1] / sizes[0]) - 1e-9)))
-    low = sizes[0] * 2.0 ** np.arange(count)
-    high = np.minimum(2.0 * low, sizes[1])
-    side = 2.0 * reach * high + lattice
-    per_area = amount / exponent * np.exp(-decay * low) * (low**-exponent - high**-exponent)
-    mean = per_area * side**2
-    if np.any(mean > CROWD):
-        raise ValueError(f"so many of {sizes[0]:g} m and more lie one upon another")
-    record["n"], record["exponent"], record["decay"], record["reach"] = count, exponent, decay, reach
-    for name, values in (("smallest", low), ("largest", high), ("cell", side), ("mean", mean)):
-        record[name][:count] = values
-    record["empty"][:count] = np.exp(-mean)
+
+    amount: float
+    exponent: float
+    decay: float
+    smallest: float
+    largest: float
+    reach: float
+
+
+def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Generator) -> None:
+    """Divide a population into classes, for a lattice with cells of this side (m); ``rng`` draws its keys."""
+    classes = _classes(law, lattice)
+    record["n"] = len(classes["mean"])
+    record["exponent"], record["decay"], record["reach"] = law.exponent, law.decay, law.reach
+    for name, values in classes.items():
+        record[name][: len(values)] = values
+    record["empty"][: record["n"]] = np.exp(-classes["mean"])
     record["key"] = rng.integers(0, 2**63 - 1, MAX_CLASSES)
+
+
+def most_in_a_cell(law: Law, lattice: float) -> float:
+    """Members that the fullest cells of a class hold on average."""
+    return float(np.max(_classes(law, lattice)["mean"], initial=0.0))
+
+
+def _classes(law: Law, lattice: float) -> dict[str, np.ndarray]:
+    """Smallest and largest diameter, side of the cells (m) and mean number in a cell, of each class."""
+    count = max(1, ceil(log2(law.largest / law.smallest) - 1e-9)) if law.amount > 0.0 else 0
+    low = law.smallest * 2.0 ** np.arange(count)
+    high = np.minimum(2.0 * low, law.largest)
+    side = 2.0 * law.reach * high + lattice
+    steep = law.amount / law.exponent * np.exp(-law.decay * low)
+    mean = steep * (low**-law.exponent - high**-law.exponent) * side**2
+    return {"smallest": low, "largest": high, "cell": side, "mean": mean}

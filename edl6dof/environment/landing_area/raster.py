@@ -12,8 +12,8 @@ from edl6dof.environment.landing_area.surface import node_height
 from edl6dof.environment.terrain import regional
 from edl6dof.jit import kernel
 
-#: Nodes between which what is coarser than the landing area is drawn as a straight line: off it by less than
-#: a millimetre where that bends.
+#: Nodes between which what is coarser than the landing area is drawn as a straight line: off it by a
+#: few millimetres where that bends.
 _APART = 8
 
 

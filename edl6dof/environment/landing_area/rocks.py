@@ -16,14 +16,14 @@ from edl6dof.jit import kernel
 HEIGHT = 0.5
 
 
-def rock_law(abundance: float) -> tuple[float, float, float]:
-    """Amount, exponent and decay (per m) of the number per m2 and m of diameter (see
-    :mod:`edl6dof.environment.landing_area.population`) where rocks cover this share of the ground.
+def rock_law(abundance: float) -> tuple[float, float]:
+    """Amount and decay (per m) of the number amount * exp(-decay D) / D^2 per m2 and m of diameter, where
+    rocks cover this share of the ground.
     """
     if abundance == 0.0:
-        return 0.0, 1.0, 0.0
+        return 0.0, 0.0
     decay = 1.79 + 0.152 / abundance
-    return 4.0 * decay * abundance / pi, 1.0, decay
+    return 4.0 * decay * abundance / pi, decay
 
 
 @kernel

@@ -24,6 +24,7 @@ GUIDE = np.dtype(
         ("drag_ratio", "f8"),  # measured over believed drag
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
+        ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
         # inner quantities of the laws that have them
         ("surface", "f8"),  # sliding surface, m/s3
         ("virtual", "f8"),  # virtual state of saturation, m/s3

@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.hazard.point_map import MAP_CELLS, cell_of, middle_of
-from edl6dof.fsw.hazard.safety import SAFE, UNSEEN, VERDICTS
+from edl6dof.fsw.hazard.safety import SAFE, TOO_ROUGH, VERDICTS
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
 
@@ -126,20 +126,20 @@ def choose_spot(params, chart, judged, here_L, apart, speed, time, flow, out):
 
 
 @kernel
-def least_bad(chart, footprint, judged, steepest, roughest, here_L, out):
-    """Where no spot is safe: the one whose slope and roughness exceed their limits least, of several the
+def least_bad(chart, footprint, judged, here_L, out):
+    """Where no spot is safe: that of the least roughness among those that are not too steep, of several the
     nearest; where none is known, the point below.
     """
     out.spot_L[0], out.spot_L[1] = here_L
     out.clearance, least = 0.0, 1e9
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
-            if judged.verdict[i, j] == UNSEEN:
+            if judged.verdict[i, j] != TOO_ROUGH:
                 continue
             spot_L = middle_of(chart, i, j)
             east, north = spot_L[0] - here_L[0], spot_L[1] - here_L[1]
-            excess = max(footprint.slope[i, j] / steepest, footprint.roughness[i, j] / roughest)
-            cost = excess + 1e-4 * sqrt(east * east + north * north)
+            # a metre of way for a millimetre of roughness
+            cost = footprint.roughness[i, j] + 1e-3 * sqrt(east * east + north * north)
             if cost < least:
                 least = cost
                 out.spot_L[0], out.spot_L[1] = spot_L

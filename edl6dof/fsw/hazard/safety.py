@@ -1,5 +1,5 @@
-"""Which cells of a map are safe to stand on: by limits of slope and roughness, or by the probability that both
-are kept.
+"""Which cells of a map are safe to stand on: by limits of slope and roughness, or by the probability that
+both are kept.
 
 The probability takes the elevation of each cell as normal: independent errors of range, of standard deviation
 s over the square root of the cell's weight, and the relief b that a cell hides between its points (Tomita and
@@ -82,8 +82,8 @@ def spread_of_rise(radius_m, cell, deviation):
 
 @kernel
 def keeps_clear(chart, radius, i, j, planes, roughest, deviation, between, least):
-    """Probability that no cell of the footprint around (i, j) lies farther off its plane than ``roughest`` (m,
-    up or down); once it is seen to be less than ``least``, an upper bound of it.
+    """Probability that no cell of the footprint around (i, j) lies farther off its plane than ``roughest``
+    (m, up or down); once it is seen to be less than ``least``, an upper bound of it.
     """
     reach, doubt, enough = int(radius), 0.0, -log(least)
     for row in range(-reach, reach + 1):

@@ -13,11 +13,11 @@ from functools import partial
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.studies.landing.call_time import call_time
-from edl6dof.studies.landing.cases import cases, dispersed, with_law
+from edl6dof.studies.landing.conditions import cases, dispersed, with_law
 from edl6dof.studies.landing.drawings import drawings
 from edl6dof.studies.landing.figures import of_flight
 from edl6dof.studies.landing.tables import REMARKS, findings, grids
+from edl6dof.studies.landing.timing import call_time
 from edl6dof.studies.study import Progress, Report, Study
 
 LAWS = POWERED_LAWS.names

@@ -10,8 +10,8 @@ import numpy as np
 from edl6dof.campaign.rows import Row
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.studies import plots
-from edl6dof.studies.landing.cases import DIVERTS, divert
-from edl6dof.studies.landing.tables import MISS_M, laws, of, values
+from edl6dof.studies.landing.conditions import DIVERTS, divert
+from edl6dof.studies.landing.tables import MISS_M, laws, mean, of, values
 
 #: Miss (m) at which the axis of misses ends.
 _WORST_M = 1000.0
@@ -56,7 +56,7 @@ def _diverts(rows: Sequence[Row]) -> Panel:
     traces = [
         plots.curve(
             np.array(DIVERTS),
-            np.array([np.nanmean(values(of(rows, law, divert(m)), "hover_fuel_kg")) for m in DIVERTS]),
+            np.array([mean(of(rows, law, divert(m)), "hover_fuel_kg") for m in DIVERTS]),
             law,
         )
         for law in laws(rows)

@@ -8,7 +8,7 @@ from math import inf, isfinite, nan, sqrt
 import numpy as np
 
 from edl6dof.campaign.rows import Row
-from edl6dof.studies.landing.cases import DISPERSED, DIVERTS, ENGINE_FAULTS, divert, fault
+from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
 from edl6dof.studies.study import Finding, Grid
 
 #: The law that the others are compared with, and the ones that solve an optimisation problem in flight.
@@ -78,8 +78,8 @@ def _fuel(rows: Sequence[Row]) -> Grid:
     heads = ("law", "to hover kg", "less ref. kg", "95 % +-", "to ground kg", "less ref., kg", "95 %, +-")
     lines: list[Line] = [
         (
-            *(law, _mean(of(rows, law), "hover_fuel_kg"), *difference(rows, law, "hover_fuel_kg")),
-            *(_mean(of(rows, law), "ground_fuel_kg"), *difference(rows, law, "ground_fuel_kg")),
+            *(law, mean(of(rows, law), "hover_fuel_kg"), *difference(rows, law, "hover_fuel_kg")),
+            *(mean(of(rows, law), "ground_fuel_kg"), *difference(rows, law, "ground_fuel_kg")),
         )
         for law in laws(rows)
     ]
@@ -96,11 +96,11 @@ def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
 
 
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
-    miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg")
+    miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg", 0.0)
     return (
         *(_quantile(miss, 0.5), _quantile(miss, 0.99)),
         _quantile(values(flown, "navigated_miss_m", inf), 0.99),
-        *(float(np.nanmean(tilt)), float(np.nanmax(tilt))),
+        *(mean(flown, "peak_tilt_deg"), float(np.max(tilt))),
         _share(not reached(row) for row in flown),
         _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
         _share(landed(row) for row in flown),
@@ -128,23 +128,23 @@ def _diverts(rows: Sequence[Row]) -> Grid:
 
 def _diverted(flown: Sequence[Row]) -> tuple[float, float, float]:
     return (
-        _mean(flown, "hover_fuel_kg"),
+        mean(flown, "hover_fuel_kg"),
         float(np.max(values(flown, "navigated_miss_m", inf))),
         _share(not reached(row) for row in flown),
     )
 
 
 def _faults(rows: Sequence[Row]) -> Grid:
-    conditions = [fault(*one) for one in ENGINE_FAULTS]
     lines: list[Line] = [
-        (law, *(_mean(of(rows, law, condition), "touchdown_vertical_m_s") for condition in conditions))
+        (law, *(mean(of(rows, law, name), "touchdown_vertical_m_s") for name in ENGINE_FAULTS))
         for law in laws(rows)
     ]
     title = "engine fails, s after backshell release: descent rate at the ground, m/s; -: lost before"
-    return Grid(title, ("law", *conditions), tuple(lines))
+    return Grid(title, ("law", *ENGINE_FAULTS), tuple(lines))
 
 
-def _mean(rows: Sequence[Row], name: str) -> float:
+def mean(rows: Sequence[Row], name: str) -> float:
+    """Mean of a figure over the flights that have it."""
     found = values(rows, name)
     return float(np.nanmean(found)) if np.isfinite(found).any() else nan
 
@@ -168,11 +168,11 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
     }
     best = min(worst, key=lambda law: worst[law])
     yield Finding(f"largest miss, {longest}, best law", "m", worst[best], DIVERT_MISS_M, "<=", best)
-    for one in ENGINE_FAULTS:
-        flown = of(rows, condition=fault(*one))
+    for name in ENGINE_FAULTS:
+        flown = of(rows, condition=name)
         causes = dict.fromkeys(row["cause"] for row in flown if not landed(row))
         down = float(sum(landed(row) for row in flown))
-        yield Finding(f"{fault(*one)}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
+        yield Finding(f"{name}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
     for law in laws(rows):
         saved, half = difference(rows, law, "hover_fuel_kg")
         if law != REFERENCE and isfinite(saved):

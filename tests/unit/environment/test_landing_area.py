@@ -3,15 +3,16 @@ against their laws.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from math import atan, degrees, exp, log, pi, radians, sqrt, tan
+from math import atan, degrees, exp, pi, radians, sqrt, tan
 
 import numpy as np
 import pytest
 from scipy import integrate
 
+from edl6dof.config.errors import ConfigError
 from edl6dof.environment.landing_area.census import list_within, within
 from edl6dof.environment.landing_area.craters import DEPTH, EDGE, RIM, WORN_DEPTH, crater_height
-from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams
+from edl6dof.environment.landing_area.params import CRATER_DIAMETER, LandingAreaParams, landing_area_problems
 from edl6dof.environment.landing_area.plane import geodetic_of, place_of
 from edl6dof.environment.landing_area.raster import lay_raster
 from edl6dof.environment.landing_area.surface import corners, relief
@@ -41,7 +42,7 @@ def build(seed=1, given=None, **area):
         **(given or {}),
         landing_area=LandingAreaParams(**{"model": "generated", **area}),
     )
-    terrain, grid = np.zeros(1, TERRAIN)[0], ground_arrays(ground_inputs(params))
+    terrain, grid = np.zeros(1, TERRAIN)[0], ground_arrays(ground_inputs(params, PLANET))
     fill_terrain(terrain, params, grid, PLANET, seed)
     return terrain, grid
 
@@ -263,8 +264,11 @@ def test_without_a_landing_area_the_ground_is_the_map_and_the_raster_follows_it(
     assert degrees(atan(gradient)) == pytest.approx(5.0, abs=0.7)  # on the map's own slope
 
 
-def test_too_many_craters_are_refused():
-    with pytest.raises(ValueError, match="lie one upon another"):
-        build(crater_density_per_km2=500.0, crater_exponent=3.5, smallest_crater_m=1.0)
-    assert log(golombek(0.4, 0.05)) > 0.0
-    build(rock_abundance=0.4, smallest_rock_m=0.05)
+def test_numbers_that_do_not_fit_together_are_named():
+    crowded = LandingAreaParams(crater_density_per_km2=500.0, crater_exponent=3.5, smallest_crater_m=1.0)
+    assert "reach one place" in landing_area_problems(crowded)["smallest_crater_m"]
+    upside_down = LandingAreaParams(smallest_rock_m=1.0, largest_rock_m=1.0)
+    assert landing_area_problems(upside_down).keys() == {"smallest_rock_m"}
+    assert not landing_area_problems(LandingAreaParams(rock_abundance=0.4, smallest_rock_m=0.05))
+    with pytest.raises(ConfigError, match="terrain.landing_area.smallest_crater_m"):
+        load_scenario("tianwen1_hazards", ["terrain.landing_area.smallest_crater_m=300"])

@@ -20,7 +20,7 @@ from edl6dof.environment.terrain import (
 )
 from edl6dof.scenario.schema import load_scenario
 
-GRID = ground_arrays(GroundInputs(map_file(MAP), None))
+GRID = ground_arrays(GroundInputs(map_file(MAP)))
 PLANET = load_scenario("tianwen1").scenario.planet
 SITE = (radians(25.066), radians(109.925))
 

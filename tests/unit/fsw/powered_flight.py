@@ -6,9 +6,12 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import command_thrust, start_or_throttle
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import G0, VEHICLE_STATE
 
+#: Nothing chosen by hazard detection.
+NO_POINT = np.zeros(1, LANDING_POINT)[0]
 G = 3.72
 MASS = 940.0
 
@@ -45,7 +48,7 @@ class Guided:
         self.state, self.target = np.zeros(1, VEHICLE_STATE)[0], np.zeros(1, POWERED_TARGET)[0]
         self.state["ignited"], self.state["mass"] = 1, MASS
         self.state["engine"] = self.vehicle["engines"][0]
-        choose_target(self.settings["target"], body.nav, self.target)
+        choose_target(self.settings["target"], body.nav, NO_POINT, self.target)
 
     @property
     def goal(self):

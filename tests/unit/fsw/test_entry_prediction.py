@@ -21,9 +21,12 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
     believed_aero,
     mach_nodes,
 )
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted, shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
+
+#: Speed (m/s) above any at which something opens.
+FAST = 1e9
 
 
 def out_record(drag_ratio=1.0, lift_ratio=1.0):
@@ -159,9 +162,9 @@ def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side
 def test_prediction_to_a_mach_number_ends_at_it(sphere):
     """At Mach 1.8 of the believed air instead of 420 m/s: later by the speed still to be lost, and lower."""
     nav = state(26.0, 110.0, 20e3, 1500.0, -14.0, 181.0)
-    *_, altitude, time = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
+    *_, altitude, time = predict(sphere, nav, out_record(), in_plane_shifted(0.5, 0.0, 0.0))
     sphere["guidance"]["entry"]["final_mach"] = 1.8
-    *_, lower, later = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
+    *_, lower, later = predict(sphere, nav, out_record(), in_plane_shifted(0.5, 0.0, 0.0))
     air = sphere["atmosphere"]
     sound = np.interp(
         lower, air["bottom"] + air["spacing"] * np.arange(len(air["speed_of_sound"])), air["speed_of_sound"]
@@ -192,7 +195,7 @@ def test_predicted_range_grows_without_jumps(onboard, at_65_km, drag_ratio):
     200 m where alignment moves by a step.
     """
     air = out_record(drag_ratio)
-    ends = [miss_of(onboard[0], at_65_km, air, shift) for shift in np.arange(0.65, 0.87, 5e-4)]
+    ends = [miss_of(onboard[0], at_65_km, air, shift, 0.0, 0.0) for shift in np.arange(0.65, 0.87, 5e-4)]
     assert np.diff(ends).min() > 0.0 and np.diff(ends).max() < 300.0
 
 
@@ -205,8 +208,9 @@ def test_solution_of_the_corrector_is_predicted_to_hit(onboard, at_65_km, drag_r
     nav, out, memory = at_65_km, out_record(drag_ratio), np.zeros(1, NPC_MEMORY)[0]
     memory["shift"] = record["reference"]["shift"]
     for _ in range(2):  # a call stops after a few steps; the next one goes on from there
-        solve(entry["npc"], record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
-    assert abs(miss_of(record, nav, out, memory["shift"])) < 200.0
+        low, high = cos(entry["bank_max"]), cos(entry["bank_min"])
+        solve(entry["npc"], record, nav, out, low, high, 0.0, 0.0, memory)
+    assert abs(miss_of(record, nav, out, memory["shift"], 0.0, 0.0)) < 200.0
     assert memory["iterations"] <= 1
     assert 20.0 < degrees(acos(memory["shift"])) < 100.0
 
@@ -216,7 +220,8 @@ def test_corrector_goes_to_the_nearer_limit_when_the_target_is_out_of_reach(onbo
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
     nav, memory = state(25.1 + ahead_deg, 110.2, 65e3, 4820.0, -9.3, 181.4), np.zeros(1, NPC_MEMORY)[0]
     for _ in range(3):
-        solve(entry["npc"], record, nav, out_record(), cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
+        low, high = cos(entry["bank_max"]), cos(entry["bank_min"])
+        solve(entry["npc"], record, nav, out_record(), low, high, 0.0, 0.0, memory)
     assert memory["shift"] == pytest.approx(cos(entry[bound]), abs=1e-9)
 
 
@@ -228,17 +233,17 @@ def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
     table = vehicle["airframe"]
     table["wing_mach"] = 0.0
     for i in (0, 7, 40, NODES - 2):
-        area, lift = believed_aero(vehicle, mach_nodes()[i])
+        area, lift = believed_aero(vehicle, mach_nodes()[i], FAST)
         assert area == pytest.approx(vehicle["drag_area"] * table["drag"][i], rel=1e-9)
         assert lift == pytest.approx(vehicle["lift_to_drag"] * table["lift"][i], rel=1e-9)
-    assert believed_aero(vehicle, 0.0) == believed_aero(vehicle, FIRST_MACH)
-    assert believed_aero(vehicle, 1e3) == pytest.approx(believed_aero(vehicle, LAST_MACH), rel=1e-3)
+    assert believed_aero(vehicle, 0.0, FAST) == believed_aero(vehicle, FIRST_MACH, FAST)
+    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3)
 
 
 @pytest.mark.parametrize("mach", [22.3, 11.7, 5.2])
 def test_area_rate_is_that_of_the_believed_drag_area_while_the_speed_falls(onboard, mach):
     vehicle, speed, slowing = onboard[0]["vehicle"], 200.0 * mach, -60.0
-    areas = [believed_aero(vehicle, mach * (1.0 + side * 1e-5))[0] for side in (-1.0, 1.0)]
+    areas = [believed_aero(vehicle, mach * (1.0 + side * 1e-5), FAST)[0] for side in (-1.0, 1.0)]
     expected = log(areas[1] / areas[0]) / 2e-5 * slowing / speed
     assert area_rate(vehicle, mach, speed, slowing) == pytest.approx(expected, rel=0.02, abs=1e-7)
 
@@ -246,8 +251,8 @@ def test_area_rate_is_that_of_the_believed_drag_area_while_the_speed_falls(onboa
 def test_no_lift_is_believed_once_the_wing_is_open(onboard):
     vehicle = onboard[0]["vehicle"]
     assert vehicle["airframe"]["wing_mach"] == 2.8
-    assert believed_aero(vehicle, 2.79)[1] == 0.0
-    assert believed_aero(vehicle, 2.81)[1] > 0.14
+    assert believed_aero(vehicle, 2.79, FAST)[1] == 0.0
+    assert believed_aero(vehicle, 2.81, FAST)[1] > 0.14
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +273,7 @@ def test_believed_airframe_is_what_the_rigid_body_trims_to(nominal, shared_onboa
     vehicle = shared_onboard[0]["vehicle"]
     for low, high in ((3.2, 6.0), (6.0, 12.0), (12.0, 20.0)):
         part = (t["truth.mach"] > low) & (t["truth.mach"] < high) & (t["truth.dynamic_pressure_pa"] > 300.0)
-        believed = np.array([believed_aero(vehicle, mach) for mach in t["truth.mach"][part]])
+        believed = np.array([believed_aero(vehicle, mach, FAST) for mach in t["truth.mach"][part]])
         assert np.mean(drag[part] / t["truth.dynamic_pressure_pa"][part] / believed[:, 0]) == pytest.approx(
             1.0, abs=0.01
         )
@@ -285,7 +290,7 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     density = exp(
         np.interp(30e3, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"])
     )
-    area, ratio = believed_aero(vehicle, 15.0)
+    area, ratio = believed_aero(vehicle, 15.0, FAST)
     drag = 1.2 * 0.5 * density * (2000.0**2 + 2500.0**2) * area / vehicle["entry_mass"]
     nav["drag"], nav["lift"] = drag, 0.8 * ratio * drag
     tau, dt = record["guidance"]["entry"]["air_data"]["time_constant"], 0.2

@@ -22,12 +22,15 @@ from edl6dof.fsw.guidance.powered.terminal import (
     throttle,
 )
 from edl6dof.fsw.guidance.update import GUIDANCE, descend_by_engine
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 STILL = np.zeros(2)
+#: Nothing chosen by hazard detection.
+NO_POINT = np.zeros(1, LANDING_POINT)[0]
 
 
 def terminal(onboard):
@@ -89,11 +92,11 @@ def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
     held = (sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth), cos(tilt))
     body.nav["q_I2B"] = shortest_arc((-1.0, 0.0, 0.0), held)
     quiet = np.zeros(1, DISTURBANCE)[0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
     assert body.out["thrust_direction_N"] == pytest.approx((held[0], held[1], -held[2]), abs=1e-12)
     assert memory["target"]["set"] == 0  # chosen where the engine lights
     state["ignited"], state["mass"], state["engine"] = 1, 950.0, onboard[0]["vehicle"]["engines"][0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
     assert memory["target"]["set"] == 1
     assert body.out["thrust_direction_N"][:2] @ held[:2] < 0.0  # against the drift
 
@@ -102,7 +105,7 @@ def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
 def test_target_lies_ahead_by_a_share_of_the_drift_less_a_divert_away_from_the_backshell(onboard, drift):
     p = onboard[0]["guidance"]["powered"]["target"]
     body, target = PointMass(1300.0, (*drift, 80.0), east=70.0), np.zeros(1, POWERED_TARGET)[0]
-    choose_target(p, body.nav, target)
+    choose_target(p, body.nav, NO_POINT, target)
     duration = p["time_factor"] * 2.0 * (1300.0 - p["height"]) / 80.0
     speed = hypot(*drift)
     against = np.array(drift) / -speed if speed > 0.5 else np.array([-1.0, 0.0])
@@ -111,7 +114,7 @@ def test_target_lies_ahead_by_a_share_of_the_drift_less_a_divert_away_from_the_b
     assert (target["arrival"], target["height"]) == pytest.approx((duration, p["height"]))
     before = target.copy()
     body.move(5.0, -3.0, 6.0, 1.0)
-    choose_target(p, body.nav, target)
+    choose_target(p, body.nav, NO_POINT, target)
     assert target == before  # once only
 
 
@@ -167,7 +170,7 @@ def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(up):
 @pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
 def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
     body = PointMass(height, (0.5, 0.0, descent))
-    hover(*terminal(onboard), body.nav, 900.0, STILL, body.out)
+    hover(*terminal(onboard), body.nav, 900.0, STILL, NO_POINT, body.out)
     assert acos(np.clip(-body.out["thrust_direction_N"][2], -1.0, 1.0)) < radians(6.0)
 
 
@@ -234,7 +237,7 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 
     def step(b):
         nonlocal fastest
-        avoid(*terminal(onboard), b.nav, mass, STILL, memory, b.out)
+        avoid(*terminal(onboard), b.nav, mass, STILL, NO_POINT, memory, b.out)
         assert b.out["thrust_direction_N"] == pytest.approx((0.0, 0.0, -1.0))
         fastest = max(fastest, np.hypot(b.v[0], b.v[1]))
 
@@ -247,9 +250,34 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 def test_descent_comes_down_at_the_touchdown_rate_without_lateral_speed(onboard):
     p = onboard[0]["guidance"]["powered"]["terminal"]
     body, mass = PointMass(60.0, (0.2, 0.1, 2.5)), 850.0
-    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, b.out), body, mass, 20.0)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, NO_POINT, b.out), body, mass, 20.0)
     assert body.v[2] == pytest.approx(p["touchdown_rate"], abs=0.02)
     assert np.hypot(body.v[0], body.v[1]) < 0.15
+
+
+def test_chosen_spot_is_flown_to_and_held_in_the_slow_descent(onboard):
+    p = onboard[0]["guidance"]["powered"]["terminal"]
+    p["avoidance_rate"], p["touchdown_rate"] = 2.0, 0.5
+    point, memory, mass = np.zeros(1, LANDING_POINT)[0], np.zeros(1, TERMINAL)[0], 850.0
+    point["fine_known"], point["fine_L"] = 1, (12.0, 3.0)
+    body = PointMass(100.0, (0.0, 0.0, 0.5), east=7.0, north=-4.0)
+    fly_terminal(
+        lambda b: avoid(*terminal(onboard), b.nav, mass, STILL, point, memory, b.out), body, mass, 45.0
+    )
+    assert body.r[:2] == pytest.approx((3.0, 12.0), abs=0.3)
+    pushed = PointMass(40.0, (0.3, -0.3, 0.5), east=12.5, north=2.5)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, point, b.out), pushed, mass, 30.0)
+    assert pushed.r[:2] == pytest.approx((3.0, 12.0), abs=0.1)
+
+
+def test_target_of_powered_descent_is_that_of_coarse_avoidance_where_there_is_one(onboard):
+    point, target = np.zeros(1, LANDING_POINT)[0], np.zeros(1, POWERED_TARGET)[0]
+    point["coarse_known"], point["coarse_L"] = 1, (321.0, -123.0)
+    choose_target(
+        onboard[0]["guidance"]["powered"]["target"], PointMass(1200.0, (5.0, 5.0, 60.0)).nav, point, target
+    )
+    assert target["set"] == 1 and target["height"] == 100.0 and target["arrival"] > 20.0
+    assert tuple(target["point_L"]) == (321.0, -123.0)
 
 
 def test_known_standing_force_moves_the_vehicle_in_none_of_the_terminal_phases(onboard):
@@ -257,8 +285,8 @@ def test_known_standing_force_moves_the_vehicle_in_none_of_the_terminal_phases(o
     wind, mass, memory = np.array([120.0, -90.0]), 900.0, np.zeros(1, TERMINAL)[0]
     laws = (
         lambda b, known: hover(*terminal(onboard), b.nav, mass, known, b.out),
-        lambda b, known: avoid(*terminal(onboard), b.nav, mass, known, memory, b.out),
-        lambda b, known: descend(*terminal(onboard), b.nav, mass, known, b.out),
+        lambda b, known: avoid(*terminal(onboard), b.nav, mass, known, NO_POINT, memory, b.out),
+        lambda b, known: descend(*terminal(onboard), b.nav, mass, known, NO_POINT, b.out),
     )
     for law in laws:
         drifts = []
@@ -275,7 +303,7 @@ def test_lateral_force_that_is_asked_for_stays_within_what_a_pair_of_thrusters_c
         PointMass(10.0, (9.0, -9.0, 1.0)),
         onboard[0]["guidance"]["powered"]["terminal"]["lateral_force"],
     )
-    descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), body.out)
+    descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), NO_POINT, body.out)
     assert body.out["translating"] == 1
     assert body.out["force_N"] == pytest.approx([-limit, limit])
 
@@ -284,7 +312,7 @@ def test_horizontal_thrusters_rest_shortly_before_touchdown(onboard):
     height = onboard[0]["guidance"]["powered"]["terminal"]["rest_height"]
     for above, translating in ((0.1, 1), (-0.1, 0)):
         body = PointMass(height + above, (0.3, 0.0, 1.7))
-        descend(*terminal(onboard), body.nav, 900.0, STILL, body.out)
+        descend(*terminal(onboard), body.nav, 900.0, STILL, NO_POINT, body.out)
         assert body.out["translating"] == translating
 
 

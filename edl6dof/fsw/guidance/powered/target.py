@@ -1,7 +1,8 @@
 """Where powered deceleration ends: at rest, at a height above a point that keeps clear of the backshell.
 
 The point is chosen once, where the engine lights: ahead of the lander by a share of its drift over the time
-that a constant deceleration takes, less a divert against the drift.  Source of backshell avoidance: Hu et al.
+that a constant deceleration takes, less a divert against the drift; or where
+coarse hazard avoidance has chosen it.  Source of backshell avoidance: Hu et al.
 2022, section 6.2; the rule is an estimate.
 """
 
@@ -52,12 +53,13 @@ POWERED_TARGET = np.dtype(
 
 
 @kernel
-def choose_target(p, nav, target):
+def choose_target(p, nav, point, target):
     """Set ``target`` unless it is set already.
 
     Args:
         p: ``target`` section of powered guidance.
         nav: ``NAV`` record.
+        point: ``LANDING_POINT`` record: its coarse point is taken where one is chosen.
         target: ``POWERED_TARGET`` record.
     """
     if target.set != 0:
@@ -71,5 +73,8 @@ def choose_target(p, nav, target):
     drift = sqrt(east * east + north * north)
     ahead = p.drift_share * duration
     back_e, back_n = (east / drift, north / drift) if drift > 0.5 else (0.0, 1.0)
+    if point.coarse_known != 0:
+        target.point_L[0], target.point_L[1] = point.coarse_L[0], point.coarse_L[1]
+        return
     target.point_L[0] = nav.site_L[0] + ahead * east - p.divert * back_e
     target.point_L[1] = nav.site_L[1] + ahead * north - p.divert * back_n

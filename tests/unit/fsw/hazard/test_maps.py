@@ -1,4 +1,4 @@
-"""Maps of elevations: points land in their cells, holes are filled, and the planes are those of least squares."""
+"""Maps of elevations: points in their cells, planes of footprints, safety, clearance, and the spot."""
 
 import time
 

@@ -44,7 +44,7 @@ def guide(params, plan, onboard, nav, memory, out):
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
-    _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
     rate, a, b = drag_dynamics(
         nav.drag,

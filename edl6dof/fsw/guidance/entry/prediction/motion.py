@@ -58,7 +58,7 @@ def acceleration(onboard, drag_ratio, lift_ratio, r, v, lift_up, lift_right):
     density, sound, _ = model_atmosphere(onboard.atmosphere, height)
     through = velocity_in_air(onboard.atmosphere, r, v, height)
     air_speed, mach = max(norm(through), 1e-3), norm(v) / sound
-    area, lift_to_drag = believed_aero(vehicle, mach)
+    area, lift_to_drag = believed_aero(vehicle, mach, norm(v))
     drag = drag_ratio * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
     lift = lift_ratio * lift_to_drag * drag
     x = scale(1.0 / air_speed, through)

@@ -15,25 +15,27 @@ DISPERSED = "dispersed"
 #: Diverts (m) against the drift, and dispersed flights for each flight of one of them.
 DIVERTS, _PER_DIVERT = (0.0, 300.0, 600.0), 10
 
-#: Faults of the engine in flights that are not dispersed: kind, and time after backshell release (s).
-ENGINE_FAULTS: tuple[tuple[str, float], ...] = (
-    ("engine_shortfall", 0.0),
-    ("ignition_delay", 0.0),
-    ("throttle_stuck", 5.0),
-    ("throttle_stuck", 20.0),
-    ("throttle_stuck", 35.0),
-    ("engine_dead", 20.0),
-)
+
+def _weak(left: float) -> dict[str, Any]:
+    return {"kind": "engine_shortfall", "engine_shortfall": {"thrust_factor": left}}
+
+
+def _late(seconds: float) -> dict[str, Any]:
+    return {"kind": "ignition_delay", "ignition_delay": {"delay_s": seconds}}
+
+
+#: Faults of the engine in flights that are not dispersed: when after backshell release (s), and which.
+ENGINE_FAULTS: dict[str, tuple[float, dict[str, Any]]] = {
+    **{f"{left:.0%} thrust": (0.0, _weak(left)) for left in (0.8, 0.7, 0.6)},
+    **{f"{late:g} s late": (0.0, _late(late)) for late in (2.0, 4.0)},
+    **{f"stuck {after:g} s": (after, {"kind": "throttle_stuck"}) for after in (5.0, 20.0, 35.0)},
+    "dead 20 s": (20.0, {"kind": "engine_dead"}),
+}
 
 
 def divert(metres: float) -> str:
     """Condition of a divert."""
     return f"divert {metres:g} m"
-
-
-def fault(kind: str, after: float) -> str:
-    """Condition of a fault."""
-    return f"{kind} {after:g} s"
 
 
 def with_law(law: str) -> LoadedScenario:
@@ -59,10 +61,10 @@ def cases(flights: Sequence[Case], law: str) -> list[Case]:
 
 
 def _with_faults(law: str, first: int) -> Iterator[Case]:
-    for i, (kind, after) in enumerate(ENGINE_FAULTS):
+    for i, (name, (after, fault)) in enumerate(ENGINE_FAULTS.items()):
         at = {"phase": "powered_deceleration", "plus_s": after}
-        truth = {"faults": [{"engine": "main", "kind": kind, "at": at}]}
-        yield Case(first + i, truth, {}, 0, _label(law, fault(kind, after), i))
+        truth = {"faults": [{"engine": "main", "at": at, **fault}]}
+        yield Case(first + i, truth, {}, 0, _label(law, name, i))
 
 
 def _label(law: str, condition: str, flight: int) -> dict[str, Any]:
