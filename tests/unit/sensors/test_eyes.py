@@ -12,6 +12,7 @@ from edl6dof.interface.eyes import look
 from edl6dof.records import first_not_finite
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.vehicle.actuate import actuate
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 from edl6dof.vehicle.faults.fault import inflict
 
 EYES = ("landing_camera", "lidar", "stereo")
@@ -71,6 +72,17 @@ def test_images_are_finite_whatever_the_vehicle_does(name, value):
         bench.plant["y"][place] = value
         for record in (bench.measure(), bench.memory):
             assert first_not_finite(np.array([record], record.dtype)) is None
+
+
+@pytest.mark.parametrize("name, record, image", [
+    ("landing_camera", "camera", "seen"), ("lidar", "lidar", "range"), ("stereo", "stereo", "range"),
+])  # fmt: skip
+def test_eyes_see_nothing_through_the_heat_shield(name, record, image):
+    for shape, sees in ((CONFIG_CAPSULE, False), (CONFIG_BACKSHELL, True)):
+        bench = Hovering(name, GROUND)
+        bench.plant["shape"] = shape
+        assert np.any(bench.measure()[record][image]) == sees
+        assert bench.sensed[record]["fresh"] == 1
 
 
 def with_fault(bench, fault):
