@@ -25,6 +25,7 @@ from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
+from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
@@ -36,6 +37,7 @@ from edl6dof.replay.views.phase_plane import PhasePlanes
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
     Ground,
+    Hazards,
     Globe,
     Track,
     Vehicle,
@@ -52,7 +54,7 @@ PARTS: tuple[type[Recorder], ...] = (
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation))
+    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation, *NAVIGATED))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
