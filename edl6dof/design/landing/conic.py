@@ -86,9 +86,7 @@ def best_time(
     return solve(landing, controls(float(best.x)))
 
 
-def _solve_about(
-    landing: Landing, grid: Grid, reference: np.ndarray, miss_weight: float
-) -> Solution | None:
+def _solve_about(landing: Landing, grid: Grid, reference: np.ndarray, miss_weight: float) -> Solution | None:
     """The problem whose bounds are series about the logarithm of mass ``reference``, shape (m,)."""
     m = len(reference)
     program = _Program(4 * m + 1)

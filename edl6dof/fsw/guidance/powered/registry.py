@@ -9,6 +9,7 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 from __future__ import annotations
 
 from edl6dof.fsw.guidance.powered import gravity_turn, polynomial
+from edl6dof.fsw.guidance.powered.convex import law as convex
 from edl6dof.registry import Family
 
 POWERED_LAWS = Family(
@@ -16,6 +17,7 @@ POWERED_LAWS = Family(
     (
         polynomial.MEMBER,
         gravity_turn.MEMBER,
+        convex.MEMBER,
     ),
 )
 

@@ -83,3 +83,21 @@ def shift_controls(plan, elapsed, time, full_time):
         for axis in range(3):
             plan.u[k, axis] = plan.w[j, axis]
             plan.glide[k, axis] = push[j, axis]
+
+
+@kernel
+def copy_plan(source, target):
+    """Copy what a search goes on from and what guidance follows."""
+    target.time, target.full_time = source.time, source.full_time
+    target.fuel, target.cost, target.miss = source.fuel, source.cost, source.miss
+    target.height_error, target.change = source.height_error, source.change
+    target.iterations, target.converged = source.iterations, source.converged
+    target.primer_end[:] = source.primer_end
+    target.pull[:] = source.pull
+    target.end_velocity[:] = source.end_velocity
+    target.u[:] = source.u
+    target.w[:] = source.w
+    target.glide[:] = source.glide
+    target.step[:] = source.step
+    target.to_go[:] = source.to_go
+    target.mass[:] = source.mass

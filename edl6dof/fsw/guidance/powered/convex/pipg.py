@@ -18,6 +18,7 @@ from math import exp, sqrt
 
 from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope
 from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
+from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
 from edl6dof.jit import kernel
@@ -142,16 +143,11 @@ def solve(landing, most, plan):
 def judge(landing, plan):
     """What the thrust ``w`` of a plan comes to: fuel, cost, and where it misses."""
     spent = weigh(landing, plan)
-    x, y, z = take3(landing.position, 0)
-    vx, vy, vz = take3(landing.velocity, 0)
-    for k in range(CONTROLS):
-        step = plan.step[k]
-        ax, ay, az = plan.w[k, 0], plan.w[k, 1], plan.w[k, 2] - landing.gravity
-        x += step * (vx + 0.5 * step * ax)
-        y += step * (vy + 0.5 * step * ay)
-        z += step * (vz + 0.5 * step * az)
-        vx, vy, vz = vx + step * ax, vy + step * ay, vz + step * az
+    (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)
     plan.miss = sqrt(x * x + y * y)
-    plan.speed_error, plan.height_error = sqrt(vx * vx + vy * vy + vz * vz), abs(z)
+    plan.height_error = abs(z)
+    put3(plan.end_velocity, 0, (vx, vy, vz))
     plan.cost = spent + landing.miss_price * plan.miss
-    plan.cost += LARGEST_PRIMER * (plan.speed_error + plan.height_error / plan.time)
+    # as the bounds of the multipliers price it
+    plan.cost += LARGEST_PRIMER * (abs(vx) + abs(vy) + abs(vz))
+    plan.cost += LARGEST_PRIMER * sqrt(12.0) / plan.time * abs(z - 0.5 * plan.time * vz)

@@ -47,7 +47,7 @@ PLAN = np.dtype(
         ("cost", "f8"),  # m/s: velocity spent, and the worth of the miss
         ("miss", "f8"),  # m, horizontal, where the landing point cannot be reached
         ("height_error", "f8"),  # m, at the end
-        ("speed_error", "f8"),  # m/s, at the end
+        ("end_velocity", "f8", (3,)),  # m/s
         ("change", "f8"),  # of the primer, in the last iteration
         ("iterations", COUNT),  # of the last solution
         ("converged", FLAG),

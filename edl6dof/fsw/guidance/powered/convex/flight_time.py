@@ -1,0 +1,106 @@
+"""Time of flight, and how much of it at full thrust.
+
+Full thrust is for the start alone; the rest, ``throttled`` seconds, keeps to the throttle band.  For a given
+``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which the
+multipliers tell (the Hamiltonian at the end, Pontryagin); where the landing cannot be had at all, the cost
+of its errors tells the same.  Then ``throttled`` is lengthened from its least value while that costs less.
+"""
+
+from __future__ import annotations
+
+from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
+from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import dot, norm, take3
+
+#: Shortest time of flight (s), and longest over its first guess.
+SHORTEST, LONGEST = 2.0, 4.0
+#: Time of flight is known when its bracket is narrower than this share of it.
+CLOSE = 0.01
+#: Factor from one length of the throttled part to the next.
+LONGER = 1.5
+
+
+@kernel
+def growth(landing, plan):
+    """Change of the cost with the time of flight (m/s2), the time in the throttle band being kept."""
+    last = CONTROLS - 1
+    thrust = take3(plan.w[last], 0)
+    primer, pull = take3(plan.primer_end, 0), take3(plan.pull, 0)
+    size = max(norm(thrust), landing.low / plan.mass[last])
+    rate = size + dot(primer, thrust) - primer[2] * landing.gravity + dot(pull, take3(plan.end_velocity, 0))
+    first = full_controls(plan)
+    if first > 0:
+        # one more moment at full thrust, and one later in the throttle band
+        to_go = plan.time - plan.full_time
+        primer = primer[0] + pull[0] * to_go, primer[1] + pull[1] * to_go, primer[2] + pull[2] * to_go
+        full, band = take3(plan.w[first - 1], 0), take3(plan.w[first], 0)
+        rate += landing.full / plan.mass[first - 1] + dot(primer, full)
+        rate -= max(norm(band), landing.low / plan.mass[first]) + dot(primer, band)
+    return rate
+
+
+@kernel
+def try_time(landing, time, throttled, most, plan):
+    """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution that
+    stands in ``plan``; the growth of the cost.
+    """
+    shift_controls(plan, 0.0, time, max(time - throttled, 0.0))
+    solve(landing, most, plan)
+    return growth(landing, plan)
+
+
+@kernel
+def search_time(landing, throttled, reach, most, plan):
+    """Best time of flight with ``throttled`` s of it in the throttle band.
+
+    Args:
+        landing: ``LANDING`` record.
+        throttled: s.
+        reach: first step away from the time that stands in ``plan``, over it.
+        most: iterations of each solution.
+        plan: ``PLAN`` record: first guess, then the solution.
+    """
+    longest = LONGEST * plan.time
+    low = high = plan.time
+    shorter = try_time(landing, plan.time, throttled, most, plan) > 0.0
+    crossed = False
+    while not crossed and SHORTEST < low and high < longest:
+        if shorter:
+            low, high = max(low * (1.0 - reach), SHORTEST), low
+        else:
+            low, high = high, min(high * (1.0 + reach), longest)
+        reach *= 2.0
+        beyond = low if shorter else high
+        crossed = (try_time(landing, beyond, throttled, most, plan) > 0.0) != shorter
+    # the upper end is where the landing can be had
+    while high - low > CLOSE * high:
+        middle = 0.5 * (low + high)
+        if try_time(landing, middle, throttled, most, plan) > 0.0:
+            high = middle
+        else:
+            low = middle
+    try_time(landing, high, throttled, 3 * most, plan)
+
+
+@kernel
+def search_times(landing, least, most, plan, other):
+    """Best time of flight, and how long of it is throttled.
+
+    Args:
+        landing: ``LANDING`` record.
+        least: shortest time in the throttle band, s.
+        most: iterations of each solution.
+        plan: ``PLAN`` record: the guess of the time of flight, then the solution.
+        other: a second ``PLAN`` record to work in.
+    """
+    throttled = least
+    search_time(landing, throttled, 0.1, most, plan)
+    while plan.full_time > 0.0:
+        copy_plan(plan, other)
+        throttled *= LONGER
+        search_time(landing, throttled, 0.1, most, other)
+        if other.cost >= plan.cost:
+            return
+        copy_plan(other, plan)
