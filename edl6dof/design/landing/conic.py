@@ -7,8 +7,8 @@ solution before.  Source: Acikmese & Ploen 2007, problem 3.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import cos, inf, pi, sqrt, tan
 from typing import Any
 
@@ -101,7 +101,7 @@ def _solve_about(landing: Landing, grid: Grid, reference: np.ndarray, miss_weigh
 
 
 class _Program:
-    """A conic program: rows, each in a cone, gathered; ``rows x + constant`` with shapes (n, unknowns), (n,)."""
+    """A conic program, gathered: ``rows x + constant`` in cones, shapes (n, unknowns) and (n,)."""
 
     def __init__(self, unknowns: int) -> None:
         import clarabel

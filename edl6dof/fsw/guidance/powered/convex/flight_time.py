@@ -66,7 +66,7 @@ def search_time(landing, throttled, reach, most, plan):
     low = high = plan.time
     shorter = try_time(landing, plan.time, throttled, most, plan) > 0.0
     crossed = False
-    while not crossed and SHORTEST < low and high < longest:
+    while not crossed and low > SHORTEST and high < longest:
         if shorter:
             low, high = max(low * (1.0 - reach), SHORTEST), low
         else:

@@ -1,8 +1,8 @@
 """Where the controls of a plan lie in time, and the two basis functions of what they do to the end.
 
-Velocity and position at the end are sums of u over time with the weights 1 and (time to go).  Made orthonormal
-they are ``flat`` = 1 / sqrt(time) and ``slant``: so the six conditions at the end have a matrix whose rows are
-orthonormal, the best preconditioning that there is.
+Velocity and position at the end are sums of u over time with the weights 1 and (time to go).  Made
+orthonormal they are ``flat`` = 1 / sqrt(time) and ``slant``: so the six conditions at the end have a matrix
+whose rows are orthonormal, the best preconditioning that there is.
 """
 
 from __future__ import annotations

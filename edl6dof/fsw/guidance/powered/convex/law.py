@@ -1,5 +1,5 @@
-"""Convex optimal guidance: the landing of least fuel that the engine can fly, planned when it lights and again
-while it burns; between plans the thrust of the plan, with feedback of what the lander is off it.
+"""Convex optimal guidance: the landing of least fuel that the engine can fly, planned when it lights and
+again while it burns; between plans the thrust of the plan, with feedback of what the lander is off it.
 
 A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
 plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.

@@ -30,9 +30,9 @@ STEP, EXTRAPOLATION = 0.1, 1.7
 BATCH = 10
 #: Largest primer; that of a landing that can be flown is of the order of 1.
 LARGEST_PRIMER = 20.0
-#: Converged when the multipliers ask the end to move by less than this (m/s, m), and the primer changes by less
-#: than this.
-VELOCITY_TOLERANCE, PLACE_TOLERANCE, PRIMER_TOLERANCE = 0.01, 0.1, 1e-3
+#: Converged when the multipliers ask of all thrust less than this to put the end right (m/s2), and the primer
+#: changes by less than this.
+THRUST_TOLERANCE, PRIMER_TOLERANCE = 5e-4, 1e-3
 
 
 @kernel
@@ -129,9 +129,8 @@ def solve(landing, most, plan):
         if plan.iterations % BATCH == 0:
             weigh(landing, plan)
             plan.change = flat * sqrt(moved) * sigma
-            fast = tau * sqrt(ex * ex + ey * ey + ez * ez) / flat
-            far = tau * sqrt(fx * fx + fy * fy + fz * fz) * norm
-            if fast < VELOCITY_TOLERANCE and far < PLACE_TOLERANCE and plan.change < PRIMER_TOLERANCE:
+            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz)
+            if off < THRUST_TOLERANCE and plan.change < PRIMER_TOLERANCE:
                 plan.converged = 1
     qx, qy, qz = qx / norm, qy / norm, qz / norm
     put3(plan.pull, 0, (qx, qy, qz))
