@@ -15,6 +15,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.powered.convex.flight_time import search_time, search_times
 from edl6dof.fsw.guidance.powered.convex.grid import control_at, shift_controls
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
@@ -25,7 +26,7 @@ G0 = 9.80665
 #: First guess of the time of flight: least descent rate (m/s), and longest time (s).
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
 #: Error of a plan (m) beyond which thrust is no longer held back.
-TOLERATED = 2.0
+TOLERATED = 1.0
 #: How far from the old time of arrival a new plan begins to look, over the time to go.
 REACH = 0.02
 
@@ -103,35 +104,36 @@ def first_plan(p, landing, memory):
 
 
 @kernel
-def next_plan(p, landing, elapsed, memory):
-    """Plan from the solution of the plan before, which began ``elapsed`` s ago; the switch from full thrust
-    moves with the time of arrival.
-    """
-    plan = memory.plan
-    time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
-    shift_controls(plan, elapsed, time, full_time)
-    search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
-
-
-@kernel
 def throttled_of(plan):
     """How long a plan throttles, s; without end where all of it does, however long it becomes."""
     return plan.time - plan.full_time if plan.full_time > 0.0 else inf
 
 
 @kernel
+def next_plan(p, engine, landing, elapsed, plan):
+    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival; if
+    that cannot be kept, with the thrust that was held back, and else with another time of arrival.
+    """
+    time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
+    shift_controls(plan, elapsed, time, full_time)
+    solve(landing, p.iterations, plan)
+    if error_of(plan) <= TOLERATED:
+        return
+    landing.high = engine.throttle_max
+    solve(landing, p.iterations, plan)
+    if error_of(plan) > TOLERATED:
+        search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
+
+
+@kernel
 def make_plan(p, state, nav, target, memory):
     """Plan from the present state."""
     landing, plan = memory.landing, memory.plan
-    elapsed = nav.t - memory.start
     describe(p, state, nav, target, landing)
     if memory.plans == 0:
         first_plan(p, landing, memory)
     else:
-        next_plan(p, landing, elapsed, memory)
-    if error_of(plan) > TOLERATED:
-        landing.high = state.engine.throttle_max
-        search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
+        next_plan(p, state.engine, landing, nav.t - memory.start, plan)
     memory.plans += 1
     memory.start = nav.t
     memory.landing_error = error_of(plan)
