@@ -8,6 +8,8 @@ of its errors tells the same.  Then ``throttled`` is lengthened from its least v
 
 from __future__ import annotations
 
+from math import sqrt
+
 from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
@@ -18,8 +20,10 @@ from edl6dof.spatial.vector import dot, norm, take3
 SHORTEST, LONGEST = 2.0, 4.0
 #: Time of flight is known when its bracket is narrower than this share of it.
 CLOSE = 0.01
-#: Factor from one length of the throttled part to the next.
-LONGER = 1.5
+#: First step away from a guess of the time of flight, over it.
+REACH = 0.1
+#: Factor from one length of the throttled part to the next, and where it is fine enough.
+LONGER, FINEST = 1.5, 1.08
 
 
 @kernel
@@ -85,6 +89,18 @@ def search_time(landing, throttled, reach, most, plan):
 
 
 @kernel
+def try_throttled(landing, throttled, most, plan, other):
+    """Take ``throttled`` s in the throttle band into ``plan`` if that costs less; whether it does."""
+    copy_plan(plan, other)
+    shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
+    search_time(landing, throttled, REACH, most, other)
+    if other.cost >= plan.cost:
+        return False
+    copy_plan(other, plan)
+    return True
+
+
+@kernel
 def search_times(landing, least, most, plan, other):
     """Best time of flight, and how long of it is throttled.
 
@@ -95,12 +111,13 @@ def search_times(landing, least, most, plan, other):
         plan: ``PLAN`` record: the guess of the time of flight, then the solution.
         other: a second ``PLAN`` record to work in.
     """
-    throttled = least
-    search_time(landing, throttled, 0.1, most, plan)
-    while plan.full_time > 0.0:
-        copy_plan(plan, other)
-        throttled *= LONGER
-        search_time(landing, throttled, 0.1, most, other)
-        if other.cost >= plan.cost:
-            return
-        copy_plan(other, plan)
+    throttled, factor = least, LONGER
+    search_time(landing, throttled, REACH, most, plan)
+    while plan.full_time > 0.0 and try_throttled(landing, factor * throttled, most, plan, other):
+        throttled *= factor
+    while plan.full_time > 0.0 and factor > FINEST:
+        factor = sqrt(factor)
+        if try_throttled(landing, factor * throttled, most, plan, other):
+            throttled *= factor
+        elif throttled > factor * least and try_throttled(landing, throttled / factor, most, plan, other):
+            throttled /= factor
