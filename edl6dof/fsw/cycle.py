@@ -55,6 +55,7 @@ def run(onboard, sensed, k, fsw):
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
         command.request[i] = 0
+    command.expose = command.scan = 0
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)

@@ -4,12 +4,12 @@ from math import acos, atan, cos, exp, hypot, radians, sin, tan
 
 import numpy as np
 import pytest
+from powered_flight import G, Guided, PointMass
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.frames import shortest_arc
 from edl6dof.fsw.estimation.registry import DISTURBANCE
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
@@ -27,59 +27,7 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
-G = 3.72
 STILL = np.zeros(2)
-
-
-class PointMass:
-    """Position east, north, height; velocity north, east, down; the guidance sees it as navigation."""
-
-    def __init__(self, height, velocity_N, east=0.0, north=0.0):
-        self.nav, self.out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
-        self.nav["gravity"] = G
-        self.t, self.r, self.v = 0.0, np.array([north, east, height], float), np.array(velocity_N, float)
-        self.see()
-
-    def see(self):
-        self.nav["t"], self.nav["height"], self.nav["v_N"] = self.t, self.r[2], self.v
-        self.nav["site_L"] = self.r[1], self.r[0], self.r[2]
-        self.nav["speed"] = np.linalg.norm(self.v)
-
-    def move(self, north, east, up, dt):
-        """``up`` includes what gravity takes away."""
-        a = np.array([north, east, G - up])
-        self.r = self.r + (self.v * dt + 0.5 * a * dt * dt) * (1.0, 1.0, -1.0)
-        self.v = self.v + a * dt
-        self.t += dt
-        self.see()
-
-
-MASS = 900.0
-
-
-class Guided:
-    """A powered law with its memory, and the target that is chosen where it begins."""
-
-    def __init__(self, record, law, body):
-        self.settings, self.vehicle = record["guidance"]["powered"], record["vehicle"]
-        self.law, self.memory = POWERED_LAWS.names.index(law), np.zeros(1, POWERED_LAWS.memory)[0]
-        self.state, self.target = np.zeros(1, VEHICLE_STATE)[0], np.zeros(1, POWERED_TARGET)[0]
-        self.state["ignited"], self.state["mass"] = 1, MASS
-        self.state["engine"] = self.vehicle["engines"][0]
-        choose_target(self.settings["target"], body.nav, self.target)
-
-    @property
-    def goal(self):
-        """North, east, height."""
-        east, north = self.target["point_L"]
-        return np.array([north, east, self.target["height"]])
-
-    def __call__(self, body):
-        """Acceleration north, east, up, and tilt limit."""
-        return powered_guidance(
-            *(self.law, self.settings, self.vehicle, self.state),
-            *(body.nav, self.target, self.memory, body.out),
-        )
 
 
 def terminal(onboard):

@@ -36,17 +36,26 @@ class PolynomialParams(Params):
 
 
 @kernel
+def meet(floor, lateral_floor, t_go, nav, target):
+    """Thrust acceleration north, east, up (m/s2, gravity included) that is at rest at the target in ``t_go``
+    s; below the floors (s) its gains of height and lateral ones grow no further.
+    """
+    t = max(t_go, floor)
+    up = 6.0 * (target.height - nav.height) / (t * t) + 4.0 * nav.v_N[2] / t
+    t = max(t_go, lateral_floor)
+    k_r, k_v = 12.0 / (t * t), 6.0 / t
+    north = k_r * (target.point_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
+    east = k_r * (target.point_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
+    return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0)
+
+
+@kernel
 def guide(params, vehicle, state, nav, target, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
     p = params
     out.time_to_go = target.arrival - nav.t
-    t_go = max(out.time_to_go, p.time_floor)
-    up = 6.0 * (target.height - nav.height) / (t_go * t_go) + 4.0 * nav.v_N[2] / t_go
-    t_go = max(out.time_to_go, p.lateral_time_floor)
-    k_r, k_v = 12.0 / (t_go * t_go), 6.0 / t_go
-    north = k_r * (target.point_L[1] - nav.site_L[1]) - k_v * nav.v_N[0]
-    east = k_r * (target.point_L[0] - nav.site_L[0]) - k_v * nav.v_N[1]
-    return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0), p.tilt_limit
+    north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)
+    return north, east, up, p.tilt_limit
 
 
 MEMBER = Member("polynomial", PolynomialParams, {"guide": guide}, "Klumpp 1974 (Apollo quadratic guidance)")

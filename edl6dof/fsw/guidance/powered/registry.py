@@ -8,7 +8,7 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 
 from __future__ import annotations
 
-from edl6dof.fsw.guidance.powered import gravity_turn, polynomial
+from edl6dof.fsw.guidance.powered import apollo, constant_thrust, e_guidance, gravity_turn, polynomial
 from edl6dof.fsw.guidance.powered.convex import law as convex
 from edl6dof.registry import Family
 
@@ -17,6 +17,9 @@ POWERED_LAWS = Family(
     (
         polynomial.MEMBER,
         gravity_turn.MEMBER,
+        e_guidance.MEMBER,
+        apollo.MEMBER,
+        constant_thrust.MEMBER,
         convex.MEMBER,
     ),
 )

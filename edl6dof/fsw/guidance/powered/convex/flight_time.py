@@ -8,7 +8,7 @@ of its errors tells the same.  Then ``throttled`` is lengthened from its least v
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
@@ -16,8 +16,8 @@ from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import dot, norm, take3
 
-#: Shortest time of flight (s), and longest over its first guess.
-SHORTEST, LONGEST = 2.0, 4.0
+#: Shortest time of flight (s), longest over its first guess, and shortest start at full thrust (s).
+SHORTEST, LONGEST, LEAST_FULL = 2.0, 4.0, 0.5
 #: Time of flight is known when its bracket is narrower than this share of it.
 CLOSE = 0.01
 #: First step away from a guess of the time of flight, over it.
@@ -61,18 +61,19 @@ def search_time(landing, throttled, reach, most, plan):
 
     Args:
         landing: ``LANDING`` record.
-        throttled: s.
+        throttled: s; infinite: all of it.
         reach: first step away from the time that stands in ``plan``, over it.
         most: iterations of each solution.
         plan: ``PLAN`` record: first guess, then the solution.
     """
     longest = LONGEST * plan.time
-    low = high = plan.time
-    shorter = try_time(landing, plan.time, throttled, most, plan) > 0.0
+    shortest = SHORTEST if throttled == inf else throttled + LEAST_FULL
+    low = high = max(plan.time, shortest)
+    shorter = try_time(landing, low, throttled, most, plan) > 0.0
     crossed = False
-    while not crossed and low > SHORTEST and high < longest:
+    while not crossed and (low > shortest if shorter else high < longest):
         if shorter:
-            low, high = max(low * (1.0 - reach), SHORTEST), low
+            low, high = max(low * (1.0 - reach), shortest), low
         else:
             low, high = high, min(high * (1.0 + reach), longest)
         reach *= 2.0
@@ -92,7 +93,8 @@ def search_time(landing, throttled, reach, most, plan):
 def try_throttled(landing, throttled, most, plan, other):
     """Take ``throttled`` s in the throttle band into ``plan`` if that costs less; whether it does."""
     copy_plan(plan, other)
-    shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
+    if throttled < inf:
+        shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
     search_time(landing, throttled, REACH, most, other)
     if other.cost >= plan.cost:
         return False
@@ -101,8 +103,19 @@ def try_throttled(landing, throttled, most, plan, other):
 
 
 @kernel
+def refine_throttled(landing, throttled, least, factor, most, plan, other):
+    """Vary ``throttled`` by ever smaller factors as long as that costs less."""
+    while factor > FINEST:
+        factor = sqrt(factor)
+        if try_throttled(landing, factor * throttled, most, plan, other):
+            throttled *= factor
+        elif throttled > factor * least and try_throttled(landing, throttled / factor, most, plan, other):
+            throttled /= factor
+
+
+@kernel
 def search_times(landing, least, most, plan, other):
-    """Best time of flight, and how long of it is throttled.
+    """Best time of flight, and how long of it is throttled: all of it, if that costs less.
 
     Args:
         landing: ``LANDING`` record.
@@ -111,13 +124,9 @@ def search_times(landing, least, most, plan, other):
         plan: ``PLAN`` record: the guess of the time of flight, then the solution.
         other: a second ``PLAN`` record to work in.
     """
-    throttled, factor = least, LONGER
+    throttled = least
     search_time(landing, throttled, REACH, most, plan)
-    while plan.full_time > 0.0 and try_throttled(landing, factor * throttled, most, plan, other):
-        throttled *= factor
-    while plan.full_time > 0.0 and factor > FINEST:
-        factor = sqrt(factor)
-        if try_throttled(landing, factor * throttled, most, plan, other):
-            throttled *= factor
-        elif throttled > factor * least and try_throttled(landing, throttled / factor, most, plan, other):
-            throttled /= factor
+    while try_throttled(landing, LONGER * throttled, most, plan, other):
+        throttled *= LONGER
+    refine_throttled(landing, throttled, least, LONGER, most, plan, other)
+    try_throttled(landing, inf, most, plan, other)

@@ -7,12 +7,12 @@ plan lands at the target, the one with the least error is flown, and ``landing_e
 
 from __future__ import annotations
 
-from math import cos, inf, tan
+from math import atan, cos, inf, tan
 
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.powered.convex.flight_time import search_time, search_times
+from edl6dof.fsw.guidance.powered.convex.flight_time import refine_throttled, search_time, search_times
 from edl6dof.fsw.guidance.powered.convex.grid import control_at, shift_controls
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
@@ -27,8 +27,12 @@ G0 = 9.80665
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
 #: Error of a plan (m) beyond which thrust is no longer held back.
 TOLERATED = 1.0
+#: How long thrust that was held back is used, where it is needed, s.
+NOW = 3.0
 #: How far from the old time of arrival a new plan begins to look, over the time to go.
 REACH = 0.02
+#: How far from the old time in the throttle band, over it.
+FACTOR = 1.3
 
 
 class ConvexParams(Params):
@@ -39,8 +43,12 @@ class ConvexParams(Params):
     glide_slope_deg: float = param(
         10.0, "least angle over the horizon at which the target sees the lander", ge=0.0, lt=80.0
     )
-    held_back: float = param(
-        0.1, "share of the upper end of the throttle band held back for feedback", ge=0.0, le=0.5
+    thrust_reserve: float = param(
+        0.1,
+        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
+        status="estimate",
+        ge=0.0,
+        le=0.5,
     )
     throttled_s: float = param(
         8.0, "shortest time in the throttle band before the target, after the start at full thrust", gt=0.0
@@ -73,7 +81,8 @@ def describe(p, state, nav, target, landing):
     """Write the landing problem that the present state poses."""
     landing.mass = state.mass
     landing.low = state.engine.throttle_min
-    landing.high = state.engine.throttle_max * (1.0 - p.held_back)
+    landing.high = state.engine.throttle_max * (1.0 - p.thrust_reserve)
+    landing.high_now, landing.now = state.engine.throttle_max, 0.0
     landing.full = state.engine.full_thrust
     landing.exhaust_speed = state.engine.specific_impulse * G0
     landing.gravity = nav.gravity
@@ -82,7 +91,8 @@ def describe(p, state, nav, target, landing):
     landing.position[2] = nav.height - target.height
     landing.velocity[0], landing.velocity[1], landing.velocity[2] = nav.v_N[1], nav.v_N[0], -nav.v_N[2]
     landing.slope = tan(p.glide_slope)
-    landing.cos_tilt, landing.cos_last_tilt = cos(p.tilt_limit), cos(p.end_tilt)
+    landing.cos_tilt = cos(atan(tan(p.tilt_limit) * (1.0 - p.thrust_reserve)))
+    landing.cos_last_tilt = cos(p.end_tilt)
     landing.miss_price = p.miss_price
 
 
@@ -110,18 +120,27 @@ def throttled_of(plan):
 
 
 @kernel
-def next_plan(p, engine, landing, elapsed, plan):
-    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival; if
-    that cannot be kept, with the thrust that was held back, and else with another time of arrival.
+def next_plan(p, engine, landing, elapsed, plan, other):
+    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival.
+
+    If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
+    arrival is searched; only if none will do, nothing is held back.
     """
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
     shift_controls(plan, elapsed, time, full_time)
     solve(landing, p.iterations, plan)
     if error_of(plan) <= TOLERATED:
         return
-    landing.high = engine.throttle_max
+    landing.now = NOW
     solve(landing, p.iterations, plan)
+    if error_of(plan) <= TOLERATED:
+        return
+    throttled = throttled_of(plan)
+    search_time(landing, throttled, REACH, p.iterations, plan)
+    if error_of(plan) > TOLERATED and throttled < inf:
+        refine_throttled(landing, throttled, p.throttled, FACTOR, p.iterations, plan, other)
     if error_of(plan) > TOLERATED:
+        landing.high = engine.throttle_max
         search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
 
 
@@ -133,7 +152,7 @@ def make_plan(p, state, nav, target, memory):
     if memory.plans == 0:
         first_plan(p, landing, memory)
     else:
-        next_plan(p, state.engine, landing, nav.t - memory.start, plan)
+        next_plan(p, state.engine, landing, nav.t - memory.start, plan, memory.other)
     memory.plans += 1
     memory.start = nav.t
     memory.landing_error = error_of(plan)

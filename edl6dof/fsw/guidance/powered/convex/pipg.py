@@ -94,17 +94,19 @@ def solve(landing, most, plan):
         moved = 0.0
         for k in range(CONTROLS):
             slant, step = plan.slant[k], plan.step[k]
-            low, high = landing.low / plan.mass[k], landing.high / plan.mass[k]
+            low, high = landing.low, landing.high
             if k < count:
-                low = high = landing.full / plan.mass[k]
+                low = high = landing.full
+            elif time - plan.to_go[k] < landing.now:
+                high = landing.high_now
             cos_tilt = landing.cos_last_tilt if k == CONTROLS - 1 else landing.cos_tilt
             x, y, z = nearest_thrust(
                 u[k, 0] - tau * (flat * px + slant * qx + plan.push[k, 0]),
                 u[k, 1] - tau * (flat * py + slant * qy + plan.push[k, 1]),
                 u[k, 2] - tau * (flat * pz + slant * qz + plan.push[k, 2]),
                 tau,
-                low,
-                high,
+                low / plan.mass[k],
+                high / plan.mass[k],
                 cos_tilt,
             )
             dx, dy, dz = x - u[k, 0], y - u[k, 1], z - u[k, 2]
