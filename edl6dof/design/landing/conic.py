@@ -161,8 +161,9 @@ def _thrust(program: _Program, landing: Landing, grid: Grid, reference: np.ndarr
         s, spent = np.zeros((2, program.unknowns))
         s[3 * m + j] = 1.0
         program.within(np.vstack([s, u]), np.zeros(4))
-        if landing.tilt < pi:
-            program.positive((u[2] - cos(landing.tilt) * s)[None], np.zeros(1))
+        tilt = landing.tilt if j < m - 1 else min(landing.tilt, landing.end_tilt)
+        if tilt < pi:
+            program.positive((u[2] - cos(tilt) * s)[None], np.zeros(1))
         # d = z - reference = constant - rows x
         spent[3 * m :] = np.append(grid.spent[j], 0.0) / landing.exhaust_speed
         d = start - reference[j]

@@ -29,6 +29,7 @@ class Landing:
         glide_slope: least angle of the line from the landing point to the vehicle over the horizon, rad; 0:
             never below the landing point; -pi / 2: none.
         tilt: largest angle of thrust from the vertical, rad, at most pi / 2; pi: none.
+        end_tilt: that of the last control, rad.
         full_thrust: of the start, N.
         full_time: how long the thrust is ``full_thrust`` before its bounds hold, s.
     """
@@ -41,6 +42,7 @@ class Landing:
     velocity: tuple[float, float, float]
     glide_slope: float = -pi / 2.0
     tilt: float = pi
+    end_tilt: float = pi
     full_thrust: float = 0.0
     full_time: float = 0.0
 

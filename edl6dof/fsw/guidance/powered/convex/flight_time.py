@@ -103,6 +103,17 @@ def try_throttled(landing, throttled, most, plan, other):
 
 
 @kernel
+def try_earlier(landing, throttled, share, most, plan, other):
+    """Take an arrival that is earlier by a ``share`` of the time to go into ``plan`` if that costs less."""
+    if growth(landing, plan) <= 0.0:
+        return
+    copy_plan(plan, other)
+    try_time(landing, (1.0 - share) * plan.time, throttled, most, other)
+    if other.cost < plan.cost:
+        copy_plan(other, plan)
+
+
+@kernel
 def refine_throttled(landing, throttled, least, factor, most, plan, other):
     """Vary ``throttled`` by ever smaller factors as long as that costs less."""
     while factor > FINEST:

@@ -12,7 +12,12 @@ from math import atan, cos, inf, tan
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.powered.convex.flight_time import refine_throttled, search_time, search_times
+from edl6dof.fsw.guidance.powered.convex.flight_time import (
+    refine_throttled,
+    search_time,
+    search_times,
+    try_earlier,
+)
 from edl6dof.fsw.guidance.powered.convex.grid import control_at, shift_controls
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
@@ -27,6 +32,8 @@ G0 = 9.80665
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
 #: Error of a plan (m) beyond which thrust is no longer held back.
 TOLERATED = 1.0
+#: How much earlier a new plan tries to arrive, over the time to go.
+EARLIER = 0.015
 #: How long thrust that was held back is used, where it is needed, s.
 NOW = 3.0
 #: How far from the old time of arrival a new plan begins to look, over the time to go.
@@ -82,6 +89,7 @@ def describe(p, state, nav, target, landing):
     landing.mass = state.mass
     landing.low = state.engine.throttle_min
     landing.high = state.engine.throttle_max * (1.0 - p.thrust_reserve)
+    landing.low_now = landing.low
     landing.high_now, landing.now = state.engine.throttle_max, 0.0
     landing.full = state.engine.full_thrust
     landing.exhaust_speed = state.engine.specific_impulse * G0
@@ -120,27 +128,29 @@ def throttled_of(plan):
 
 
 @kernel
-def next_plan(p, engine, landing, elapsed, plan, other):
-    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival.
+def next_plan(p, landing, elapsed, plan, other):
+    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
+    little earlier.
 
     If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
-    arrival is searched; only if none will do, nothing is held back.
+    arrival is searched.  If none will do, the engine gives all of the throttle band now.
     """
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
     shift_controls(plan, elapsed, time, full_time)
+    throttled = throttled_of(plan)
     solve(landing, p.iterations, plan)
     if error_of(plan) <= TOLERATED:
+        try_earlier(landing, throttled, EARLIER, p.iterations, plan, other)
         return
     landing.now = NOW
     solve(landing, p.iterations, plan)
     if error_of(plan) <= TOLERATED:
         return
-    throttled = throttled_of(plan)
     search_time(landing, throttled, REACH, p.iterations, plan)
     if error_of(plan) > TOLERATED and throttled < inf:
         refine_throttled(landing, throttled, p.throttled, FACTOR, p.iterations, plan, other)
     if error_of(plan) > TOLERATED:
-        landing.high = engine.throttle_max
+        landing.low_now = landing.high = landing.high_now
         search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
 
 
@@ -152,7 +162,7 @@ def make_plan(p, state, nav, target, memory):
     if memory.plans == 0:
         first_plan(p, landing, memory)
     else:
-        next_plan(p, state.engine, landing, nav.t - memory.start, plan, memory.other)
+        next_plan(p, landing, nav.t - memory.start, plan, memory.other)
     memory.plans += 1
     memory.start = nav.t
     memory.landing_error = error_of(plan)

@@ -98,7 +98,7 @@ def solve(landing, most, plan):
             if k < count:
                 low = high = landing.full
             elif time - plan.to_go[k] < landing.now:
-                high = landing.high_now
+                low, high = landing.low_now, landing.high_now
             cos_tilt = landing.cos_last_tilt if k == CONTROLS - 1 else landing.cos_tilt
             x, y, z = nearest_thrust(
                 u[k, 0] - tau * (flat * px + slant * qx + plan.push[k, 0]),

@@ -21,8 +21,9 @@ LANDING = np.dtype(
         ("mass", "f8"),  # kg
         ("low", "f8"),  # N, least thrust
         ("high", "f8"),  # N, largest thrust
-        ("high_now", "f8"),  # N, largest thrust in the first seconds
-        ("now", "f8"),  # s, how long that holds
+        ("low_now", "f8"),  # N, least and largest thrust in the first seconds
+        ("high_now", "f8"),
+        ("now", "f8"),  # s, how long they hold
         ("full", "f8"),  # N, thrust of the start
         ("exhaust_speed", "f8"),  # m/s
         ("gravity", "f8"),  # m/s2, downwards
