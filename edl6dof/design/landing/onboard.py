@@ -13,7 +13,7 @@ from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
 
 
 def landing_record(landing: Landing, miss_price: float = 1.0) -> np.ndarray:
-    """The ``LANDING`` record of a landing, shape (1,); ``miss_price``: velocity worth a metre of miss, 1/s."""
+    """The ``LANDING`` record of a landing, shape (1,); ``miss_price`` 1/s: velocity worth a metre of miss."""
     record = np.zeros(1, LANDING)
     own = record[0]
     own["mass"], own["exhaust_speed"], own["gravity"] = landing.mass, landing.exhaust_speed, landing.gravity

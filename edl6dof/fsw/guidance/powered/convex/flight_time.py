@@ -20,6 +20,8 @@ from edl6dof.spatial.vector import dot, norm, take3
 SHORTEST, LONGEST, LEAST_FULL = 2.0, 4.0, 0.5
 #: Time of flight is known when its bracket is narrower than this share of it.
 CLOSE = 0.01
+#: Divisor of the iterations of a solution on the way to the best time: its growth is all that is asked.
+TRIAL = 3
 #: First step away from a guess of the time of flight, over it.
 REACH = 0.1
 #: Factor from one length of the throttled part to the next, and where it is fine enough.
@@ -63,13 +65,14 @@ def search_time(landing, throttled, reach, most, plan):
         landing: ``LANDING`` record.
         throttled: s; infinite: all of it.
         reach: first step away from the time that stands in ``plan``, over it.
-        most: iterations of each solution.
+        most: iterations of the solution; those on the way get a share of them.
         plan: ``PLAN`` record: first guess, then the solution.
     """
+    few = most // TRIAL
     longest = LONGEST * plan.time
     shortest = SHORTEST if throttled == inf else throttled + LEAST_FULL
     low = high = max(plan.time, shortest)
-    shorter = try_time(landing, low, throttled, most, plan) > 0.0
+    shorter = try_time(landing, low, throttled, few, plan) > 0.0
     crossed = False
     while not crossed and (low > shortest if shorter else high < longest):
         if shorter:
@@ -78,15 +81,15 @@ def search_time(landing, throttled, reach, most, plan):
             low, high = high, min(high * (1.0 + reach), longest)
         reach *= 2.0
         beyond = low if shorter else high
-        crossed = (try_time(landing, beyond, throttled, most, plan) > 0.0) != shorter
+        crossed = (try_time(landing, beyond, throttled, few, plan) > 0.0) != shorter
     # the upper end is where the landing can be had
     while high - low > CLOSE * high:
         middle = 0.5 * (low + high)
-        if try_time(landing, middle, throttled, most, plan) > 0.0:
+        if try_time(landing, middle, throttled, few, plan) > 0.0:
             high = middle
         else:
             low = middle
-    try_time(landing, high, throttled, 3 * most, plan)
+    try_time(landing, high, throttled, most, plan)
 
 
 @kernel
