@@ -237,7 +237,9 @@ def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
         assert area == pytest.approx(vehicle["drag_area"] * table["drag"][i], rel=1e-9)
         assert lift == pytest.approx(vehicle["lift_to_drag"] * table["lift"][i], rel=1e-9)
     assert believed_aero(vehicle, 0.0, FAST) == believed_aero(vehicle, FIRST_MACH, FAST)
-    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3)
+    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(
+        believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("mach", [22.3, 11.7, 5.2])
