@@ -1,4 +1,4 @@
-"""Reversals at slow bank rates: what rolling through lift up adds to the range is known before it is flown."""
+"""Reversals at slow bank rates: the range that rolling through lift up adds is known before it is flown."""
 
 import json
 
