@@ -13,7 +13,7 @@ from math import cos, pi, radians
 
 import numpy as np
 
-G0 = 9.80665
+from edl6dof.config.units import G0
 
 
 @dataclass(frozen=True)

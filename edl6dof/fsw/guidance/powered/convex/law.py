@@ -12,6 +12,7 @@ from math import atan, cos, inf, tan
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.convex.flight_time import (
     refine_throttled,
     search_time,
@@ -27,7 +28,6 @@ from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import norm, take3
 
-G0 = 9.80665
 #: First guess of the time of flight: least descent rate (m/s), and longest time (s).
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
 #: Error of a plan (m) beyond which thrust is no longer held back.
