@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, hu2022, landing, lu_bayard, msl, wu2013, yan2016, zheng2015
+from edl6dof.studies import guidance, hazards, hu2022, landing, lu_bayard, msl, wu2013, yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -14,6 +14,7 @@ STUDIES: dict[str, Study] = {
         lu_bayard,
         guidance,
         landing,
+        hazards,
         hu2022,
         msl,
     )

@@ -30,10 +30,10 @@ def run(laws: Sequence[str], flights: int, progress: Progress) -> Report:
     rows: list[Row] = []
     calls: dict[str, float] = {}
     truths = dispersed(flights)
-    total = len(laws) * len(cases(truths, ""))
+    total = len(laws) * len(cases(with_law(laws[0]).scenario, truths, ""))
     for law in laws:
         loaded = with_law(law)
-        for row in fly_rows(loaded, cases(truths, law), collect=of_flight):
+        for row in fly_rows(loaded, cases(loaded.scenario, truths, law), collect=of_flight):
             rows.append(row)
             progress(len(rows), total)
         calls[law] = call_time(loaded)

@@ -7,7 +7,8 @@ from typing import Any
 
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import load_plan
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
 
 SCENARIO = "tianwen1_mc"
 POWERED = "flight_software.guidance.powered"
@@ -48,8 +49,8 @@ def dispersed(flights: int) -> list[Case]:
     return list(load_plan(SCENARIO).cases(0, flights))
 
 
-def cases(flights: Sequence[Case], law: str) -> list[Case]:
-    """All that a law flies."""
+def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
+    """All that a law flies of the scenario."""
     conditions: list[tuple[str, Case, dict[str, float]]] = [(DISPERSED, one, {}) for one in flights]
     some = flights[: max(len(flights) // _PER_DIVERT, 1)]
     conditions += [(divert(m), one, {f"{POWERED}.target.divert_m": m}) for m in DIVERTS for one in some]
@@ -57,12 +58,13 @@ def cases(flights: Sequence[Case], law: str) -> list[Case]:
         Case(i, one.truth, {**one.belief, **told}, one.profile, _label(law, condition, one.index))
         for i, (condition, one, told) in enumerate(conditions)
     ]
-    return [*planned, *_with_faults(law, len(planned))]
+    return [*planned, *_with_faults(scenario, law, len(planned))]
 
 
-def _with_faults(law: str, first: int) -> Iterator[Case]:
+def _with_faults(scenario: Scenario, law: str, first: int) -> Iterator[Case]:
+    braking = next(phase.name for phase in scenario.mission.phases if phase.role == POWERED_DECELERATION)
     for i, (name, (after, fault)) in enumerate(ENGINE_FAULTS.items()):
-        at = {"phase": "powered_deceleration", "plus_s": after}
+        at = {"phase": braking, "plus_s": after}
         truth = {"faults": [{"engine": "main", "at": at, **fault}]}
         yield Case(first + i, truth, {}, 0, _label(law, name, i))
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, nan, sin
+from math import hypot, nan
 
 import numpy as np
 
 from edl6dof.fsw.mission.roles import HOVER_IMAGING, POWERED_DECELERATION
 from edl6dof.sim.flight import Flight
-from edl6dof.spatial.frames import rotate_z, to_local
+from edl6dof.telemetry.columns import Telemetry
 
 #: How near its limit (deg) a commanded tilt, and how near the band's end (N) a thrust, counts as saturated.
 _AT_LIMIT_DEG, _AT_LIMIT_N = 0.1, 1.0
@@ -17,6 +17,7 @@ _AT_LIMIT_DEG, _AT_LIMIT_N = 0.1, 1.0
 def of_flight(flight: Flight) -> dict[str, float]:
     """From ignition to hover, and to the ground.
 
+    - ``came_down``: whether it landed, within limits or not.
     - ``ignition_height_m``, ``ignition_descent_m_s``, ``ignition_drift_m_s``: true state where the engine
       lights.
     - ``hover_fuel_kg``, ``ground_fuel_kg``: propellant from there until hover begins, and until the end of a
@@ -32,9 +33,10 @@ def of_flight(flight: Flight) -> dict[str, float]:
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
     if not len(burning):
-        return {}
+        return {"came_down": flight.landed}
     start, hover = burning[0], np.flatnonzero(flight.during(HOVER_IMAGING))
     found = {
+        "came_down": flight.landed,
         "ignition_height_m": float(rows["truth.height_m"][start]),
         "ignition_descent_m_s": float(rows["truth.v_down_m_s"][start]),
         "ignition_drift_m_s": hypot(rows["truth.v_north_m_s"][start], rows["truth.v_east_m_s"][start]),
@@ -66,10 +68,8 @@ def _saturated(flight: Flight, burning: np.ndarray) -> float:
 def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
     """Where hover begins, against the target."""
     rows, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
-    off = _place(flight, hover) - target["point_L"]
-    chosen, now = (
-        np.array([rows[f"nav.error_{axis}_m"][i] for axis in ("east", "north")]) for i in (start, hover)
-    )
+    off = _level(rows, "truth.site", hover) - target["point_L"]
+    chosen, now = (_level(rows, "nav.error", row) for row in (start, hover))
     return {
         # the target lies where navigation believed it when it was chosen, which its error then puts elsewhere
         "target_miss_m": float(np.hypot(*(off + chosen))),
@@ -79,10 +79,6 @@ def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
     }
 
 
-def _place(flight: Flight, row: int) -> np.ndarray:
-    """True place east and north of the landing site, m."""
-    rows, case = flight.telemetry, flight.case[0]
-    turned = case["planet"]["rotation_rate"] * rows["t_s"][row]
-    r_I = tuple(float(rows[f"truth.r_I_{axis}_m"][row]) for axis in "xyz")
-    east, north, _ = to_local(case["site"], rotate_z(cos(turned), sin(turned), r_I))
-    return np.array([east, north])
+def _level(rows: Telemetry, stem: str, row: int) -> np.ndarray:
+    """East and north parts of a channel, m."""
+    return np.array([rows[f"{stem}_{axis}_m"][row] for axis in ("east", "north")])

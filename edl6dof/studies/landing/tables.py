@@ -48,11 +48,6 @@ def reached(row: Row) -> bool:
     )
 
 
-def landed(row: Row) -> bool:
-    """Whether it came down in one piece."""
-    return bool(row["outcome"].startswith("landed"))
-
-
 def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
     """Mean of a figure less that of the reference in the same flights, and half of its 95 % interval; no
     numbers without a pair.
@@ -103,7 +98,7 @@ def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
         *(mean(flown, "peak_tilt_deg"), float(np.max(tilt))),
         _share(not reached(row) for row in flown),
         _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
-        _share(landed(row) for row in flown),
+        _share(row.get("came_down", False) for row in flown),
     )
 
 
@@ -160,7 +155,7 @@ def _share(kept: Iterator[bool]) -> float:
 def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Finding]:
     """Landings of every law, the longest divert, fuel against the reference, and the time of a call."""
     for law in laws(rows):
-        share = _share(landed(row) for row in of(rows, law))
+        share = _share(row.get("came_down", False) for row in of(rows, law))
         yield Finding(f"{law}: dispersed landings", "%", share, LANDED_PCT, ">=")
     longest = divert(DIVERTS[-1])
     worst = {
@@ -170,8 +165,8 @@ def findings(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Findin
     yield Finding(f"largest miss, {longest}, best law", "m", worst[best], DIVERT_MISS_M, "<=", best)
     for name in ENGINE_FAULTS:
         flown = of(rows, condition=name)
-        causes = dict.fromkeys(row["cause"] for row in flown if not landed(row))
-        down = float(sum(landed(row) for row in flown))
+        causes = dict.fromkeys(row["cause"] for row in flown if not row.get("came_down", False))
+        down = float(sum(row.get("came_down", False) for row in flown))
         yield Finding(f"{name}: laws that land, of {len(flown)}", "", down, note="; ".join(causes))
     for law in laws(rows):
         saved, half = difference(rows, law, "hover_fuel_kg")
