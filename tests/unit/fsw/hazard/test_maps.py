@@ -239,8 +239,8 @@ def test_map_of_rocks_is_worked_out_in_time():
 
 @pytest.mark.parametrize("abundance", [0.04, 0.10])
 def test_few_cells_called_safe_hide_a_large_rock(abundance):
-    """Points at random places of rocky ground, with errors of range: cells called safe with a rock of 0.5 m or
-    more under the lander, by its middle.
+    """Points at random places of rocky ground, with errors of range: cells called safe, and a rock of 0.5 m
+    or more under the lander, by its middle.
     """
     radius_m = HazardParams().footprint_radius_m
     false, safe = {"limits": 0, "probability": 0}, {"limits": 0, "probability": 0}
