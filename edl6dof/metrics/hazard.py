@@ -20,7 +20,7 @@ from edl6dof.telemetry.columns import Telemetry
 
 class TrueSpot(NamedTuple):
     """Where the chosen spot truly is, east and north of the landing site (m): as chosen, less the error of
-    navigation when the map was taken.
+    navigation when the scan began.
     """
 
     east: float
@@ -32,8 +32,7 @@ def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None
-    middle = 0.5 * float(hazard["scan_t"] + hazard["spot_t"])
-    east, north = telemetry.at(middle, "nav.error_east_m", "nav.error_north_m")
+    east, north = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")
     return TrueSpot(float(point["fine_L"][0]) - east, float(point["fine_L"][1]) - north)
 
 
