@@ -28,9 +28,11 @@ class TrueSpot(NamedTuple):
 
 
 def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
-    """The chosen spot on the ground; ``None`` where none was chosen from a scan."""
+    """The chosen spot on the ground; ``None`` where none was chosen from a scan of this
+    telemetry."""
     hazard, point = fsw["hazard"], fsw["landing_point"]
-    if not np.isfinite(hazard["spot_t"]):
+    # a flight that goes on from a saved state has no telemetry of what was before
+    if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return None
     east, north = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")
     return TrueSpot(float(point["fine_L"][0]) - east, float(point["fine_L"][1]) - north)

@@ -68,6 +68,7 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         return None
     chart, footprint, judged = hazard["chart"], hazard["footprint"], hazard["judged"]
     choice, coarse = hazard["choice"], hazard["coarse"]
+    drift = coarse["drift"][-1]
     known = judged["verdict"] != VERDICTS.index("edge")
     rejected = choice["rejected"][: choice["n_rejected"]]
     return LandingMap(
@@ -84,7 +85,7 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         found=np.array(int(choice["found"])),
         rejected_m=rejected["spot_L"].copy(),
         rejected_verdict=rejected["verdict"].astype(np.int64),
-        drift_m=coarse["drift"]["place_L"][: coarse["drift"]["count"]].copy(),
+        drift_m=drift["place_L"][: drift["count"]].copy(),
         coarse_m=coarse["target_L"][: coarse["parts"]].copy(),
         coarse_obstacles=coarse["obstacles"][: coarse["parts"]].copy(),
         coarse_part=np.array(int(coarse["part"])),

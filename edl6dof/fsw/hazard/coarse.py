@@ -14,7 +14,7 @@ from math import atan2, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.hazard.drift import DRIFT, distance_from_drift
+from edl6dof.fsw.hazard.drift import DRIFT, LASTING, distance_from_drifts
 from edl6dof.interface.capacities import CAMERA_CELLS
 from edl6dof.jit import kernel
 from edl6dof.records import whole
@@ -49,7 +49,6 @@ class CoarseParams(Params):
         10.0, "time over which the velocity under the parachute is taken for the wind", status="estimate",
         gt=0.1, le=100.0,
     )  # fmt: skip
-    drift_below_m: float = param(400.0, "height below which the drift counts", status="estimate", gt=0.0)
 
 
 COARSE = np.dtype(
@@ -59,7 +58,7 @@ COARSE = np.dtype(
         ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
         ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
         ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
-        ("drift", DRIFT),
+        ("drift", DRIFT, (len(LASTING),)),
     ],
     align=True,
 )
@@ -152,7 +151,7 @@ def choose_part(p, camera, nav, out):
     out.part, best = 0, (2, 0.0)
     for part in range(out.parts):
         target = out.target_L[part]
-        out.clear[part] = distance_from_drift(out.drift, p.drift_below, target[0], target[1])
+        out.clear[part] = distance_from_drifts(out.drift, target[0], target[1])
         keeps = out.clear[part] >= p.keep_clear
         mark = (0, out.obstacles[part]) if keeps else (1, -out.clear[part])
         if mark[0] < best[0] or (mark[0] == best[0] and mark[1] < best[1]):

@@ -1,8 +1,9 @@
 """Where backshell and canopy drift to once they are let go: the path that the lander has to stay away from.
 
-They fall as a point mass with drag through the believed air.  The wind is the expected one, shifted so that
-it is, at the height of the release, what has carried the vehicle under its parachute: its velocity over
-several swings, as one alone is metres per second off.
+They fall as a point mass with drag through the believed air.  At the height of the release, the wind is what
+has carried the vehicle under its parachute: its velocity over several swings, as one alone is metres per
+second off.  How much of its difference from the expected wind lasts farther down nobody knows, a gust dies in
+some hundred metres: there is a path for all of it, one for half and one for none.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from edl6dof.records import whole
 
 #: Points of the path, a second apart; steps of integration in each second.
 PATH_POINTS, STEPS = 160, 10
+#: Shares of the difference from the expected wind that last, each with a path of its own.
+LASTING = (0.0, 0.5, 1.0)
 
 #: What leaves the lander, as it is believed: backshell with the canopy that carries it.
 DRIFTER = np.dtype(
@@ -60,13 +63,23 @@ def follow_wind(time_constant, nav, dt, carried):
 
 
 @kernel
-def predict_drift(atmosphere, drifter, carried, nav, out):
+def predict_drifts(atmosphere, drifter, carried, nav, out):
+    """A path for each share of ``LASTING``, into the ``DRIFT`` records ``out``; arguments as of
+    :func:`predict_drift`.
+    """
+    for k in range(len(LASTING)):
+        predict_drift(atmosphere, drifter, carried, LASTING[k], nav, out[k])
+
+
+@kernel
+def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
     """Fly backshell and canopy from the state of the vehicle to the ground.
 
     Args:
         atmosphere: believed air and wind.
         drifter: ``DRIFTER`` record.
         carried: velocity that the vehicle was carried with, see :func:`follow_wind`.
+        lasting: share of its difference from the expected wind that lasts.
         nav: ``NAV`` record at their release.
         out: ``DRIFT`` record, written; the last point is where they come to the ground.
     """
@@ -74,7 +87,7 @@ def predict_drift(atmosphere, drifter, carried, nav, out):
     if drifter.mass <= 0.0:
         return
     wind_north, wind_east = expected_wind(atmosphere, nav.altitude)
-    shift = (carried[0] - wind_north, carried[1] - wind_east)
+    shift = (lasting * (carried[0] - wind_north), lasting * (carried[1] - wind_east))
     north, east, height = nav.site_L[1], nav.site_L[0], nav.height
     v_n, v_e, v_d = nav.v_N[0], nav.v_N[1], nav.v_N[2]
     step, below = 1.0 / STEPS, nav.altitude - nav.height
@@ -93,18 +106,18 @@ def predict_drift(atmosphere, drifter, carried, nav, out):
 
 
 @kernel
-def distance_from_drift(drift, below, east, north):
-    """Least horizontal distance (m) of a place from the path where it is lower than ``below`` (m above the
-    ground); 1e9 without a path.
+def distance_from_drifts(drifts, east, north):
+    """Least horizontal distance (m) of a place from the paths, from their beginning on, as a weaker wind ends
+    on the way; 1e9 without a path.
     """
     least = 1e9
-    for k in range(1, drift.count):
-        if drift.place_L[k, 2] > below:
-            continue
-        e0, n0 = drift.place_L[k - 1, 0], drift.place_L[k - 1, 1]
-        e1, n1 = drift.place_L[k, 0] - e0, drift.place_L[k, 1] - n0
-        along = e1 * (east - e0) + n1 * (north - n0)
-        share = min(max(along / max(e1 * e1 + n1 * n1, 1e-12), 0.0), 1.0)
-        off_e, off_n = east - e0 - share * e1, north - n0 - share * n1
-        least = min(least, sqrt(off_e * off_e + off_n * off_n))
+    for path in range(len(LASTING)):
+        place_L = drifts[path].place_L
+        for k in range(1, drifts[path].count):
+            e0, n0 = place_L[k - 1, 0], place_L[k - 1, 1]
+            e1, n1 = place_L[k, 0] - e0, place_L[k, 1] - n0
+            along = e1 * (east - e0) + n1 * (north - n0)
+            share = min(max(along / max(e1 * e1 + n1 * n1, 1e-12), 0.0), 1.0)
+            off_e, off_n = east - e0 - share * e1, north - n0 - share * n1
+            least = min(least, sqrt(off_e * off_e + off_n * off_n))
     return least

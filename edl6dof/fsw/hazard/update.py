@@ -12,7 +12,7 @@ from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
-from edl6dof.fsw.hazard.drift import follow_wind, predict_drift
+from edl6dof.fsw.hazard.drift import follow_wind, predict_drifts
 from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fill_holes
 from edl6dof.fsw.hazard.registry import GIVEN, judge
@@ -161,7 +161,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
     if memory.exposed == 0:
         command.expose = memory.exposed = 1
         drift = memory.coarse.drift
-        predict_drift(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
+        predict_drifts(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
     elif sensed.camera.fresh != 0:
         target = choose_part(onboard.hazard.coarse, sensed.camera, nav, memory.coarse)
         point.coarse_L[0], point.coarse_L[1] = target

@@ -10,9 +10,11 @@ from edl6dof.fsw.hazard.coarse import COARSE, CoarseParams, choose_part
 from edl6dof.fsw.hazard.drift import (
     DRIFT,
     DRIFTER,
-    distance_from_drift,
+    LASTING,
+    distance_from_drifts,
     follow_wind,
     predict_drift,
+    predict_drifts,
 )
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import NODES, ONBOARD
@@ -45,7 +47,7 @@ def chosen(density, v_N, seen=None, drift=None, **values):
     params, out = new(dtype_of(CoarseParams)), new(COARSE)
     fill(params, CoarseParams(**values))
     if drift is not None:
-        out["drift"] = drift
+        out["drift"][1] = drift
     nav = navigated(v_N)
     east, north = choose_part(params, image(density, seen), nav, out)
     return out, np.array([east, north]) - nav["site_L"][:2]
@@ -98,13 +100,26 @@ def test_part_below_the_drift_is_not_taken():
     assert to[0] == pytest.approx(-170.0) and out["clear"].max() == pytest.approx(340.0)
 
 
-def test_distance_from_the_drift_is_that_of_its_low_part():
-    drift = new(DRIFT)
-    drift["count"] = 3
-    drift["place_L"][:3] = [(0.0, 0.0, 900.0), (100.0, 0.0, 300.0), (200.0, 0.0, 0.0)]
-    assert distance_from_drift(drift, 400.0, 50.0, 30.0) == pytest.approx(30.0)
-    assert distance_from_drift(drift, 200.0, 50.0, 30.0) == pytest.approx(np.hypot(50.0, 30.0))
-    assert distance_from_drift(new(DRIFT), 400.0, 50.0, 30.0) == 1e9
+def test_distance_from_the_drift_is_that_of_the_nearest_path():
+    drifts = np.zeros(len(LASTING), DRIFT)
+    assert distance_from_drifts(drifts, 50.0, 30.0) == 1e9
+    drifts[0]["count"] = drifts[2]["count"] = 3
+    drifts[0]["place_L"][:3] = [(0.0, 0.0, 900.0), (100.0, 0.0, 300.0), (200.0, 0.0, 0.0)]
+    drifts[2]["place_L"][:3] = [(0.0, 0.0, 900.0), (0.0, 50.0, 300.0), (0.0, 300.0, 0.0)]
+    assert distance_from_drifts(drifts, 50.0, 30.0) == pytest.approx(30.0)
+    assert distance_from_drifts(drifts, 20.0, 200.0) == pytest.approx(20.0)
+    assert distance_from_drifts(drifts, 230.0, -40.0) == pytest.approx(50.0)
+
+
+def test_lasting_gust_is_one_path_and_one_that_dies_another():
+    nav, drifter, drifts = navigated((9.0, 3.0, 62.0)), new(DRIFTER), np.zeros(len(LASTING), DRIFT)
+    drifter["mass"], drifter["drag_area"] = 168.0, 139.0
+    predict_drifts(air(), drifter, np.array([9.0, 3.0]), nav, drifts)
+    ends = np.array([path["place_L"][path["count"] - 1, :2] for path in drifts])
+    # of the expected wind alone, 2.4 and -4.8 m/s there, and with what the vehicle was carried by beside it
+    seconds = drifts[0]["count"] - 1
+    assert ends[2] - ends[0] == pytest.approx(np.array([7.8, 6.6]) * seconds, rel=0.1)
+    assert ends[1] == pytest.approx(0.5 * (ends[0] + ends[2]), abs=2.0)
 
 
 def air():
@@ -120,7 +135,7 @@ def air():
 def test_drift_is_that_of_an_integrated_fall():
     nav, drifter, out = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(DRIFT)
     drifter["mass"], drifter["drag_area"] = 168.0, 139.0
-    predict_drift(air(), drifter, np.array([7.0, 2.0]), nav, out)
+    predict_drift(air(), drifter, np.array([7.0, 2.0]), 1.0, nav, out)
 
     def slope(_, y):
         height = y[2]
