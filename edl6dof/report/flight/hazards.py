@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.fsw.hazard.safety import VERDICTS
 from edl6dof.report.figure import (
     BLACK,
     BLUE,
@@ -25,7 +24,7 @@ from edl6dof.report.figure import (
     Trace,
 )
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.landing_map import LandingMap
+from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
 
 #: What stands in a legend for each verdict, and its colour: light enough for what is drawn on it.
 SHOWN: dict[str, tuple[str, str]] = {
