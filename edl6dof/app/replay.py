@@ -64,6 +64,11 @@ class FlownRun:
         return self._run.events
 
     @property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it."""
+        return self._run.landing_map
+
+    @property
     def telemetry(self) -> Mapping[str, np.ndarray]:
         """Columns by name."""
         return self._run

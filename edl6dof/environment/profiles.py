@@ -16,7 +16,7 @@ import numpy as np
 from edl6dof.jit import kernel
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
-DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM = 1, 2, 3
+DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4
 #: Of the first sensor of the family; the others follow.
 SENSOR_STREAM = 100
 

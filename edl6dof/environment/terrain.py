@@ -1,22 +1,34 @@
-"""Height and slope of the ground.
+"""Height and slope of the ground: a global map and a plane around the site, and on them the landing area.
 
 Elevations count from the areoid (:mod:`edl6dof.environment.areoid`), as the heights of the air do.
-Left out: relief below one degree; around the site a plane stands for it.
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, pi, radians, sin, sqrt, tan
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Params, param
+from edl6dof.config.base import REQUIRED, Params, group, param
 from edl6dof.config.dtype import fill
-from edl6dof.environment.areoid import areoid_at
-from edl6dof.environment.height_map import map_height
+from edl6dof.environment.areoid import areoid_at, areoid_height
+from edl6dof.environment.height_map import HEIGHT_MAP, map_height
+from edl6dof.environment.landing_area.dtm import DTM, with_dtm
+from edl6dof.environment.landing_area.dtm_file import DtmFile, Square, dtm_path, read_dtm
+from edl6dof.environment.landing_area.fractal import TILES, fractal_tiles
+from edl6dof.environment.landing_area.params import (
+    GENERATED,
+    LANDING_AREA,
+    LandingAreaParams,
+    fill_landing_area,
+)
+from edl6dof.environment.landing_area.plane import metres_per_radian, place_of
+from edl6dof.environment.landing_area.surface import relief
 from edl6dof.environment.layout import extended
-from edl6dof.environment.map_file import DATA, map_file, read_map, require_map_of
+from edl6dof.environment.map_file import DATA, MapFile, map_file, read_map, require_map_of
+from edl6dof.environment.planet import PlanetParams
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import wrapped
 
@@ -46,11 +58,18 @@ class TerrainParams(Params):
     ellipse_azimuth_deg: float = param(
         0.0, "planned landing ellipse: direction of the long axis", record=False, ge=-360.0, le=360.0
     )
+    landing_area: LandingAreaParams = group(LandingAreaParams, "relief around the site")
 
 
 #: The parameters; ``radius`` m: turns angles into metres; ``offset`` m: added to the map so that it agrees
-#: with the site; ``tilt_*``: rise per metre.
-TERRAIN = extended(TerrainParams, radius="f8", offset="f8", tilt_north="f8", tilt_east="f8")
+#: with the site; ``tilt_*``: rise per metre; ``metres_*``: per radian at the site.
+TERRAIN = extended(
+    TerrainParams,
+    **dict.fromkeys(("radius", "offset", "tilt_north", "tilt_east", "metres_north", "metres_east"), "f8"),
+    landing_area=LANDING_AREA,
+)
+#: The arrays that the ground is read from, zero where a scenario has none; kernels call it ``grid``.
+GROUND = np.dtype([("map", HEIGHT_MAP), ("dtm", DTM), ("tiles", TILES)], align=True)
 
 
 @kernel
@@ -58,11 +77,33 @@ def ground(terrain, grid, lat, lon):
     """Elevation (m above the areoid), and its rise per metre towards north and east, at geodetic ``lat`` and
     east ``lon``, rad.
     """
+    elevation, north, east = regional(terrain, grid, lat, lon)
+    if terrain.landing_area.model == GENERATED:
+        y, x = place_of(terrain, lat, lon)
+        height, rise_north, rise_east = relief(terrain.landing_area, grid.tiles, y, x)
+        elevation += height
+        north += rise_north
+        east += rise_east
+    return elevation, north, east
+
+
+@kernel
+def regional(terrain, grid, lat, lon):
+    """As :func:`ground`, without what is generated."""
+    if grid.dtm.reach > 0.0:
+        y, x = place_of(terrain, lat, lon)
+        return with_dtm(grid.dtm, terrain.site_elevation, y, x, _mapped(terrain, grid, lat, lon))
+    return _mapped(terrain, grid, lat, lon)
+
+
+@kernel
+def _mapped(terrain, grid, lat, lon):
+    """As :func:`ground`, of the map and the plane alone."""
     if terrain.model == NONE:
         return 0.0, 0.0, 0.0
     elevation, north, east = _site_plane(terrain, lat, lon)
     if terrain.model == MOLA:
-        height, map_north, map_east = map_height(grid, lat, lon)
+        height, map_north, map_east = map_height(grid.map, lat, lon)
         elevation += height + terrain.offset
         north += map_north
         east += map_east
@@ -102,9 +143,59 @@ def _site_plane(terrain, lat, lon):
     return k * rise, k * (tilt_north - bend * north), k * (tilt_east - bend * east)
 
 
-def topography() -> np.void:
-    """The map of model mola, ``HEIGHT_MAP``."""
-    return read_map(map_file(MAP))
+class GroundInputs(NamedTuple):
+    """What the arrays of the ground follow from: the map, the digital terrain model, and the Hurst exponent
+    of what is generated.
+    """
+
+    map: MapFile | None = None
+    dtm: DtmFile | None = None
+    hurst: float | None = None
+
+
+def ground_inputs(params: TerrainParams, planet: PlanetParams) -> GroundInputs:
+    """What the arrays of the ground follow from.
+
+    Raises:
+        OSError: a file cannot be read.
+    """
+    area = params.landing_area
+    return GroundInputs(
+        map_file(MAP) if params.model == "mola" else None,
+        _dtm(params, planet) if area.dtm.file else None,
+        area.hurst if area.model == "generated" else None,
+    )
+
+
+def _dtm(params: TerrainParams, planet: PlanetParams) -> DtmFile:
+    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    dtm, metres = params.landing_area.dtm, _metres(params, planet)
+    return DtmFile(map_file(dtm_path(dtm.file)), dtm.coordinates, Square(*place, *metres, dtm.reach_m))
+
+
+def _metres(params: TerrainParams, planet: PlanetParams) -> tuple[float, float]:
+    """Metres per radian of latitude and longitude at the site."""
+    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    return metres_per_radian(planet, place[0], params.site_elevation_m + areoid_height(planet, *place))
+
+
+@lru_cache(maxsize=4)
+def ground_arrays(inputs: GroundInputs) -> np.void:
+    """The arrays of the ground, ``GROUND``, which all share and nobody writes to.
+
+    Raises:
+        OSError, ValueError, ModuleNotFoundError: as :func:`edl6dof.environment.map_file.read_map` and
+            :func:`edl6dof.environment.landing_area.dtm_file.read_dtm`.
+    """
+    record = np.zeros(1, GROUND)
+    if inputs.map is not None:
+        record["map"] = read_map(inputs.map)
+    if inputs.dtm is not None:
+        record["dtm"] = read_dtm(inputs.dtm)
+    if inputs.hurst is not None:
+        record["tiles"] = fractal_tiles(inputs.hurst)
+    record.flags.writeable = False
+    return record[0]
 
 
 def require_topography_of(planet_radius_m: float) -> None:
@@ -116,19 +207,24 @@ def require_topography_of(planet_radius_m: float) -> None:
     require_map_of(map_file(MAP), planet_radius_m, "mola", "use 'plane' or 'none'")
 
 
-def fill_terrain(record: np.void, params: TerrainParams, grid: np.void, planet_radius_m: float) -> None:
-    """Copy the parameters, fit the map to the site and resolve the tilt, on a planet of this mean radius.
+def fill_terrain(
+    record: np.void, params: TerrainParams, grid: np.void, planet: PlanetParams, seed: int = 0, case: int = 0
+) -> None:
+    """Copy the parameters, fit the map to the site, resolve the tilt, and lay down the landing area of
+    (``seed``, ``case``).
 
     Raises:
         ValueError: the map is of another planet.
     """
     fill(record, params)
-    record["radius"] = planet_radius_m
+    place = radians(params.site_latitude_deg), radians(params.site_longitude_deg)
+    record["radius"] = planet.mean_radius_m
     record["offset"] = 0.0
     if params.model == "mola":
-        require_topography_of(planet_radius_m)
-        at_site = map_height(grid, radians(params.site_latitude_deg), radians(params.site_longitude_deg))[0]
-        record["offset"] = params.site_elevation_m - at_site
+        require_topography_of(planet.mean_radius_m)
+        record["offset"] = params.site_elevation_m - map_height(grid["map"], *place)[0]
     steepness = -tan(radians(params.slope_deg))
     record["tilt_north"] = steepness * cos(radians(params.slope_azimuth_deg))
     record["tilt_east"] = steepness * sin(radians(params.slope_azimuth_deg))
+    record["metres_north"], record["metres_east"] = _metres(params, planet)
+    fill_landing_area(record["landing_area"], params.landing_area, grid["tiles"], seed, case)

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS
 from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
-
-G0 = 9.80665
 
 #: What engines can do: one of them, or those that burn taken together.
 ENGINE_ABILITY = np.dtype(

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 from edl6dof.config.units import Unit, split_unit
 
 #: What a figure is formed from.
-Source = Literal["events", "telemetry", "peaks", "contact", "diagnosis", "exclusions"]
+Source = Literal["events", "telemetry", "peaks", "contact", "footing", "diagnosis", "exclusions"]
 
 
 class FigureOfMerit(NamedTuple):
@@ -22,8 +22,8 @@ class FigureOfMerit(NamedTuple):
         meaning: what it is, in the words of reports.
         source: ``events`` for the state at an event or the time of it, ``telemetry`` for the rows of a part
             of the flight, ``peaks`` for what the plant keeps at every step, ``contact`` for the located first
-            ground contact, ``diagnosis`` for fault isolation, ``exclusions`` for instruments out of
-            use.
+            ground contact, ``footing`` for the rough ground that it came to stand on, ``diagnosis`` for fault
+            isolation, ``exclusions`` for instruments out of use.
         limit: parameter of the scenario's ``limits`` that bounds it from above; empty for none.
     """
 
@@ -90,6 +90,24 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         limit="backshell_height_m",
     ),
     FigureOfMerit("min_backshell_distance_m", "least distance from the backshell", "telemetry"),
+    FigureOfMerit(
+        "min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry"
+    ),
+    FigureOfMerit(
+        "min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry"
+    ),
+    FigureOfMerit("coarse_parts", "parts that the landing image was cut into", "telemetry"),
+    FigureOfMerit("coarse_obstacles", "share of obstacles in the part that was taken", "telemetry"),
+    FigureOfMerit(
+        "coarse_clear_m", "coarse point from the predicted drift of backshell and canopy", "telemetry"
+    ),
+    FigureOfMerit("spot_found", "whether a safe spot was found", "telemetry"),
+    FigureOfMerit("spot_clearance_m", "chosen spot from the nearest unsafe one", "telemetry"),
+    FigureOfMerit("spots_rejected", "spots passed over on the way to the chosen one", "telemetry"),
+    FigureOfMerit("map_safe_share", "share of the map that is safe", "telemetry"),
+    FigureOfMerit("spot_largest_rock_m", "largest rock under the chosen spot", "telemetry"),
+    FigureOfMerit("spot_false_safe", "chosen as safe with a rock of half a metre under it", "telemetry"),
+    FigureOfMerit("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
     FigureOfMerit("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry"),
@@ -118,6 +136,16 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("touchdown_yaw_rate_deg_s", "yaw rate at touchdown", "contact"),
     FigureOfMerit("touchdown_rate_deg_s", "body rate at touchdown", "contact", limit="touchdown_rate_deg_s"),
     FigureOfMerit("touchdown_slope_deg", "ground slope", "contact", limit="slope_deg"),
+    FigureOfMerit("rocks_under_lander", "rocks of half a metre and more under the lander", "footing"),
+    FigureOfMerit("largest_rock_m", "largest rock under the lander", "footing", limit="largest_rock_m"),
+    FigureOfMerit("largest_rock_height_m", "height of the largest rock under the lander", "footing"),
+    FigureOfMerit(
+        "ground_under_belly_m",
+        "ground under the belly above the plane of the footpads",
+        "footing",
+        limit="ground_under_belly_m",
+    ),
+    FigureOfMerit("belly_clearance_m", "least clearance of the belly", "footing"),
     FigureOfMerit("landing_latitude_deg", "latitude of the landing point", "contact"),
     FigureOfMerit("landing_longitude_deg", "longitude of the landing point", "contact"),
     FigureOfMerit("landing_east_m", "landing point, east", "contact"),

@@ -124,7 +124,7 @@ def _fill_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
 
 
 def _fill_ground(case: np.void, s: Scenario, tables: np.void) -> None:
-    fill_terrain(case["terrain"], s.terrain, tables["terrain"], s.planet.mean_radius_m)
+    fill_terrain(case["terrain"], s.terrain, tables["terrain"], s.planet, s.seed, s.profile)
     fill_site(case["site"], s)
 
 
@@ -165,7 +165,7 @@ CASE_PARTS = (
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
     CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile", "mission"}), _fill_sensors),
-    CasePart(("terrain", "site"), frozenset({"terrain", "planet"}), _fill_ground),
+    CasePart(("terrain", "site"), frozenset({"terrain", "planet", "seed", "profile"}), _fill_ground),
     CasePart(
         ("vehicle", "lander", "feeds", "branches", "suspension", "carrier"),
         frozenset({"vehicle"}),

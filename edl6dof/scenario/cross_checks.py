@@ -10,8 +10,10 @@ from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
+from edl6dof.environment.landing_area.params import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
+from edl6dof.fsw.hazard.footprint import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
@@ -51,6 +53,11 @@ def _cycle_problems(scenario: Scenario) -> dict[str, str]:
         f"{scenario.simulation.step_s:g})"
     )
     return {"simulation.step_s": message}
+
+
+def _landing_area_problems(scenario: Scenario) -> dict[str, str]:
+    found = landing_area_problems(scenario.terrain.landing_area)
+    return {f"terrain.landing_area.{key}": message for key, message in found.items()}
 
 
 def _lag_problems(scenario: Scenario) -> dict[str, str]:
@@ -105,6 +112,23 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
     read = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
     return sensor_problems(scenario.sensors_in_flight, (*read, "footpad_contact", "wing_open"))
+
+
+def _hazard_problems(scenario: Scenario) -> dict[str, str]:
+    """What detects hazards needs the lidar, and the map of it a footprint of cells that is not too large."""
+    hazard, found = scenario.flight_software.hazard, {}
+    if hazard.detection == "given":
+        return {}
+    if "lidar" not in scenario.sensors_in_flight.flown:
+        found["flight_software.hazard.detection"] = (
+            f"needs sensors.carried to name lidar (got {hazard.detection}); given detects nothing"
+        )
+    if hazard.footprint_radius_m > MAX_RADIUS * hazard.cell_m:
+        found["flight_software.hazard.footprint_radius_m"] = (
+            f"must not exceed {MAX_RADIUS} cells of flight_software.hazard.cell_m, "
+            f"{MAX_RADIUS * hazard.cell_m:g} m (got {hazard.footprint_radius_m:g})"
+        )
+    return found
 
 
 def _stars_problems(scenario: Scenario) -> dict[str, str]:
@@ -162,11 +186,13 @@ def _entry_problems(scenario: Scenario) -> dict[str, str]:
 
 CROSS_CHECKS = (
     CrossCheck(frozenset({"flight_software", "simulation"}), _cycle_problems),
+    CrossCheck(frozenset({"terrain"}), _landing_area_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
     CrossCheck(frozenset({"sensors", "mission"}), _stars_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
+    CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),

@@ -22,8 +22,9 @@ from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import build_table
 from edl6dof.environment.gravity import GRAVITY, coefficients_path, fill_gravity
+from edl6dof.environment.landing_area.dtm_file import dtm_path
 from edl6dof.environment.profile_file import profile_path, read_profile
-from edl6dof.environment.terrain import require_topography_of
+from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
 from edl6dof.vehicle.aerodynamics.table import (
     aero_inputs,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 TABLES: dict[str, Callable[[str], Path]] = {
     "atmosphere.table": profile_path,
     "planet.areoid": areoid_path,
+    "terrain.landing_area.dtm.file": dtm_path,
     "planet.gravity.coefficients": coefficients_path,
     "vehicle.aero.capsule.static_table": static_table_path,
 }
@@ -54,7 +56,7 @@ _NUMPY_WORDS = (
     "zero-size array",
     "need at least",
 )
-_UNREADABLE = (OSError, ValueError, LookupError, ArithmeticError, MemoryError, csv.Error)
+_UNREADABLE = (OSError, ValueError, LookupError, ModuleNotFoundError, ArithmeticError, MemoryError, csv.Error)
 
 
 def file_problems(scenario: Scenario) -> dict[str, str]:
@@ -74,6 +76,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.terrain.model == "mola":
         with _collected(problems, "terrain.model"):
             require_topography_of(scenario.planet.mean_radius_m)
+    if scenario.terrain.landing_area.dtm.file:
+        with _collected(problems, "terrain.landing_area.dtm.file"):
+            ground_arrays(ground_inputs(scenario.terrain, scenario.planet)._replace(map=None, hurst=None))
     with _collected(problems, "planet.gravity.coefficients"):
         fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
     if scenario.vehicle.aero.model == "capsule":
@@ -102,6 +107,8 @@ def _words(error: Exception) -> str:
         return f"cannot be read: {error.strerror or error}" + (
             f" ({shown(Path(error.filename))})" if error.filename else ""
         )
+    if isinstance(error, ModuleNotFoundError):
+        return str(error)
     if isinstance(error, UnicodeDecodeError):
         return "is not a text file"
     if isinstance(error, LookupError):

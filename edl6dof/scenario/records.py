@@ -19,7 +19,7 @@ from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import ATMOSPHERE_TABLE, AirInputs, build_table
 from edl6dof.environment.height_map import HEIGHT_MAP
 from edl6dof.environment.map_file import MapFile
-from edl6dof.environment.terrain import topography
+from edl6dof.environment.terrain import GROUND, GroundInputs, ground_arrays, ground_inputs
 from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.onboard import FSW
 from edl6dof.scenario.belief import believe
@@ -41,7 +41,7 @@ TABLES = np.dtype(
     [
         ("atmosphere", ATMOSPHERE_TABLE),
         ("aero", AERO_TABLE),
-        ("terrain", HEIGHT_MAP),  # of the ground above the areoid
+        ("terrain", GROUND),
         ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
     ],
     align=True,
@@ -53,7 +53,7 @@ class TableInputs(NamedTuple):
 
     air: AirInputs
     aero: AeroInputs | None
-    has_map: bool
+    ground: GroundInputs
     areoid: MapFile | None
 
 
@@ -70,7 +70,7 @@ def table_inputs(scenario: Scenario) -> TableInputs:
         aero_inputs(capsule, gas.shock_layer_heat_capacity_ratio)
         if scenario.vehicle.aero.model == "capsule"
         else None,
-        scenario.terrain.model == "mola",
+        ground_inputs(scenario.terrain, scenario.planet),
         areoid_file(scenario.planet),
     )
 
@@ -88,8 +88,7 @@ def build_tables(scenario: Scenario) -> np.ndarray:
 def _tables(inputs: TableInputs) -> np.ndarray:
     tables = np.zeros(1, TABLES)
     tables["atmosphere"] = build_table(inputs.air)
-    if inputs.has_map:
-        tables["terrain"] = topography()
+    tables["terrain"] = ground_arrays(inputs.ground)
     tables["areoid"] = areoid_map(inputs.areoid)
     if inputs.aero is not None:
         tables["aero"] = build_aero_table(inputs.aero)
@@ -217,6 +216,8 @@ def _new_fsw() -> np.ndarray:
     for name in ("gyro", "accelerometer", "beam", "star_tracker"):
         fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
+    for name in ("image_t", "scan_t", "spot_t"):
+        fsw["hazard"][name] = np.nan
     fsw["mission"]["entered"] = np.nan
     fsw["mission"]["entered"][0, 0] = 0.0
     return fsw

@@ -5,19 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.environment.areoid import areoid_file, areoid_map
-from edl6dof.environment.height_map import HEIGHT_MAP
+from edl6dof.environment.landing_area.census import list_within
+from edl6dof.environment.landing_area.params import NO_RELIEF
 from edl6dof.environment.planet import PlanetParams
-from edl6dof.environment.terrain import TERRAIN, TerrainParams, fill_terrain, ground_heights, topography
+from edl6dof.environment.terrain import (
+    TERRAIN,
+    TerrainParams,
+    fill_terrain,
+    ground_arrays,
+    ground_heights,
+    ground_inputs,
+)
 
 
 class Relief:
     """Height of the ground as the simulation has it."""
 
-    def __init__(self, params: TerrainParams, planet: PlanetParams) -> None:
+    def __init__(self, params: TerrainParams, planet: PlanetParams, seed: int, case: int) -> None:
         self._terrain = np.zeros(1, TERRAIN)
-        self._grid = topography() if params.model == "mola" else np.zeros(1, HEIGHT_MAP)[0]
+        self._grid = ground_arrays(ground_inputs(params, planet))
         self._areoid = areoid_map(areoid_file(planet))
-        fill_terrain(self._terrain[0], params, self._grid, planet.mean_radius_m)
+        fill_terrain(self._terrain[0], params, self._grid, planet, seed, case)
 
     def heights(self, latitude: np.ndarray, longitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Elevation (m above the areoid) and altitude (m above the ellipsoid) of the ground at geodetic
@@ -36,8 +44,23 @@ class Relief:
         return elevation.reshape(latitude.shape), altitude.reshape(latitude.shape)
 
     @property
+    def detailed(self) -> bool:
+        """Whether the ground has relief that is finer than the map."""
+        return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
+
+    def rocks(self, north: float, east: float, side: float, smallest: float) -> np.ndarray:
+        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place (m north and east
+        of the site): their places north and east (m) and diameters (m), shape (n, 3).
+        """
+        population = self._terrain[0]["landing_area"]["rocks"]
+        south, west = north - 0.5 * side, east - 0.5 * side
+        found = np.empty((list_within(population, south, west, side, np.empty((0, 4))), 4))
+        list_within(population, south, west, side, found)
+        return found[found[:, 2] >= smallest, :3]
+
+    @property
     def map(self) -> np.ndarray:
         """The global map (m), shape (180, 360): from 89.5 north to 89.5 south, from 179.5 west; zeros where
         there is none.
         """
-        return self._grid["height"].astype(float)
+        return self._grid["map"]["height"].astype(float)

@@ -68,6 +68,16 @@ class LimitParams(Params):
     )
     touchdown_rate_deg_s: float = param(2.0, "body rate at first contact", status="estimate", gt=0.0)
     slope_deg: float = param(10.0, "ground slope", status="estimate", gt=0.0)
+    largest_rock_m: float | None = param(
+        None, "largest rock under the lander", status="estimate", record=False, gt=0.0
+    )
+    ground_under_belly_m: float | None = param(
+        None,
+        "ground under the belly, rocks too, above the plane of the footpads",
+        status="estimate",
+        record=False,
+        gt=0.0,
+    )
     landing_distance_m: float = param(
         28000.0,
         "distance from the landing site",

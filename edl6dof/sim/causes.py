@@ -65,7 +65,7 @@ def _decided_at(flight: Flight, missed: Sequence[Check]) -> float:
 
 def _time_of(figure: str) -> str:
     """Name of the figure that tells when another is taken: that of the mortar for ``parachute_mach``."""
-    if figure_of_merit(figure).source == "contact":
+    if figure_of_merit(figure).source in ("contact", "footing"):
         return "touchdown_s"
     return f"{figure.partition('_')[0]}_s"
 

@@ -1,4 +1,6 @@
-"""Footpads on springs and dampers with Coulomb friction, on a locally plane ground."""
+"""Footpads on springs and dampers with Coulomb friction, each on the plane of the ground under it; points of
+the underside meet the ground in the same way.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +13,7 @@ from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
 
 MAX_FOOTPADS = 8
+MAX_CONTACTS = 2 * MAX_FOOTPADS
 
 
 class LandingGearParams(Hardware):
@@ -19,7 +22,15 @@ class LandingGearParams(Hardware):
     footpads_m: Annotated[list[Vec3], Capacity(MAX_FOOTPADS)] = param(
         None, "footpad positions in B with the legs out", factory=list, max_length=MAX_FOOTPADS
     )
-    stiffness_n_m: float = param(60000.0, "spring constant of one leg", status="estimate", gt=0.0)
+    underside_m: Annotated[list[Vec3], Capacity(MAX_FOOTPADS)] = param(
+        None,
+        "points of the underside in B that a rock may reach: its corners, the nozzle",
+        factory=list,
+        max_length=MAX_FOOTPADS,
+    )
+    stiffness_n_m: float = param(
+        60000.0, "spring constant of a leg, or of a point of the underside", status="estimate", gt=0.0
+    )
     damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
     friction: float = param(
         0.6, "Coulomb friction coefficient of a footpad on the soil", status="estimate", ge=0.0, le=2.0
@@ -48,51 +59,44 @@ def leg_force(gear, depth, v_normal, v_slip):
 
 
 @kernel
-def contact(gear, centre, clearance, up_B, v_B, w_B):
-    """Ground reaction on all footpads: force and moment about the origin of B (two tuples), and the number of
-    pads on the ground.
+def contact(gear, point, centre, clearance, up_B, v_B, w_B):
+    """Ground reaction on a point of the vehicle: force and moment about the origin of B (two tuples), and
+    whether it touches.
 
     Args:
         gear: landing-gear record.
+        point: the point in B, m.
         centre: centre of mass in B, m.
-        clearance: height of the centre of mass above the local ground plane along its normal, m.
-        up_B: outward normal of the ground in B.
+        clearance: height of the centre of mass above the plane of the ground under the point, along its
+            normal, m.
+        up_B: outward normal of that plane in B.
         v_B: velocity of the centre of mass relative to the ground, in B, m/s.
         w_B: body rate relative to the ground, in B, rad/s.
     """
-    fx = fy = fz = mx = my = mz = 0.0
-    pads = 0
-    for k in range(gear.n_footpads):
-        p = (gear.footpads[k][0], gear.footpads[k][1], gear.footpads[k][2])
-        arm = (p[0] - centre[0], p[1] - centre[1], p[2] - centre[2])
-        depth = -(clearance + arm[0] * up_B[0] + arm[1] * up_B[1] + arm[2] * up_B[2])
-        if depth <= 0.0:
-            continue
-        spin = cross(w_B, arm)
-        vx, vy, vz = v_B[0] + spin[0], v_B[1] + spin[1], v_B[2] + spin[2]
-        vn = vx * up_B[0] + vy * up_B[1] + vz * up_B[2]
-        sx, sy, sz = vx - vn * up_B[0], vy - vn * up_B[1], vz - vn * up_B[2]
-        normal, drag = leg_force(gear, depth, vn, sqrt(sx * sx + sy * sy + sz * sz))
-        force = (normal * up_B[0] + drag * sx, normal * up_B[1] + drag * sy, normal * up_B[2] + drag * sz)
-        moment = cross(p, force)
-        fx += force[0]
-        fy += force[1]
-        fz += force[2]
-        mx += moment[0]
-        my += moment[1]
-        mz += moment[2]
-        pads += 1
-    return (fx, fy, fz), (mx, my, mz), pads
+    arm = (point[0] - centre[0], point[1] - centre[1], point[2] - centre[2])
+    depth = -(clearance + arm[0] * up_B[0] + arm[1] * up_B[1] + arm[2] * up_B[2])
+    if depth <= 0.0:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False
+    spin = cross(w_B, arm)
+    vx, vy, vz = v_B[0] + spin[0], v_B[1] + spin[1], v_B[2] + spin[2]
+    vn = vx * up_B[0] + vy * up_B[1] + vz * up_B[2]
+    sx, sy, sz = vx - vn * up_B[0], vy - vn * up_B[1], vz - vn * up_B[2]
+    normal, drag = leg_force(gear, depth, vn, sqrt(sx * sx + sy * sy + sz * sz))
+    force = (normal * up_B[0] + drag * sx, normal * up_B[1] + drag * sy, normal * up_B[2] + drag * sz)
+    return force, cross(point, force), True
 
 
 @kernel
-def lowest_point(gear, centre, up_B):
-    """Signed distance along the normal from the centre of mass to the lowest footpad (negative: below), m; 0
-    without footpads.
-    """
-    low = 0.0
-    for k in range(gear.n_footpads):
+def contacts(gear):
+    """How many points can meet the ground: the footpads, then those of the underside."""
+    return gear.n_footpads + gear.n_underside
+
+
+@kernel
+def contact_point(gear, k):
+    """Point ``k`` of those that can meet the ground, in B, m."""
+    if k < gear.n_footpads:
         p = gear.footpads[k]
-        height = (p[0] - centre[0]) * up_B[0] + (p[1] - centre[1]) * up_B[1] + (p[2] - centre[2]) * up_B[2]
-        low = min(low, height)
-    return low
+    else:
+        p = gear.underside[k - gear.n_footpads]
+    return p[0], p[1], p[2]

@@ -22,8 +22,8 @@ from edl6dof.interface.capacities import (
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
-from edl6dof.vehicle.instruments import INSTRUMENT_FAULTS
-from edl6dof.vehicle.landing_gear import MAX_FOOTPADS
+from edl6dof.vehicle.instruments import EYES_TOLD, INSTRUMENT_FAULTS
+from edl6dof.vehicle.landing_gear import MAX_CONTACTS, MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 
@@ -160,6 +160,8 @@ INPUTS = np.dtype(
         ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
         ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
         ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
+        # the same of the ground under each point of the landing gear: altitude below the centre of mass, rise
+        ("footing", "f8", (MAX_CONTACTS, 3)),
     ],
     align=True,
 )
@@ -208,6 +210,7 @@ STATE = np.dtype(
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
+        ("eyes", EYES_TOLD),  # what landing camera, lidar and stereo cameras are told
     ],
     align=True,
 )

@@ -58,7 +58,7 @@ for law in sys.argv[1:]:
             "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
             "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
             "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
-            "airframe": believed_aero(onboard["vehicle"], x)[0],
+            "airframe": believed_aero(onboard["vehicle"], x, 1e9)[0],
             "reference": node_of(onboard["reference"], x)[1],
             "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
             "influence": at_speed(onboard["plan"]["etpc"], x)[1],

@@ -11,7 +11,7 @@ import pytest
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.areoid import areoid_height
-from edl6dof.environment.terrain import TERRAIN, fill_terrain, topography
+from edl6dof.environment.terrain import TERRAIN, fill_terrain, ground_arrays, ground_inputs
 from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
@@ -36,8 +36,8 @@ def site(scenario) -> Site:
 
 
 def test_ground_is_that_of_the_simulation(scenario, site):
-    terrain, grid = np.zeros(1, TERRAIN), topography()
-    fill_terrain(terrain[0], scenario.terrain, grid, scenario.planet.mean_radius_m)
+    terrain, grid = np.zeros(1, TERRAIN), ground_arrays(ground_inputs(scenario.terrain, scenario.planet))
+    fill_terrain(terrain[0], scenario.terrain, grid, scenario.planet)
     for dlat, dlon in ((0.0, 0.0), (0.4, -0.7), (-3.0, 5.0)):
         lat, lon = (
             radians(scenario.terrain.site_latitude_deg + dlat),

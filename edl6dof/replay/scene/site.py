@@ -32,7 +32,7 @@ class Site:
         prime = self.radius / sqrt(1.0 - e2 * sin(lat) ** 2)
         # : of L, in F
         self.origin = (prime + self.altitude) * np.array(up) - [0.0, 0.0, e2 * prime * sin(lat)]
-        self.relief = Relief(terrain, planet)
+        self.relief = Relief(terrain, planet, scenario.seed, scenario.profile)
 
     def attitude(self, t: np.ndarray, q_I2B: np.ndarray) -> np.ndarray:
         """Turns that carry B axes into place, as seen in L: rotate components in B to components in L.

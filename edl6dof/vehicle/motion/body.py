@@ -8,7 +8,7 @@ propellant is used, both below 1e-4 of the control torque.
 
 from __future__ import annotations
 
-from math import acos, cos, sin, sqrt
+from math import acos, cos, sin
 
 from edl6dof.environment.gas import stagnation_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
@@ -30,7 +30,7 @@ from edl6dof.spatial.vector import (
 )
 from edl6dof.vehicle.aerodynamics.surfaces import extension, wing_force
 from edl6dof.vehicle.aerodynamics.wrench import aerodynamic_wrench
-from edl6dof.vehicle.landing_gear import contact
+from edl6dof.vehicle.motion.footing import ground_loads
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_motion
 from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import (
@@ -146,26 +146,6 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     acceleration = scale(inverse, sub(drag, scale(tension, line)))
     pull = to_frame(q, scale(tension, line))
     return pull, cross(arm, pull), tension, acceleration, packed * inverse
-
-
-@kernel
-def ground_loads(case, inputs, y, q, w, centre, rotation, place):
-    """Force and moment about the centre of mass (B) of the footpads on the ground, and how many touch it."""
-    spin = case.planet.rotation_rate
-    r_I, v_I = take3(y, POSITION), take3(y, VELOCITY)
-    c, s = rotation
-    sin_lat, cos_lat, sin_lon, cos_lon, altitude, _ = place
-    slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]
-    inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
-    normal_F = ned_to_fixed(
-        sin_lat, cos_lat, sin_lon, cos_lon, (-slope_n * inverse, -slope_e * inverse, -inverse)
-    )
-    normal_B = to_frame(q, rotate_z(c, -s, normal_F))
-    v_ground = to_frame(q, sub(v_I, (-spin * r_I[1], spin * r_I[0], 0.0)))
-    w_ground = sub(w, to_frame(q, (0.0, 0.0, spin)))
-    clearance = (altitude - inputs.ground_altitude) * inverse
-    force, moment, pads = contact(case.vehicle.landing_gear, centre, clearance, normal_B, v_ground, w_ground)
-    return force, sub(moment, cross(centre, force)), pads
 
 
 @inlined_kernel

@@ -1,7 +1,7 @@
 """One step of the classical Runge-Kutta method of fourth order, and what it starts from and leaves.
 
 Some inputs of the derivative are laid down for a step: as lines in time the wrench of the thrusters in
-vacuum, their propellant flow, and what the thrust of the engines strives for; as constants the plane of the
+vacuum, their propellant flow, and what the thrust of the engines strives for; as constants the planes of the
 ground, which tanks are not empty, and the noncentral part of gravitation, taken at the predicted middle of
 the step.  In a step of 10 ms at 6 km/s that part changes by 4e-7 m/s2, evenly: holding it displaces the
 vehicle by less than 1e-6 m in a minute of coasting, and costs one sum of harmonics a step instead of four.
@@ -19,6 +19,7 @@ from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 from edl6dof.vehicle.motion.body import derivatives, motion
+from edl6dof.vehicle.motion.footing import lay_footing
 from edl6dof.vehicle.motion.point_mass import POINT_MASS
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import (
@@ -88,6 +89,7 @@ def evaluate_at(case, tables, plant, rotation, outputs, work):
         out.latitude, out.longitude = atan2(out.sin_lat, out.cos_lat), atan2(out.sin_lon, out.cos_lon)
         areoid = areoid_at(tables.areoid, out.latitude, out.longitude)
         look_at_ground(case, tables, plant, outputs, areoid)
+        lay_footing(case, tables, plant, outputs, take_attitude(plant.y), rotation, (areoid[1], areoid[2]))
         if plant.touched != 0:
             derivatives(case, tables, plant, plant.t, rotation, plant.y, outputs, work.k[0])
 

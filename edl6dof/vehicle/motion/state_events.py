@@ -7,15 +7,14 @@ function of the state and its outputs.  A new event is a function, an action, an
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isnan, sqrt
+from math import isnan
 from typing import Any, NamedTuple
 
 from edl6dof.jit import kernel
 from edl6dof.registry import switch
-from edl6dof.spatial.frames import ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, norm, sub, take3
-from edl6dof.vehicle.landing_gear import lowest_point
+from edl6dof.vehicle.motion.footing import least_clearance, normal_of
 from edl6dof.vehicle.motion.runge_kutta import NEAR_GROUND, take_attitude
 from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
@@ -62,8 +61,8 @@ def stretch(case, plant):
 
 @kernel
 def clearance(case, plant, outputs):
-    """Distance along the ground's normal from the lowest footpad (without legs: the nose) to the ground, m;
-    far above it, of the centre of mass and straight down.
+    """Distance along the ground's normal from the nearest point of the landing gear (without legs: the nose)
+    to the ground, m; far above it, of the centre of mass and straight down.
     """
     if plant.touched != 0:
         return NOT_ARMED
@@ -71,16 +70,12 @@ def clearance(case, plant, outputs):
     height = out.altitude - inputs.ground_altitude
     if height >= NEAR_GROUND:
         return height
-    slope_n, slope_e = inputs.ground_slope[0], inputs.ground_slope[1]
-    inverse = 1.0 / sqrt(1.0 + slope_n * slope_n + slope_e * slope_e)
-    normal_N = (-slope_n * inverse, -slope_e * inverse, -inverse)
-    normal_F = ned_to_fixed(out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, normal_N)
-    c, s = planet_rotation(case.planet, plant.t)
-    normal_B = to_frame(take_attitude(plant.y), rotate_z(c, -s, normal_F))
-    centre = take3(out.centre, 0)
+    place = (out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon)
+    q, rotation, centre = take_attitude(plant.y), planet_rotation(case.planet, plant.t), take3(out.centre, 0)
     if plant.legs != 0:
-        return height * inverse + lowest_point(case.vehicle.landing_gear, centre, normal_B)
-    return height * inverse - (centre[0] * normal_B[0] + centre[1] * normal_B[1] + centre[2] * normal_B[2])
+        return least_clearance(case, inputs, centre, q, rotation, place, out.altitude)
+    up, inverse = normal_of(place, q, rotation, inputs.ground_slope[0], inputs.ground_slope[1])
+    return height * inverse - (centre[0] * up[0] + centre[1] * up[1] + centre[2] * up[2])
 
 
 @kernel

@@ -8,16 +8,27 @@ import numpy as np
 import pytest
 
 from edl6dof.environment.height_map import map_height
-from edl6dof.environment.terrain import TERRAIN, TerrainParams, fill_terrain, ground, topography
+from edl6dof.environment.map_file import map_file
+from edl6dof.environment.terrain import (
+    MAP,
+    TERRAIN,
+    GroundInputs,
+    TerrainParams,
+    fill_terrain,
+    ground,
+    ground_arrays,
+)
+from edl6dof.scenario.schema import load_scenario
 
-GRID = topography()
+GRID = ground_arrays(GroundInputs(map_file(MAP)))
+PLANET = load_scenario("tianwen1").scenario.planet
 SITE = (radians(25.066), radians(109.925))
 
 
 def build(**given) -> np.void:
     record = np.zeros(1, TERRAIN)[0]
     site = {"site_elevation_m": -4099.4, "site_latitude_deg": 25.066, "site_longitude_deg": 109.925}
-    fill_terrain(record, TerrainParams(**{**site, **given}), GRID, 3389500.0)
+    fill_terrain(record, TerrainParams(**{**site, **given}), GRID, PLANET)
     return record
 
 
@@ -26,19 +37,19 @@ def build(**given) -> np.void:
     [("Tianwen-1", 25.066, 109.925, -4099.4, 150.0), ("InSight", 4.502, 135.623, -2613.4, 100.0)],
 )
 def test_map_agrees_with_landers(name, lat, lon, true, tolerance):
-    assert map_height(GRID, radians(lat), radians(lon))[0] == pytest.approx(true, abs=tolerance)
+    assert map_height(GRID["map"], radians(lat), radians(lon))[0] == pytest.approx(true, abs=tolerance)
 
 
 def test_olympus_mons_and_hellas_are_where_they_are():
-    assert map_height(GRID, radians(18.65), radians(-133.8))[0] > 18e3
-    assert map_height(GRID, radians(-42.4), radians(70.5))[0] < -5.5e3
+    assert map_height(GRID["map"], radians(18.65), radians(-133.8))[0] > 18e3
+    assert map_height(GRID["map"], radians(-42.4), radians(70.5))[0] < -5.5e3
 
 
 def test_map_is_fitted_to_the_site():
     elevation, *_ = ground(build(), GRID, *SITE)
     assert elevation == pytest.approx(-4099.4, abs=1e-9)
-    far = ground(build(), GRID, 0.3, 0.4)[0] - map_height(GRID, 0.3, 0.4)[0]
-    assert far == pytest.approx(-4099.4 - map_height(GRID, *SITE)[0], abs=1e-6)
+    far = ground(build(), GRID, 0.3, 0.4)[0] - map_height(GRID["map"], 0.3, 0.4)[0]
+    assert far == pytest.approx(-4099.4 - map_height(GRID["map"], *SITE)[0], abs=1e-6)
 
 
 @pytest.mark.parametrize("turn", [0.0, 2 * np.pi, -2 * np.pi])

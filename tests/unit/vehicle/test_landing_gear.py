@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from edl6dof.config.dtype import fill
-from edl6dof.vehicle.landing_gear import LANDING_GEAR, LandingGearParams, contact, leg_force, lowest_point
+from edl6dof.vehicle.landing_gear import LANDING_GEAR, LandingGearParams, contact_point, contacts, leg_force
+from edl6dof.vehicle.landing_gear import contact as one_contact
 
 MASS, G, STIFFNESS, DAMPING = 780.0, 3.72, 60000.0, 6000.0
 PADS = [(0.9, 1.5, 0.0), (0.9, 0.0, 1.5), (0.9, -1.5, 0.0), (0.9, 0.0, -1.5)]
@@ -25,6 +26,16 @@ def gear(pads=PADS, **changes):
     record = np.zeros(1, LANDING_GEAR).view(np.recarray)[0]
     fill(record, LandingGearParams(footpads_m=pads, **changes))
     return record
+
+
+def contact(record, centre, clearance, up, v, w):
+    """Of all points, over one plane: force, moment about the origin of B, and how many touch."""
+    parts = [
+        one_contact(record, contact_point(record, k), centre, clearance, up, v, w)
+        for k in range(contacts(record))
+    ]
+    force, moment = (np.sum([part[i] for part in parts], axis=0) if parts else np.zeros(3) for i in (0, 1))
+    return force, moment, sum(part[2] for part in parts)
 
 
 def fly(record, clearance, v_up, v_side, duration):
@@ -114,7 +125,7 @@ def test_the_gear_never_gives_back_more_than_its_springs_hold():
     positive, any motion.
     """
     record, rng = gear(), np.random.default_rng(6)
-    contacts = 0
+    pressed = 0
     for _ in range(300):
         turn = Rotation.from_rotvec(rng.normal(size=3) * 0.2)
         up, v, w = turn.apply(UP), rng.normal(size=3) * 2.0, rng.normal(size=3)
@@ -126,9 +137,9 @@ def test_the_gear_never_gives_back_more_than_its_springs_hold():
         depth = np.maximum(-(clearance + arms @ up), 0.0)
         climb = (v + np.cross(w, arms)) @ up
         power = force @ v + (moment - np.cross(CENTRE, force)) @ w
-        contacts += depth.any()
+        pressed += depth.any()
         assert power + np.sum(STIFFNESS * depth * -climb) <= 1e-9
-    assert contacts > 200
+    assert pressed > 200
 
 
 def test_a_tilted_lander_is_pushed_upright_by_its_lower_leg():
@@ -147,10 +158,15 @@ def test_a_tilted_lander_is_pushed_upright_by_its_lower_leg():
     assert np.cross(about_centre, arms[low]) @ up > 0.0  # the low leg is lifted
 
 
-def test_lowest_footpad():
-    assert lowest_point(gear(), CENTRE, UP) == pytest.approx(-HEIGHT)
-    tilted = Rotation.from_euler("z", 0.1).apply(UP)
-    expected = min(float((np.array(p) - CENTRE) @ tilted) for p in PADS)
-    assert lowest_point(gear(), CENTRE, tuple(tilted)) == pytest.approx(expected) and expected < -HEIGHT
-    assert lowest_point(gear([]), CENTRE, UP) == 0.0
-    assert contact(gear([]), CENTRE, -5.0, UP, REST, REST) == (REST, REST, 0)
+def test_underside_is_pushed_where_it_meets_the_ground_and_is_no_footpad():
+    record = gear(underside_m=[(0.5, 0.0, 0.0), (0.5, 0.4, 0.0)])
+    assert contacts(record) == 6 and contact_point(record, 5) == (0.5, 0.4, 0.0)
+    one = one_contact(record, contact_point(record, 5), CENTRE, 0.28, UP, REST, REST)
+    assert one[2] and np.array(one[0]) == pytest.approx((-STIFFNESS * 0.02, 0.0, 0.0))
+    assert np.array(one[1]) == pytest.approx(np.cross((0.5, 0.4, 0.0), one[0]))
+    assert not one_contact(record, contact_point(record, 5), CENTRE, 0.31, UP, REST, REST)[2]
+
+
+def test_without_points_nothing_pushes():
+    force, moment, touching = contact(gear([]), CENTRE, -5.0, UP, REST, REST)
+    assert not force.any() and not moment.any() and touching == 0

@@ -1,0 +1,83 @@
+"""Fractal relief: two periodic tiles of noise whose spectrum is a power law, laid beside each other without
+end.
+
+The fine tile has a value at every node of the lattice, the coarse one at every 16th, linear between; each
+has the wavelengths that the other has not.  Amplitudes follow the law exactly and phases are random, so that
+the mean square of height differences is that of the law for every pair of tiles.
+Source: spectral synthesis: Saupe, in Peitgen and Saupe, The Science of Fractal Images (1988), section 2.5;
+RMS slope and Hurst exponent: Shepard et al., J. Geophys. Res. 106(E12), 32777 (2001).
+Left out: wavelengths beyond the coarse tile (819 m at a lattice of 0.1 m); its pattern repeats there.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.environment.profiles import GROUND_STREAM, stream
+from edl6dof.jit import kernel
+
+NODES = 512
+#: Nodes of the lattice from one node of the coarse tile to the next.
+COARSE_CELLS = 16
+#: Wavelength, in cells of the lattice, that parts what is in the two tiles.
+SPLIT = 256.0
+TILES = np.dtype([("coarse", "f4", (NODES, NODES)), ("fine", "f4", (NODES, NODES))], align=True)
+_LAST = NODES - 1
+_SPACINGS = {"coarse": float(COARSE_CELLS), "fine": 1.0}
+
+
+@kernel
+def fractal_at(area, tiles, i, j):
+    """Height (m) of the fractal relief at node (``i`` north, ``j`` east) of the lattice."""
+    a, b = (j, i) if area.turn & 1 else (i, j)
+    a, b = -a if area.turn & 2 else a, -b if area.turn & 4 else b
+    fine = float(tiles.fine[(a + area.offset[0]) & _LAST, (b + area.offset[1]) & _LAST])
+    a, b = a + area.offset[2], b + area.offset[3]
+    row, column = (a >> 4) & _LAST, (b >> 4) & _LAST
+    u, t = float(a & 15) / 16.0, float(b & 15) / 16.0
+    below, right = (row + 1) & _LAST, (column + 1) & _LAST
+    first = (1.0 - t) * float(tiles.coarse[row, column]) + t * float(tiles.coarse[row, right])
+    second = (1.0 - t) * float(tiles.coarse[below, column]) + t * float(tiles.coarse[below, right])
+    return area.roughness * (fine + (1.0 - u) * first + u * second) - area.level
+
+
+@lru_cache(maxsize=4)
+def fractal_tiles(hurst: float) -> np.void:
+    """The two tiles, ``TILES``, in one unit of height that only :func:`unit_slope` knows."""
+    record = np.zeros(1, TILES)
+    for name, spacing in _SPACINGS.items():
+        rng = stream(0, int(spacing), GROUND_STREAM)
+        waves = np.fft.fft2(rng.standard_normal((NODES, NODES)))
+        waves *= np.sqrt(_power(name, hurst)) / np.abs(waves)
+        between = (
+            2.0 + np.cos(2.0 * np.pi * np.fft.fftfreq(NODES))
+        ) / 3.0  # what linear interpolation leaves
+        if name == "coarse":
+            waves /= np.sqrt(np.multiply.outer(between, between))
+        record[name] = np.fft.ifft2(waves).real * NODES**2
+    record.flags.writeable = False
+    return record[0]
+
+
+@lru_cache(maxsize=64)
+def unit_slope(hurst: float, baseline: float) -> float:
+    """RMS difference of height of the tiles over ``baseline`` cells of the lattice, divided by it."""
+    square = 0.0
+    for name, spacing in _SPACINGS.items():
+        differ = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.fft.fftfreq(NODES, spacing) * baseline)
+        square += float(np.sum(_power(name, hurst) * differ[:, None]))
+    return sqrt(square) / baseline
+
+
+def _power(name: str, hurst: float) -> np.ndarray:
+    """Mean square of height in each wave of a tile, shape (512, 512)."""
+    spacing = _SPACINGS[name]
+    axis = np.fft.fftfreq(NODES, spacing)
+    frequency = np.hypot(axis[:, None], axis)
+    inside = frequency * SPLIT >= 1.0 if name == "fine" else (frequency * SPLIT < 1.0) & (frequency > 0.0)
+    power = np.zeros((NODES, NODES))
+    power[inside] = frequency[inside] ** (-2.0 * hurst - 2.0) / (NODES * spacing) ** 2
+    return power

@@ -1,0 +1,136 @@
+"""Parameters and record of the landing area."""
+
+from __future__ import annotations
+
+from math import tan
+from typing import Literal
+
+import numpy as np
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.environment.landing_area.craters import EDGE
+from edl6dof.environment.landing_area.dtm import DtmParams
+from edl6dof.environment.landing_area.fractal import COARSE_CELLS, NODES, fractal_at, unit_slope
+from edl6dof.environment.landing_area.population import (
+    CROWD,
+    POPULATION,
+    Law,
+    fill_population,
+    most_in_a_cell,
+)
+from edl6dof.environment.landing_area.rocks import rock_law
+from edl6dof.environment.layout import extended
+from edl6dof.environment.profiles import GROUND_STREAM, stream
+
+NO_RELIEF, GENERATED = range(2)
+#: Diameter (m) that the density of craters is given for.
+CRATER_DIAMETER = 10.0
+#: Distance (m) over which the relief fades at the edge of the area.
+FADE = 100.0
+
+
+class LandingAreaParams(Params):
+    """Relief around the site that is finer than the map: none, or generated for each case."""
+
+    model: Literal["none", "generated"] = param(
+        "none", "generated: fractal relief, craters and rocks, other ones in each case"
+    )
+    extent_m: float = param(
+        20e3, "distance from the site, north and east, up to which it reaches", gt=FADE, le=100e3
+    )
+    cell_m: float = param(0.1, "distance of the nodes of its lattice", ge=0.05, le=1.0)
+    hurst: float = param(
+        0.75,
+        "Hurst exponent: height differences grow with distance to this power",
+        status="estimate",
+        ge=0.3,
+        le=0.95,
+    )
+    rms_slope_deg: float = param(
+        1.5, "RMS slope of the fractal relief over slope_baseline_m", status="estimate", ge=0.0, le=20.0
+    )
+    slope_baseline_m: float = param(5.0, "distance over which rms_slope_deg is taken", ge=0.5, le=100.0)
+    crater_density_per_km2: float = param(
+        20.0, "craters larger than 10 m", status="estimate", ge=0.0, le=500.0
+    )
+    crater_exponent: float = param(
+        2.0,
+        "their number per area falls with diameter to this power (2: equilibrium, 3: production)",
+        status="recalled",
+        source="lunar equilibrium: Trask, JPL TR 32-800 (1966)",
+        ge=1.5,
+        le=3.5,
+    )
+    smallest_crater_m: float = param(2.0, "smallest diameter of craters", ge=1.0, le=100.0)
+    largest_crater_m: float = param(200.0, "largest diameter of craters", ge=1.0, le=1000.0)
+    rock_abundance: float = param(
+        0.04,
+        "share of the ground that rocks of all sizes cover",
+        status="published",
+        source="Zhurong's landing site: abstract of Golombek's law applied to Utopia Planitia",
+        ge=0.0,
+        le=0.4,
+    )
+    smallest_rock_m: float = param(0.2, "smallest diameter of rocks", ge=0.05, le=1.0)
+    largest_rock_m: float = param(5.0, "largest diameter of rocks", ge=1.0, le=20.0)
+
+    dtm: DtmParams = group(DtmParams, "digital terrain model in place of the map", record=False)
+
+
+#: ``roughness``: factor of the tiles; ``level`` m: taken off, so that the
+#: fractal relief is 0 at the site; ``offset``, ``turn``: how the tiles lie in this case.
+LANDING_AREA = extended(
+    LandingAreaParams,
+    roughness="f8",
+    level="f8",
+    offset=np.dtype(("i8", (4,))),
+    turn="i8",
+    craters=POPULATION,
+    rocks=POPULATION,
+)
+
+
+def fill_landing_area(
+    record: np.void, params: LandingAreaParams, tiles: np.void, seed: int, case: int
+) -> None:
+    """Lay down what is generated for (``seed``, ``case``), in a record that has the parameters."""
+    if params.model == "none":
+        return
+    rng = stream(seed, case, GROUND_STREAM)
+    record["offset"] = rng.integers(0, NODES * COARSE_CELLS, 4)
+    record["turn"] = rng.integers(0, 8)
+    slope = tan(np.radians(params.rms_slope_deg))
+    record["roughness"] = (
+        slope * params.cell_m / unit_slope(params.hurst, params.slope_baseline_m / params.cell_m)
+    )
+    record["level"] = fractal_at(record, tiles, 0, 0)
+    for name, law in _laws(params).items():
+        fill_population(record[name], law, params.cell_m, rng)
+
+
+def landing_area_problems(params: LandingAreaParams) -> dict[str, str]:
+    """Key to message of numbers that do not fit together."""
+    found = {}
+    for name, law in _laws(params).items():
+        one = name.removesuffix("s")
+        if law.largest <= law.smallest:
+            found[f"smallest_{one}_m"] = (
+                f"must be below largest_{one}_m {law.largest:g} (got {law.smallest:g})"
+            )
+        elif (most := most_in_a_cell(law, params.cell_m)) > CROWD:
+            found[f"smallest_{one}_m"] = (
+                f"so many {name} of that size that {most:.0f} reach one place, at most {CROWD:g} are "
+                f"allowed: raise it (got {law.smallest:g})"
+            )
+    return found
+
+
+def _laws(params: LandingAreaParams) -> dict[str, Law]:
+    """The populations of a landing area by the names of their records."""
+    exponent = params.crater_exponent
+    craters = params.crater_density_per_km2 * 1e-6 * CRATER_DIAMETER**exponent * exponent
+    amount, decay = rock_law(params.rock_abundance)
+    return {
+        "craters": Law(craters, exponent, 0.0, params.smallest_crater_m, params.largest_crater_m, 0.5 * EDGE),
+        "rocks": Law(amount, 1.0, decay, params.smallest_rock_m, params.largest_rock_m, 0.5),
+    }

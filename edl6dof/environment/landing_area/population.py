@@ -1,0 +1,136 @@
+"""Things scattered over the ground at random, each with a place, a diameter and a character: craters and
+rocks.
+
+The number per area and diameter is ``amount * D**-(exponent + 1) * exp(-decay * D)``.  Diameters fall into
+classes, each up to twice as large as the one before; the members of a class lie in square cells, as many in
+each as a Poisson variable made of the cell's own bits.  A cell is so large that all members of a class that
+reach one cell of the lattice lie in a block of two by two.  Members are drawn from the power law, and stay
+with probability exp(-decay (D - smallest of the class)).
+Source: thinning: Lewis and Shedler, Naval Research Logistics 26, 403 (1979).
+"""
+
+from __future__ import annotations
+
+from math import ceil, exp, log2
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import endless_cell
+from edl6dof.spatial.noise import random_bits, random_bits_at
+
+MAX_CLASSES = 16
+#: Most members that the cells of a class may hold on average.
+CROWD = 8.0
+POPULATION = np.dtype(
+    [
+        ("n", "i8"),  # classes
+        ("exponent", "f8"),
+        ("decay", "f8"),  # per m
+        ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
+        ("key", "i8", (MAX_CLASSES,)),
+        ("smallest", "f8", (MAX_CLASSES,)),  # m
+        ("largest", "f8", (MAX_CLASSES,)),  # m
+        ("cell", "f8", (MAX_CLASSES,)),  # m: side of its cells
+        ("mean", "f8", (MAX_CLASSES,)),  # members drawn in a cell
+        ("empty", "f8", (MAX_CLASSES,)),  # probability that none is
+    ],
+    align=True,
+)
+_32, _11 = np.uint64(32), np.uint64(11)
+_LOW = np.uint64(0xFFFF_FFFF)
+
+
+@kernel
+def first_cell(population, k, place):
+    """Lower (north or east) of the two cells of class ``k`` that hold all that reaches the cell of the
+    lattice that begins at ``place`` (m).
+    """
+    return endless_cell((place - population.reach * population.largest[k]) / population.cell[k])
+
+
+@kernel
+def last_cell(population, k, place):
+    """The last cell (northmost or eastmost) of class ``k`` that holds what reaches back to ``place`` (m)."""
+    return endless_cell((place + population.reach * population.largest[k]) / population.cell[k])
+
+
+@kernel
+def cell_bits(population, k, i, j):
+    """The random bits of the cell (``i`` north, ``j`` east) of class ``k``."""
+    return random_bits_at(population.key[k], i, j)
+
+
+@kernel
+def drawn_in(population, k, bits):
+    """How many members are drawn in the cell of class ``k`` that has these bits."""
+    share = float(bits >> _11) * 2.0**-53
+    probability = population.empty[k]
+    count = 0
+    while share >= probability and count < 100:
+        share -= probability
+        count += 1
+        probability *= population.mean[k] / count
+    return count
+
+
+@kernel
+def member(population, k, bits, i, j, n):
+    """Member ``n`` of those drawn in the cell (``i``, ``j``) of class ``k``: its place north and east (m),
+    its diameter (m; 0: it did not stay) and its character, 0 .. 1.
+    """
+    first, second = random_bits(bits, 2 * n + 1), random_bits(bits, 2 * n + 2)
+    b, low = population.exponent, population.smallest[k]
+    span = 1.0 - (low / population.largest[k]) ** b
+    diameter = low * (1.0 - span * float(second & _LOW) * 2.0**-32) ** (-1.0 / b)
+    character = float(second >> _32) * 2.0**-32
+    if population.decay > 0.0:
+        stays = exp(-population.decay * (diameter - low))
+        if character >= stays:
+            return 0.0, 0.0, 0.0, 0.0
+        character /= stays
+    side = population.cell[k]
+    north = (i + float(first & _LOW) * 2.0**-32) * side
+    east = (j + float(first >> _32) * 2.0**-32) * side
+    return north, east, diameter, character
+
+
+class Law(NamedTuple):
+    """A population: amount, exponent and decay (per m) of its number per m2 and m of diameter; smallest and
+    largest diameter (m); and from the middle of a member to where it ends, in its diameters.
+    """
+
+    amount: float
+    exponent: float
+    decay: float
+    smallest: float
+    largest: float
+    reach: float
+
+
+def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Generator) -> None:
+    """Divide a population into classes, for a lattice with cells of this side (m); ``rng`` draws its keys."""
+    classes = _classes(law, lattice)
+    record["n"] = len(classes["mean"])
+    record["exponent"], record["decay"], record["reach"] = law.exponent, law.decay, law.reach
+    for name, values in classes.items():
+        record[name][: len(values)] = values
+    record["empty"][: record["n"]] = np.exp(-classes["mean"])
+    record["key"] = rng.integers(0, 2**63 - 1, MAX_CLASSES)
+
+
+def most_in_a_cell(law: Law, lattice: float) -> float:
+    """Members that the fullest cells of a class hold on average."""
+    return float(np.max(_classes(law, lattice)["mean"], initial=0.0))
+
+
+def _classes(law: Law, lattice: float) -> dict[str, np.ndarray]:
+    """Smallest and largest diameter, side of the cells (m) and mean number in a cell, of each class."""
+    count = max(1, ceil(log2(law.largest / law.smallest) - 1e-9)) if law.amount > 0.0 else 0
+    low = law.smallest * 2.0 ** np.arange(count)
+    high = np.minimum(2.0 * low, law.largest)
+    side = 2.0 * law.reach * high + lattice
+    steep = law.amount / law.exponent * np.exp(-law.decay * low)
+    mean = steep * (low**-law.exponent - high**-law.exponent) * side**2
+    return {"smallest": low, "largest": high, "cell": side, "mean": mean}
