@@ -62,7 +62,7 @@ FAMILIES: dict[str, Place] = {
     "powered_law": Place(
         "powered guidance law",
         "fsw/guidance/powered/registry.py",
-        {"guide": ("params", "vehicle", "nav", "memory", "out")},
+        {"guide": ("params", "vehicle", "state", "nav", "target", "memory", "out")},
     ),
     "controller": Place(
         "attitude controller",

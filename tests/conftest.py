@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 
+import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
 
 import edl6dof

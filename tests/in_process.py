@@ -8,7 +8,12 @@ import sys
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 
+from typer.main import get_command
+
 from edl6dof import cli
+
+#: Put together once in a process: for every call again, it would take longer than most of what is asked for.
+cli.app = get_command(cli.app)
 
 
 def called(*words: object, cwd: Path | str = ".") -> subprocess.CompletedProcess[str]:

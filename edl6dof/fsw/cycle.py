@@ -1,5 +1,6 @@
-"""One base cycle of the flight software, box by box: navigation, mission phases, guidance, attitude control,
-allocation, modulation; beside them estimation, fault isolation and the health that follows from it.
+"""One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
+attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
+from it.
 
 The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
 signature names.
@@ -19,6 +20,7 @@ from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
+from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
 from edl6dof.fsw.mission.sequencer import sequence
 from edl6dof.fsw.modulation import excess_torque, modulate, open_alone, open_for_test
@@ -55,6 +57,7 @@ def run(onboard, sensed, k, fsw):
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
         command.request[i] = 0
+    command.expose = command.scan = 0
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
@@ -74,6 +77,19 @@ def run(onboard, sensed, k, fsw):
         if command.request[i] != 0:
             restart(fsw.diagnosis)
 
+    # hazard detection
+    detect_hazards(
+        onboard,
+        phase.guidance,
+        nav.t - fsw.mission.phase_start,
+        sensed,
+        nav,
+        state,
+        fsw.hazard,
+        fsw.landing_point,
+        command,
+    )
+
     # guidance
     guide(
         onboard,
@@ -83,6 +99,7 @@ def run(onboard, sensed, k, fsw):
         nav,
         state,
         fsw.disturbance,
+        fsw.landing_point,
         fsw.guidance,
         goal,
     )

@@ -32,8 +32,13 @@ from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
 from edl6dof.fsw.guidance.update import GUIDANCE
+from edl6dof.fsw.hazard.drift import DRIFTER
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.hazard.registry import HazardParams
+from edl6dof.fsw.hazard.update import HAZARD
 from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.mission.phases import MISSION
 from edl6dof.fsw.mission.sequencer import SEQUENCE
@@ -118,6 +123,7 @@ class PoweredGuidanceParams(_PoweredLaws):
         ge=1.0,
         le=100.0,
     )
+    target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
 
 
@@ -149,6 +155,7 @@ class FlightSoftwareParams(Params):
 
     rates: RateParams = group(RateParams, "rate table")
     navigation: NavigationParams = group(NavigationParams, "navigation")
+    hazard: HazardParams = group(HazardParams, "hazard detection and the choice of a spot")
     guidance: GuidanceParams = group(GuidanceParams, "guidance laws")
     check_out: CheckOutParams = group(CheckOutParams, "check-out of thrusters")
     control: ControlParams = group(ControlParams, "attitude controllers")
@@ -237,6 +244,7 @@ ONBOARD = np.dtype(
                     ("entry_mass", "f8"),
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
+                    ("bank_deceleration", "f8"),  # at which a roll comes to its end, rad/s2; 0: at once
                     ("airframe", AIRFRAME),
                     # by the set of the parts that are gone, a bit for each
                     ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
@@ -253,6 +261,8 @@ ONBOARD = np.dtype(
         ("instruments", INSTRUMENTS),
         ("flow_meters", FLAG),  # whether propellant branches are metered
         ("navigation", dtype_of(NavigationParams)),
+        ("hazard", dtype_of(HazardParams)),
+        ("drifter", DRIFTER),
         ("guidance", dtype_of(GuidanceParams)),
         ("check_out", CHECK_OUT),
         ("control", dtype_of(ControlParams)),
@@ -273,6 +283,7 @@ ONBOARD = np.dtype(
 FSW = np.dtype(
     [
         ("mission", SEQUENCE),
+        ("landing_point", LANDING_POINT),
         ("guidance", GUIDANCE),
         ("control", CONTROL),
         ("health", HEALTH),
@@ -291,6 +302,7 @@ FSW = np.dtype(
         ("allocation", ALLOCATION),
         ("modulation", MODULATION),
         ("command", COMMAND),
+        ("hazard", HAZARD),  # by far the largest
     ],
     align=True,
 )

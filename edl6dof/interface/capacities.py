@@ -30,3 +30,9 @@ MAX_WAYS = 4
 MAX_CONDITIONS = 4
 #: Faults of a flight.
 MAX_FAULTS = 16
+#: Rows and columns of a scan of the lidar, and rows that it shoots in one base cycle.
+SCAN_ROWS = SCAN_COLUMNS = 256
+SCAN_BLOCK = 4
+#: Cells of a pair of stereo images, and of an image of the landing camera, along each side.
+STEREO_CELLS = 128
+CAMERA_CELLS = 64

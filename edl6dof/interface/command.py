@@ -29,6 +29,8 @@ COMMAND = np.dtype(
         ("alpha", "f8"),  # rad, angle of attack
         ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase, told with the commands
         ("shut", FLAG, (MAX_BRANCHES,)),  # propellant branches whose latch valve is shut
+        ("expose", FLAG),  # the landing camera takes an image now
+        ("scan", FLAG),  # the lidar begins a scan now, and the stereo cameras take a pair of images
     ],
     align=True,
 )

@@ -8,8 +8,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_BRANCHES, MAX_GYROS, MAX_PORTS
-from edl6dof.records import FLAG
+from edl6dof.interface.capacities import (
+    CAMERA_CELLS,
+    MAX_ACCELEROMETERS,
+    MAX_BEAMS,
+    MAX_BRANCHES,
+    MAX_GYROS,
+    MAX_PORTS,
+    SCAN_BLOCK,
+    SCAN_COLUMNS,
+    SCAN_ROWS,
+    STEREO_CELLS,
+)
+from edl6dof.records import FLAG, whole
 
 #: What gyros and accelerometers of an inertial unit read, each along its own axis.  They count, so that
 #: nothing between two readings is lost; the counts go on from the start of the flight.
@@ -54,6 +65,35 @@ TRACKING = np.dtype(
     align=True,
 )
 
+#: Rows that the lidar has shot in this cycle; where its cells look: :mod:`edl6dof.interface.eyes`.
+LIDAR = np.dtype(
+    [
+        ("range", "f4", (SCAN_BLOCK, SCAN_COLUMNS)),  # m, along each ray; 0: nothing came back
+        ("row", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # of the scan: the first of them
+        ("fresh", FLAG),  # whether they are of this cycle
+    ],
+    align=True,
+)
+
+#: What a pair of stereo images tells.
+STEREO = np.dtype(
+    [
+        ("range", "f4", (STEREO_CELLS, STEREO_CELLS)),  # m, along the look of each cell; 0: none was found
+        ("fresh", FLAG),  # whether it is of this cycle
+    ],
+    align=True,
+)
+
+#: What an image of the landing camera tells, of the obstacles that it can make out.
+CAMERA = np.dtype(
+    [
+        ("density", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # share of the ground that obstacles take
+        ("seen", FLAG, (CAMERA_CELLS, CAMERA_CELLS)),  # whether each cell shows ground
+        ("fresh", FLAG),  # whether it is of this cycle
+    ],
+    align=True,
+)
+
 #: Ideal instruments sit at the centre of mass and say what is; the ideal inertial unit says what was, some
 #: cycles ago.
 SENSED = np.dtype(
@@ -75,6 +115,9 @@ SENSED = np.dtype(
         ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, through each branch since the start; some cycles old
         ("footpad_contact", FLAG),  # a footpad touches the ground
         ("wing_open", FLAG),  # end switch of the trim wing
+        ("lidar", LIDAR),  # of the scanning lidar
+        ("stereo", STEREO),  # of the pair of stereo cameras
+        ("camera", CAMERA),  # of the landing camera
     ],
     align=True,
 )

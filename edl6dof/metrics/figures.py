@@ -90,6 +90,24 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         limit="backshell_height_m",
     ),
     FigureOfMerit("min_backshell_distance_m", "least distance from the backshell", "telemetry"),
+    FigureOfMerit(
+        "min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry"
+    ),
+    FigureOfMerit(
+        "min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry"
+    ),
+    FigureOfMerit("coarse_parts", "parts that the landing image was cut into", "telemetry"),
+    FigureOfMerit("coarse_obstacles", "share of obstacles in the part that was taken", "telemetry"),
+    FigureOfMerit(
+        "coarse_clear_m", "coarse point from the predicted drift of backshell and canopy", "telemetry"
+    ),
+    FigureOfMerit("spot_found", "whether a safe spot was found", "telemetry"),
+    FigureOfMerit("spot_clearance_m", "chosen spot from the nearest unsafe one", "telemetry"),
+    FigureOfMerit("spots_rejected", "spots passed over on the way to the chosen one", "telemetry"),
+    FigureOfMerit("map_safe_share", "share of the map that is safe", "telemetry"),
+    FigureOfMerit("spot_largest_rock_m", "largest rock under the chosen spot", "telemetry"),
+    FigureOfMerit("spot_false_safe", "chosen as safe with a rock of half a metre under it", "telemetry"),
+    FigureOfMerit("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
     FigureOfMerit("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry"),

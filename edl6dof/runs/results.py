@@ -1,4 +1,4 @@
-"""The files of a run that hold its numbers: resolved scenario, telemetry, events, summary."""
+"""The files of a run that hold its numbers: resolved scenario, telemetry, events, summary, landing map."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof import __version__
 from edl6dof.config.document.jsontext import json_text
 from edl6dof.metrics.published import published_figures
+from edl6dof.runs.landing_map_file import write_landing_map
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
@@ -28,6 +29,8 @@ def write_run(flight: Flight, folder: Path) -> None:
     write_telemetry(flight, folder / "telemetry.parquet")
     (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
     (folder / "summary.json").write_text(json_text(summary(flight)), encoding="utf-8")
+    if flight.landing_map is not None:
+        write_landing_map(flight.landing_map, folder)
 
 
 def summary(flight: Flight) -> dict[str, Any]:

@@ -15,6 +15,8 @@ from edl6dof.config.document.source import Document, parse_document
 from edl6dof.config.errors import refusal
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
+from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
+from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
 TELEMETRY = "telemetry.parquet"
@@ -66,6 +68,16 @@ class Run(Mapping[str, np.ndarray]):
     def scenario(self) -> dict[str, Any]:
         """The resolved scenario as plain data: every default is in it."""
         return self.document.data
+
+    @cached_property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw and chose; ``None`` of a flight without hazard detection."""
+        if LANDING_MAP not in self._manifest.files:
+            return None
+        try:
+            return read_landing_map(self._manifest.read(LANDING_MAP))
+        except ValueError as error:
+            raise refusal(self.folder / LANDING_MAP, str(error)) from None
 
     @property
     def name(self) -> str:

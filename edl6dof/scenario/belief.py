@@ -18,6 +18,7 @@ from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.thrusters import THRUSTER_GROUPS
 from edl6dof.scenario.aim import plan
 from edl6dof.scenario.believed_aero import fill_airframe
+from edl6dof.scenario.believed_drifter import believe_drifter
 from edl6dof.scenario.believed_instruments import believe_instruments
 from edl6dof.scenario.events import fill_mission
 from edl6dof.scenario.expected_descent import wind_at, wind_of
@@ -32,7 +33,7 @@ from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Sections of the flight software that stand in the record as they are.
 FILLED = (
-    *("rates", "navigation", "guidance", "control", "estimation", "diagnosis", "allocation"),
+    *("rates", "navigation", "hazard", "guidance", "control", "estimation", "diagnosis", "allocation"),
     "modulation",
 )
 #: Mach number at which the one believed drag and lift coefficient are taken.
@@ -67,6 +68,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     record["imu_delay"] = unit.delay_cycles / software.rates.base_hz
     believe_instruments(record["instruments"], scenario)
     record["flow_meters"] = any("branch_used" in SENSOR_FAMILY.member(name).writes for name in sensors.flown)
+    believe_drifter(record["drifter"], scenario.vehicle)
     fill_mission(record["mission"], scenario.mission, scenario.vehicle)
     _set_site(record["site"], scenario)
     if any(phase.guidance == "entry" for phase in scenario.mission.phases):
@@ -112,6 +114,9 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     vehicle = scenario.vehicle
     mass = vehicle.mass
     record["entry_mass"] = mass.entry_kg
+    if scenario.dynamics == "six_dof":
+        slowing = scenario.flight_software.control.bank_to_steer.bank.deceleration_deg_s2
+        record["bank_deceleration"] = radians(slowing)
     airframe = record["airframe"]
     for name in ("drag", "lift", "drag_with_wing"):
         airframe[name] = 1.0

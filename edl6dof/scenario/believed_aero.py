@@ -33,7 +33,8 @@ def fill_airframe(
     fill(vehicle[0], scenario.vehicle)
     gas = np.zeros(1, GAS)
     fill_gas(gas[0], scenario.planet.gas)
-    airframe["wing_mach"] = _wing_mach(scenario)
+    airframe["wing_mach"] = _wing_opens(scenario, "mach")
+    airframe["wing_speed"] = _wing_opens(scenario, "speed_m_s")
     goal = radians(scenario.flight_software.guidance.entry.trim_alpha_deg)
     # a point mass flies at the angle it is told
     search = SEARCH if scenario.dynamics == "six_dof" else 0.0
@@ -44,9 +45,9 @@ def fill_airframe(
     airframe["drag_with_wing"] = braked / drag_area
 
 
-def _wing_mach(scenario: Scenario) -> float:
-    """Mach number at which the mission table opens the trim wing; 0 when it does not, or not by Mach
-    number.
+def _wing_opens(scenario: Scenario, quantity: str) -> float:
+    """Value of ``quantity`` at which the mission table opens the trim wing; 0 when it does not, or by
+    another.
     """
     events = [
         event
@@ -54,7 +55,7 @@ def _wing_mach(scenario: Scenario) -> float:
         for event in phase.events
         if event.action == "extend" and event.thing != "landing_gear"
     ]
-    return next((event.when.value for event in events if event.when.quantity == "mach"), 0.0)
+    return next((event.when.value for event in events if event.when.quantity == quantity), 0.0)
 
 
 @kernel

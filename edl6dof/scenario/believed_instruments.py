@@ -4,11 +4,12 @@ standard deviations that the errors of each case are drawn from.
 
 from __future__ import annotations
 
-from math import cos, radians, sin
+from math import cos, hypot, radians, sin, sqrt, tan
 
 import numpy as np
 
 from edl6dof.config.dtype import in_si
+from edl6dof.scenario.events import event_number
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.frames import ned_to_fixed
 
@@ -30,12 +31,21 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
         record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
         record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
+        record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)
         record["tracking_velocity_sigma"] = np.sqrt(ground["velocity"] ** 2 @ axes**2)
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
+    if "landing_camera" in sensors.flown:
+        _believe_eye(record["eyes"]["camera"], in_si(sensors.landing_camera))
+    if "lidar" in sensors.flown:
+        lidar = in_si(sensors.lidar)
+        _believe_eye(record["eyes"]["lidar"], lidar)
+        record["eyes"]["lidar"]["sigma"] = hypot(lidar["range_noise"], lidar["quantum"] / sqrt(12.0))
+    if "stereo" in sensors.flown:
+        _believe_stereo(record["eyes"]["stereo"], in_si(sensors.stereo))
     _believe_flow_meters(record, in_si(sensors.flow_meters) if "flow_meters" in sensors.flown else None)
 
 
@@ -53,6 +63,19 @@ def _believe_radar(record: np.void, radar: np.void) -> None:
         record[f"{kind}_sigma_relative"] = radar[f"{kind}_noise_relative"]
         record[f"{kind}_scale"] = np.hypot(radar[f"{kind}_scale"], 0.5 * radar["misalignment"])
     record["range_bias"] = radar["reflectivity"]
+
+
+def _believe_eye(record: np.void, given: np.void) -> None:
+    """Place and field of view."""
+    record["place"] = given["position"]
+    record["tangent"] = tan(0.5 * given["field_of_view"])
+
+
+def _believe_stereo(record: np.void, stereo: np.void) -> None:
+    """Place, field of view, and noise as it grows with the square of the range."""
+    _believe_eye(record, stereo)
+    focal_px = 0.5 * stereo["pixels"] / record["tangent"]
+    record["sigma_square"] = stereo["disparity_noise_px"] / (focal_px * stereo["baseline"])
 
 
 def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:

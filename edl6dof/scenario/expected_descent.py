@@ -145,7 +145,7 @@ def _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y):
     v_north, v_east = y[V_NORTH] - north, y[V_EAST] - east
     speed = sqrt(v_north * v_north + v_east * v_east + y[V_UP] * y[V_UP])
     mach = speed / sound
-    area, _ = believed_aero(onboard.vehicle, mach)
+    area, _ = believed_aero(onboard.vehicle, mach, speed)
     canopy = nominal_area(chute) * chute.drag_coefficient * chute.drag_factor * drag_efficiency(chute, mach)
     area += canopy * inflation(chute, t - hanging.line_stretch)
     per_speed = 0.5 * density * speed * area / hanging.mass

@@ -24,9 +24,11 @@ from edl6dof.environment.wind import WIND
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.sensed import SENSED
 from edl6dof.registry import Member
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
@@ -117,6 +119,8 @@ def _argument(name: str, key: str, member: Member) -> Any:
         "memory": member.memory,
         "onboard": ONBOARD,
         "vehicle": ONBOARD["vehicle"],
+        "state": VEHICLE_STATE,
+        "target": POWERED_TARGET,
         "nav": NAV,
         "goal": np.dtype("f8") if key == "engine_model" else GUIDE,
         "inputs": CONTROL_INPUTS,

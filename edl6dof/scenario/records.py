@@ -216,6 +216,8 @@ def _new_fsw() -> np.ndarray:
     for name in ("gyro", "accelerometer", "beam", "star_tracker"):
         fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
+    for name in ("image_t", "scan_t", "spot_t"):
+        fsw["hazard"][name] = np.nan
     fsw["mission"]["entered"] = np.nan
     fsw["mission"]["entered"][0, 0] = 0.0
     return fsw

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.environment.areoid import areoid_file, areoid_map
+from edl6dof.environment.landing_area.census import list_within
+from edl6dof.environment.landing_area.params import NO_RELIEF
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import (
     TERRAIN,
@@ -40,6 +42,21 @@ class Relief:
             altitude,
         )
         return elevation.reshape(latitude.shape), altitude.reshape(latitude.shape)
+
+    @property
+    def detailed(self) -> bool:
+        """Whether the ground has relief that is finer than the map."""
+        return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
+
+    def rocks(self, north: float, east: float, side: float, smallest: float) -> np.ndarray:
+        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place (m north and east
+        of the site): their places north and east (m) and diameters (m), shape (n, 3).
+        """
+        population = self._terrain[0]["landing_area"]["rocks"]
+        south, west = north - 0.5 * side, east - 0.5 * side
+        found = np.empty((list_within(population, south, west, side, np.empty((0, 4))), 4))
+        list_within(population, south, west, side, found)
+        return found[found[:, 2] >= smallest, :3]
 
     @property
     def map(self) -> np.ndarray:

@@ -26,11 +26,14 @@ from edl6dof.sensors import (
     ground_tracking,
     imu,
     inertial_unit,
+    landing_camera,
+    lidar,
     navigation_error,
     perfect,
     pressure_ports,
     radar,
     star_tracker,
+    stereo,
     switches,
 )
 from edl6dof.vehicle.faults.component import Component
@@ -40,13 +43,16 @@ SENSOR_FAMILY = Family(
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
         *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER, navigation_error.MEMBER),
+        *(landing_camera.MEMBER, lidar.MEMBER, stereo.MEMBER),
     ),
 )
 
 #: Sensors that a vehicle may carry.
-MAX_SENSORS = 8
-#: Those that stand for whatever is carried in the set ``perfect``, and one that is left on top of them.
-PERFECT_SET, ON_TOP = ("perfect", "imu"), "navigation_error"
+MAX_SENSORS = 12
+#: Those that make images: nothing ideal stands for them.
+EYES: tuple[Component, ...] = ("landing_camera", "lidar", "stereo")
+#: Those that stand for whatever is carried in the set ``perfect``, and those that are left on top of them.
+PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", *EYES)
 
 if TYPE_CHECKING:
     SensorName = str
@@ -62,7 +68,7 @@ class SensorParams(_Sections):
     set: Literal["carried", "perfect"] = param(
         "carried",
         "carried: the sensors named below; perfect: ideal ones instead, as of any point mass, with "
-        "navigation_error if that is named",
+        "navigation_error, landing_camera, lidar and stereo where those are named",
         record=False,
     )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
@@ -78,7 +84,7 @@ class SensorParams(_Sections):
         """Names of the sensors that fly."""
         if self.set == "carried":
             return self.carried
-        return [*PERFECT_SET, *(name for name in self.carried if name == ON_TOP)]
+        return [*PERFECT_SET, *(name for name in self.carried if name in ON_TOP)]
 
 
 #: The sensors of a case: their parameters, and the errors of the copies that fly in it.
@@ -155,4 +161,5 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["star_tracker"] = ["star_tracker"]
     if "flow_meters" in params.flown:
         names["flow_meter"] = list(branches)
+    names |= {name: [name] for name in EYES if name in params.flown}
     return names

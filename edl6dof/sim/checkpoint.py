@@ -31,8 +31,9 @@ if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
 
 _RECORDS = {"plant": STATE, "peaks": PEAKS, "sensors": SENSORS, "fsw": FSW}
-#: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand.
-_LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 4_000_000
+#: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand, and some
+#: million once the eyes have seen ground.
+_LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 16_000_000
 #: Room for what a ``.npy`` member says of itself before its data.
 _HEADER = 1024
 #: Last base cycle of the longest flight that a scenario may ask for: 20,000 s at 200 Hz.

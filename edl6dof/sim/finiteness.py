@@ -38,7 +38,8 @@ def _words(layout: np.dtype, first: str, last: str, base: int = 0) -> tuple[int,
 _FROM_OUTPUTS = ("inputs",)
 #: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
 #: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
-#: modulation make of it.
+#: modulation make of it.  Images, which stand behind, are finite whatever the vehicle does: an eye that meets
+#: nothing reads 0.
 _SENSED = _words(SENSED, "t", "branch_used", offset(SENSORS, "sensed"))
 _PHASE_START = _words(SEQUENCE, "phase_start", "phase_start", offset(FSW, "mission"))
 _WORKED_OUT = _words(FSW, "vehicle", "demand")

@@ -15,9 +15,11 @@ from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
+from edl6dof.metrics.drift import drift_figures
 from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
 from edl6dof.metrics.exclusions import Exclusion, exclusion_figures, exclusions
 from edl6dof.metrics.footing import footing_figures
+from edl6dof.metrics.hazard import hazard_figures
 from edl6dof.metrics.navigation import navigation_figures
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario import records
@@ -31,6 +33,7 @@ from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.telemetry.columns import Telemetry
+from edl6dof.telemetry.landing_map import LandingMap, landing_map
 from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
 from edl6dof.vehicle.plant import NOT_BEGUN, OUTPUTS, WORKSPACE
 
@@ -188,7 +191,18 @@ class Flight:
             if self.scenario.navigation_filter != "given":
                 figures |= navigation_figures(self.telemetry, when)
                 figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])
-            return figures | self._deployment(figures)
+            return figures | self._hazard(figures, when) | self._deployment(figures)
+
+    def _hazard(self, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+        """What hazard detection did and what it kept away from; empty without it."""
+        scenario = self.scenario
+        params = scenario.flight_software.hazard
+        if params.detection == "given":
+            return {}
+        lines = max((chute.line_length_m for chute in scenario.vehicle.parachutes), default=0.0)
+        return drift_figures(self.telemetry, when, lines) | hazard_figures(
+            self.case, self.fsw[0], self.telemetry, figures, params.footprint_radius_m
+        )
 
     def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
         """Miss of the aim point where the parachute opened; empty without a mortar or without entry
@@ -200,6 +214,11 @@ class Flight:
             return {}
         radius_m = self.scenario.planet.equatorial_radius_m
         return deployment_figures(self.telemetry, figures["parachute_s"], self.aim_point, radius_m)
+
+    @cached_property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it; ``None`` without a spot chosen from a scan."""
+        return landing_map(self.fsw[0])
 
     @cached_property
     def checks(self) -> list[Check]:

@@ -86,7 +86,8 @@ class Loop:
         """
         a, b, c = self.matrices()
         z = np.exp(1j * np.asarray(frequency) * self.cycle)
-        return np.array([-c @ np.linalg.solve(point * np.eye(_STATES) - a, b) for point in z])
+        answers = np.linalg.solve(z[:, None, None] * np.eye(_STATES) - a, b)
+        return np.array([-c @ answer for answer in answers])
 
     def is_stable(self, gain: float = 1.0) -> bool:
         """Whether the loop is stable with ``gain`` times the thrust that the law reckons with."""

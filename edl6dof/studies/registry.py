@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, hu2022, lu_bayard, msl, wu2013, yan2016, zheng2015
+from edl6dof.studies import guidance, hazards, hu2022, landing, lu_bayard, msl, wu2013, yan2016, zheng2015
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -13,6 +13,8 @@ STUDIES: dict[str, Study] = {
         wu2013,
         lu_bayard,
         guidance,
+        landing,
+        hazards,
         hu2022,
         msl,
     )

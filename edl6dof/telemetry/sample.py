@@ -78,6 +78,21 @@ def record_brief(case, plant, outputs, fsw, tick):
 
 
 @kernel
+def record_choice(hazard, point, guide):
+    """Write how far hazard detection is, and the points that it has chosen; ``nan`` until then."""
+    guide.coarse_east = guide.coarse_north = guide.spot_east = guide.spot_north = nan
+    guide.hazard_stage = hazard.exposed
+    if point.coarse_known != 0:
+        guide.hazard_stage = 2
+        guide.coarse_east, guide.coarse_north = point.coarse_L[0], point.coarse_L[1]
+    if hazard.scanning != 0:
+        guide.hazard_stage = 3
+    if point.fine_known != 0:
+        guide.hazard_stage = 4
+        guide.spot_east, guide.spot_north = point.fine_L[0], point.fine_L[1]
+
+
+@kernel
 def record(case, plant, outputs, sensed, fsw, tick):
     """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
     c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
@@ -139,6 +154,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     tick.guide.thrust_direction_north, tick.guide.thrust_direction_east, tick.guide.thrust_direction_down = (
         direction
     )
+    record_choice(fsw.hazard, fsw.landing_point, tick.guide)
     torque, unallocated = take3(fsw.demand.wrench, 3), take3(fsw.allocation.unallocated, 3)
     tick.control.torque_x, tick.control.torque_y, tick.control.torque_z = torque
     tick.control.unallocated_x, tick.control.unallocated_y, tick.control.unallocated_z = unallocated

@@ -80,6 +80,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
         for tank, t in zip(vehicle.tanks, plant["exhausted_time"], strict=False)
     ]
     found += guard_moments(fsw["navigation"])
+    found += hazard_moments(fsw["hazard"])
     found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first footpad"))
     return [one for one in found if isfinite(one["t_s"])]
 
@@ -91,6 +92,16 @@ def guard_moments(navigation: np.void) -> list[Moment]:
     if (t := navigation["recovery"]["found_t"]) > 0.0:
         found.append(moment(t, "vertical_found", "vertical found again"))
     return found
+
+
+def hazard_moments(hazard: np.void) -> list[Moment]:
+    """What hazard detection did: the coarse choice on an image, the scan, and the choice of the spot."""
+    spot = "safe spot chosen" if hazard["choice"]["found"] else "no spot safe: the best of them chosen"
+    return [
+        moment(hazard["image_t"], "image", "image taken, coarse point chosen"),
+        moment(hazard["scan_t"], "scan", "scan begins"),
+        moment(hazard["spot_t"], "spot", spot),
+    ]
 
 
 def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:

@@ -1,4 +1,7 @@
-"""What faults do to the readings of instruments: faults write it, sensors read it."""
+"""What the plant holds for its instruments: what they are told, and what faults do to their readings.
+
+Commands and faults write it, sensors read it.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,10 @@ READING_FAULT = np.dtype(
     align=True,
 )
 
+#: What the eyes are told to do in this cycle.
+EYES_TOLD = np.dtype([("expose", FLAG), ("scan", FLAG)], align=True)
+
+#: What faults do to them.
 INSTRUMENT_FAULTS = np.dtype(
     [
         ("gyro", READING_FAULT, (MAX_GYROS,)),
@@ -30,6 +37,10 @@ INSTRUMENT_FAULTS = np.dtype(
         ("speed", READING_FAULT, (MAX_BEAMS,)),
         ("flow", READING_FAULT, (MAX_BRANCHES,)),
         ("star_tracker_lost", FLAG),
+        ("camera_lost", FLAG),
+        ("lidar_lost", FLAG),
+        ("stereo_lost", FLAG),
+        ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
     ],
     align=True,
 )

@@ -22,7 +22,7 @@ from edl6dof.interface.capacities import (
 from edl6dof.records import FLAG, TIME_IF_EVER, whole
 from edl6dof.vehicle.aerodynamics.shape import SHAPES
 from edl6dof.vehicle.debris import FALLING
-from edl6dof.vehicle.instruments import INSTRUMENT_FAULTS
+from edl6dof.vehicle.instruments import EYES_TOLD, INSTRUMENT_FAULTS
 from edl6dof.vehicle.landing_gear import MAX_CONTACTS, MAX_FOOTPADS
 from edl6dof.vehicle.mass import BODY
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
@@ -210,6 +210,7 @@ STATE = np.dtype(
         ("touchdown", "f8", (STATES,)),
         ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
         ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
+        ("eyes", EYES_TOLD),  # what landing camera, lidar and stereo cameras are told
     ],
     align=True,
 )

@@ -25,7 +25,7 @@ name: twin
 flight_software: {{guidance: {{entry: {{law: constant_bank}}}}}}
 published: {published}
 calibration:
-  flights: 32
+  flights: 16
   figures: {figures}
   parameters:
     atmosphere.density_factor: {{mean: 1.0, sigma: 0.08}}
@@ -151,7 +151,7 @@ def test_command_finds_the_same_with_another_design_and_writes_a_scenario_that_f
     path, _ = twin
     out = tmp_path / "found"
     monkeypatch.chdir(path.parent)  # named by a relative path, and found again from another folder
-    options = ["--set", "seed=2", "-n", "40", "--out", str(out)]
+    options = ["--set", "seed=2", "-n", "20", "--out", str(out)]
     monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", path.name, *options])
     monkeypatch.setenv("COLUMNS", "100")
     with pytest.raises(SystemExit) as end:
@@ -159,7 +159,7 @@ def test_command_finds_the_same_with_another_design_and_writes_a_scenario_that_f
     shown = capsys.readouterr().out
     assert end.value.code == 0 and "told by figures" in shown and "5 figures tell" in shown
     other = json.loads((out / "summary.json").read_text())
-    assert other["seed"] == 2 and other["flights"] == 40
+    assert other["seed"] == 2 and other["flights"] == 20
     loaded = edl6dof.load(out / "calibrated.yaml")
     for name, sigma in found.sigmas.items():
         mean = other["parameters"][name]["mean"]
@@ -177,7 +177,7 @@ def test_a_figure_that_is_not_reached_and_too_few_flights_are_refused(twin, tmp_
     ended = "simulation.time_limit_s=100"
     for options, message in (
         (["-n", "11"], "calibration.flights: must be >= 12 with 2 parameters (got 11)"),
-        (["--set", ended], "0 of 32 flights reached every figure to explain, and 12 are needed"),
+        (["--set", ended], "0 of 16 flights reached every figure to explain, and 12 are needed"),
     ):
         monkeypatch.setattr("sys.argv", ["edl6dof", "calibrate", str(path), *options, "--out", str(out)])
         with pytest.raises(SystemExit) as end:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import edl6dof
 
@@ -12,7 +14,7 @@ PACKAGE = Path(edl6dof.__file__).parent
 
 #: Layers from the bottom up (design.md, section 3); a module imports its own layer or lower ones.
 LAYERS = (
-    ("jit", "compile_time", "code_files", "source_stamp", "durable", "records", "__version__"),
+    ("jit", "compile_time", "code_files", "source_stamp", "stale_code", "durable", "records", "__version__"),
     ("config", "manifest", "registry", "plugins"),
     ("spatial",),
     ("interface",),
@@ -45,9 +47,20 @@ def modules(*folders: str) -> list[tuple[str, str]]:
     return found
 
 
+def breaches(rule: Callable[[str, str], Any], sources: list[tuple[str, str]]) -> dict[str, Any]:
+    """What a rule of a module's name and source finds, by module; modules that keep it are left out."""
+    return {name: found for name, source in sources if (found := rule(name, source))}
+
+
+@cache
+def parsed(source: str) -> ast.Module:
+    """A source's syntax tree, read once for all rules."""
+    return ast.parse(source)
+
+
 def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str]]:
     """Line and absolute dotted name of everything a source imports, wherever the statement stands."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -65,7 +78,7 @@ def imports(source: str, module: str = "edl6dof.x.y") -> Iterator[tuple[int, str
 
 def imports_at_load(source: str, module: str) -> Iterator[tuple[int, str]]:
     """As :func:`imports`, without what stands inside functions or under ``if TYPE_CHECKING``."""
-    for node in ast.parse(source).body:
+    for node in parsed(source).body:
         if isinstance(node, ast.Import | ast.ImportFrom):
             yield from imports(ast.unparse(node), module)
 
@@ -86,7 +99,7 @@ def _within(name: str, prefixes: tuple[str, ...]) -> bool:
 def forbidden_parameters(source: str, names: tuple[str, ...]) -> list[str]:
     """``line: function(parameter)`` of functions that take a parameter of one of ``names``."""
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef):
             label = getattr(node, "name", "lambda")
             found += [f"{node.lineno}: {label}({a.arg})" for a in _parameters(node) if a.arg in names]
@@ -98,7 +111,7 @@ def untyped(source: str) -> list[str]:
     types that it meets.
     """
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.FunctionDef) and not _is_kernel(node):
             names = [
                 a.arg for a in _parameters(node) if a.annotation is None and a.arg not in ("self", "cls")
@@ -117,7 +130,7 @@ def _parameters(function: ast.FunctionDef | ast.Lambda | ast.AsyncFunctionDef) -
 
 def has_kernels(source: str) -> bool:
     """Whether a source defines a compiled function."""
-    return any(isinstance(node, ast.FunctionDef) and _is_kernel(node) for node in ast.walk(ast.parse(source)))
+    return any(isinstance(node, ast.FunctionDef) and _is_kernel(node) for node in ast.walk(parsed(source)))
 
 
 def _is_kernel(function: ast.FunctionDef) -> bool:
@@ -148,7 +161,7 @@ def parsed_prose(source: str) -> list[str]:
     apart.
     """
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(parsed(source)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARSING:
             found += [
                 f"{node.lineno}: {ast.unparse(node)}"
@@ -214,7 +227,7 @@ def whole_numbers_in_kernels(source: str) -> list[str]:
     """``line: kernel calls name`` of what compiled functions make whole numbers with."""
     return [
         f"{call.lineno}: {function.name} calls {_called(call)}"
-        for function in ast.walk(ast.parse(source))
+        for function in ast.walk(parsed(source))
         if isinstance(function, ast.FunctionDef) and _is_kernel(function)
         for call in ast.walk(function)
         if isinstance(call, ast.Call) and _called(call) in WHOLE
@@ -224,7 +237,7 @@ def whole_numbers_in_kernels(source: str) -> list[str]:
 def whole_number_names(source: str) -> set[str]:
     """Names to which a module assigns whole numbers when it is loaded: one, several, or a ``range``."""
     found = set()
-    for node in _at_load(ast.parse(source).body):
+    for node in _at_load(parsed(source).body):
         targets = (
             node.targets
             if isinstance(node, ast.Assign)
@@ -262,7 +275,7 @@ def lists_of(source: str, names: tuple[str, ...]) -> list[int]:
     """
     return [
         node.lineno
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(parsed(source))
         if isinstance(node, ast.Tuple | ast.List | ast.Set)
         and len(node.elts) == len(names)
         and {getattr(item, "value", None) for item in node.elts if isinstance(item, ast.Constant)}
@@ -275,7 +288,7 @@ def fields_without_meaning(source: str) -> list[str]:
     lines = source.splitlines()
     fields = [
         item
-        for node in ast.walk(ast.parse(source))
+        for node in ast.walk(parsed(source))
         if isinstance(node, ast.Call)
         and _called(node) == "dtype"
         and node.args

@@ -13,9 +13,15 @@ from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, e
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.hazard.footprint import FOOTPRINT
+from edl6dof.fsw.hazard.point_map import ELEVATION_MAP
+from edl6dof.fsw.hazard.registry import HAZARD_DETECTION, judge
+from edl6dof.fsw.hazard.safety import JUDGED
 from edl6dof.fsw.health import HEALTH
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import ONBOARD
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.records import numbers
 
 
@@ -67,10 +73,18 @@ CALLS = {
         for i, name in enumerate(ESTIMATORS.names)
     },
     **{
+        f"{HAZARD_DETECTION.title}: {name}": (
+            {"params": ONBOARD["hazard"], "chart": ELEVATION_MAP, "footprint": FOOTPRINT, "out": JUDGED},
+            lambda p, chart, footprint, out, i=i: judge(i, p, chart, footprint, 2.0, 0.03, out),
+            {"footprint", "out"},  # the planes of a row are scratch
+        )
+        for i, name in enumerate(HAZARD_DETECTION.names)
+    },
+    **{
         f"{POWERED_LAWS.title}: {name}": (
-            {"params": ONBOARD["guidance"]["powered"], "vehicle": ONBOARD["vehicle"], "nav": NAV}
-            | {"memory": POWERED_LAWS.memory, "out": GUIDE},
-            lambda p, vehicle, nav, memory, out, i=i: powered_guidance(i, p, vehicle, nav, memory, out),
+            {"params": ONBOARD["guidance"]["powered"], "vehicle": ONBOARD["vehicle"], "state": VEHICLE_STATE}
+            | {"nav": NAV, "target": POWERED_TARGET, "memory": POWERED_LAWS.memory, "out": GUIDE},
+            lambda *given, i=i: powered_guidance(i, *given),
             {"memory", "out"},
         )
         for i, name in enumerate(POWERED_LAWS.names)

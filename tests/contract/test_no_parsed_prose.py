@@ -3,14 +3,11 @@ own.
 """
 
 import pytest
-from source_rules import modules, parsed_prose
-
-EVERYTHING = modules()
+from source_rules import breaches, modules, parsed_prose
 
 
-@pytest.mark.parametrize("name, source", EVERYTHING, ids=[name for name, _ in EVERYTHING])
-def test_nothing_is_read_back_out_of_words(name, source):
-    assert parsed_prose(source) == []
+def test_nothing_is_read_back_out_of_words():
+    assert breaches(lambda _, source: parsed_prose(source), modules()) == {}
 
 
 @pytest.mark.parametrize(

@@ -9,22 +9,34 @@ from pyquaternion import Quaternion
 
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import command_thrust
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+
+
+def given(onboard):
+    """Settings, believed vehicle, and its state when its engine burns: 900 kg."""
+    state = np.zeros(1, VEHICLE_STATE)[0]
+    state["ignited"], state["mass"], state["engine"] = 1, 900.0, onboard[0]["vehicle"]["engines"][0]
+    return onboard[0]["guidance"]["powered"], onboard[0]["vehicle"], state
 
 
 @pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
 def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_the_tilt_limit(
     shared_onboard, whole_grid, index
 ):
-    given = shared_onboard[0]["guidance"]["powered"], shared_onboard[0]["vehicle"]
+    settings, *vehicle = given(shared_onboard)
     for nav in whole_grid:
         if nav["speed"] > 200.0:
             continue
         answers = []
         for _ in range(2):
             memory, guide = np.zeros(1, POWERED_LAWS.memory)[0], np.zeros(1, GUIDE)[0]
+            target = np.zeros(1, POWERED_TARGET)[0]
+            choose_target(settings["target"], nav, np.zeros(1, LANDING_POINT)[0], target)
             for _ in range(3):
-                *acceleration, limit = powered_guidance(index, *given, nav, memory, guide)
+                *acceleration, limit = powered_guidance(index, settings, *vehicle, nav, target, memory, guide)
             command_thrust(900.0, tuple(acceleration), limit, guide)
             answers.append(
                 (*acceleration, limit, *map(float, guide["thrust_direction_N"]), float(guide["thrust"]))
@@ -37,10 +49,12 @@ def test_powered_law_is_finite_and_repeatable_and_its_thrust_points_up_within_th
 
 
 @pytest.mark.parametrize("index", range(len(POWERED_LAWS.members)), ids=POWERED_LAWS.names)
-def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_weight(shared_onboard, index):
+def test_powered_law_at_rest_at_its_target_asks_for_an_upright_thrust_between_weight_and_the_band(
+    shared_onboard, index
+):
     site = shared_onboard[0]["site"]
-    member = POWERED_LAWS.members[index]
-    height = float(shared_onboard[0]["guidance"]["powered"][member.name]["final_height"])
+    settings, *vehicle = given(shared_onboard)
+    height = float(settings["target"]["height"])
     nav = nav_state(
         shared_onboard,
         site["latitude"],
@@ -50,10 +64,12 @@ def test_powered_law_at_rest_over_its_final_height_asks_for_little_more_than_wei
         Quaternion(),
         height=height,
     )
-    memory = np.zeros(1, POWERED_LAWS.memory)[0]
-    if member.name == "polynomial":  # target reached: over the target at the end of its time
-        memory["polynomial"]["started"], memory["polynomial"]["end"] = 1, nav["t"]
-        memory["polynomial"]["target_L"] = nav["site_L"][:2]
-    given = shared_onboard[0]["guidance"]["powered"], shared_onboard[0]["vehicle"]
-    north, east, up, _ = powered_guidance(index, *given, nav, memory, np.zeros(1, GUIDE)[0])
-    assert (north, east, up) == pytest.approx((0.0, 0.0, float(nav["gravity"])), abs=0.02)
+    target, memory = np.zeros(1, POWERED_TARGET)[0], np.zeros(1, POWERED_LAWS.memory)[0]
+    target["set"], target["arrival"] = 1, nav["t"]  # over the target at the end of its time
+    target["point_L"], target["height"] = nav["site_L"][:2], height
+    north, east, up, _ = powered_guidance(
+        index, settings, *vehicle, nav, target, memory, np.zeros(1, GUIDE)[0]
+    )
+    assert (north, east) == pytest.approx((0.0, 0.0), abs=0.02)
+    strongest = vehicle[1]["engine"]["throttle_max"] / vehicle[1]["mass"]
+    assert nav["gravity"] - 0.02 <= up <= strongest

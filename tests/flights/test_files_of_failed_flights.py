@@ -47,11 +47,15 @@ def test_all_files_are_there_and_whole(flown):
     assert pq.read_table(run / "telemetry.parquet").num_rows >= 1
 
 
+def read_or_refused(done):
+    assert "Traceback" not in done.stderr, done.stderr[-2000:]
+    assert done.returncode == 0 or (done.returncode == 2 and done.stderr.strip())
+
+
 @pytest.mark.parametrize(
     "words",
     [
         ["report", "failed"],
-        ["report", "failed", "--pdf"],
         ["plot", "failed", "truth.rate_*", "--out", "rates.png"],
         *(["export", "failed", "--format", form] for form in ("csv", "mat", "nc", "oem", "aem")),
         ["export", "failed", "--nesc"],
@@ -62,9 +66,12 @@ def test_all_files_are_there_and_whole(flown):
     ids=" ".join,
 )
 def test_what_reads_them_does_so_or_says_why_not(flown, words):
-    done = called(*words, cwd=flown)
-    assert "Traceback" not in done.stderr, done.stderr[-2000:]
-    assert done.returncode == 0 or (done.returncode == 2 and done.stderr.strip())
+    read_or_refused(called(*words, cwd=flown))
+
+
+@pytest.mark.parametrize("flown", ["at_once", "diverged"], indirect=True)
+def test_figures_are_drawn_of_one_row_and_of_numbers_beyond_all_bounds(flown):
+    read_or_refused(called("report", "failed", "--pdf", cwd=flown))
 
 
 def test_drawings_of_the_page_are_strict_json(flown):

@@ -1,5 +1,5 @@
-"""Verifies: fifty flights with seeded density perturbations and gusts all end in a named outcome, at least 45
-within limits.
+"""Verifies: twenty flights with seeded density perturbations and gusts all end in a named outcome, at least
+18 within limits.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ import edl6dof
 PERTURBED = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
 
 
-def test_fifty_seeds_with_perturbations_on():
-    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(1, 51)]
+def test_twenty_seeds_with_perturbations_on():
+    flights = [edl6dof.fly("tianwen1", [f"seed={seed}", *PERTURBED]) for seed in range(1, 21)]
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
-    assert sum(flight.success for flight in flights) >= 45
+    assert sum(flight.success for flight in flights) >= 18
     # they really differ: landing points spread over more than a kilometre
     east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0

@@ -19,10 +19,12 @@ GUIDE = np.dtype(
         ("reference_drag", "f8"),
         ("range_to_go", "f8"),
         ("crossrange", "f8"),
+        ("side", "f8"),  # that entry guidance banks to: +1 right, -1 left, 0 before it has begun
         ("downrange_to_go", "f8"),  # along the course until the aim point lies abeam, m
         ("drag_ratio", "f8"),  # measured over believed drag
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
+        ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
         # inner quantities of the laws that have them
         ("surface", "f8"),  # sliding surface, m/s3
         ("virtual", "f8"),  # virtual state of saturation, m/s3

@@ -8,6 +8,7 @@ from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -24,7 +25,13 @@ from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, put3, take3
 
 GUIDANCE = np.dtype(
-    [("entry", ENTRY_MEMORY), ("powered", POWERED_LAWS.memory), ("terminal", TERMINAL)], align=True
+    [
+        ("entry", ENTRY_MEMORY),
+        ("target", POWERED_TARGET),
+        ("powered", POWERED_LAWS.memory),
+        ("terminal", TERMINAL),
+    ],
+    align=True,
 )
 
 
@@ -66,13 +73,16 @@ def keep_thrust_axis(nav, goal):
 
 
 @kernel
-def descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal):
+def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal):
     """Thrust, and lateral force where the phase asks for it, of a phase on the main engine."""
     p, engine, mass = onboard.guidance.powered, state.engine, state.mass
     if kind == G_POWERED and state.ignited == 0:
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
-        north, east, up, tilt_limit = powered_guidance(p.law, p, onboard.vehicle, nav, memory.powered, goal)
+        choose_target(p.target, nav, point, memory.target)
+        north, east, up, tilt_limit = powered_guidance(
+            p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal
+        )
         command_thrust(mass, (north, east, up), tilt_limit, goal)
         start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
     if kind not in (G_HOVER, G_AVOID, G_DESCEND):
@@ -81,13 +91,13 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal):
     if kind == G_HOVER:
         hover(p.terminal, engine, nav, mass, standing, goal)
     elif kind == G_AVOID:
-        avoid(p.terminal, engine, nav, mass, standing, memory.terminal, goal)
+        avoid(p.terminal, engine, nav, mass, standing, point, memory.terminal, goal)
     else:
-        descend(p.terminal, engine, nav, mass, standing, goal)
+        descend(p.terminal, engine, nav, mass, standing, point, goal)
 
 
 @kernel
-def guide(onboard, kind, k, begins, nav, state, disturbance, memory, goal):
+def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
@@ -99,10 +109,12 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, memory, goal):
         nav: ``NAV`` record.
         state: ``VEHICLE_STATE`` record (mass, engine).
         disturbance: ``DISTURBANCE`` record: the force is fed forward.
+        point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
     """
     rates = onboard.rates
+    goal.spot_chosen = point.fine_known
     if begins:
         goal.translating = 0
     if kind == G_HOLD_BANK or kind == G_ENTRY:
@@ -115,4 +127,4 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, memory, goal):
                 entry_guidance(entry.law, onboard, nav, memory.entry, goal)
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
-        descend_by_engine(onboard, kind, nav, state, disturbance, dt, memory, goal)
+        descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal)

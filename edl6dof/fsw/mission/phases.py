@@ -42,6 +42,7 @@ Quantity = Literal[
     "wing_time_s",  # since the trim wing was commanded; 0 before
     "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
+    "spot_chosen",  # by hazard detection: the spot to land on
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -60,6 +61,7 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_WING_TIME,
     Q_TOTAL_ALPHA,
     Q_DOWNRANGE_TO_GO,
+    Q_SPOT_CHOSEN,
 ) = range(len(QUANTITIES))
 
 

@@ -20,6 +20,7 @@ from edl6dof.fsw.mission.phases import (
     Q_MACH,
     Q_PHASE_TIME,
     Q_SPEED,
+    Q_SPOT_CHOSEN,
     Q_TIME,
     Q_TIME_TO_GO,
     Q_TOTAL_ALPHA,
@@ -75,6 +76,8 @@ def watched(quantity, nav, vehicle, guide, elapsed):
         return degrees(nav.total_alpha)
     if quantity == Q_DOWNRANGE_TO_GO:
         return guide.downrange_to_go
+    if quantity == Q_SPOT_CHOSEN:
+        return 1.0 if guide.spot_chosen != 0 else 0.0
     return 1.0 if nav.footpad_contact != 0 else 0.0
 
 
@@ -127,7 +130,7 @@ def sequence(mission, nav, vehicle, guide, memory, request):
         mission: ``MISSION`` record.
         nav: navigation record.
         vehicle: ``VEHICLE_STATE`` record (trim wing).
-        guide: guidance record (time and downrange to go).
+        guide: guidance record (time and downrange to go, spot chosen).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.
     """

@@ -57,7 +57,7 @@ def filter_drag(params, atmosphere, vehicle, nav, memory):
     """
     p = params
     density, _, _ = model_atmosphere(atmosphere, nav.altitude)
-    area, _ = believed_aero(vehicle, nav.mach)
+    area, _ = believed_aero(vehicle, nav.mach, nav.speed)
     per_square = 0.5 * density * area / vehicle.entry_mass
     if p.time_constant == 0.0 or min(nav.drag, per_square * nav.speed * nav.speed) < p.least_drag:
         memory.ratio = 0.0

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.interface.eyes import EYES
 
 #: Standard deviations are those of one instrument.
 INSTRUMENTS = np.dtype(
@@ -35,6 +36,7 @@ INSTRUMENTS = np.dtype(
         ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
         ("star_lowest", "f8"),  # m: altitude below which it sees no stars
         ("star_rate", "f8"),  # rad/s: largest rate at which it sees them
+        ("star_until", "i8"),  # number of the event after which it sees none, counted from one; zero: of none
         # ground tracking
         (
             "tracking_position_sigma",
@@ -55,6 +57,7 @@ INSTRUMENTS = np.dtype(
         ("range_bias", "f8"),  # m, of each beam by itself
         ("range_scale", "f8"),  # of the range, of each beam by itself
         ("speed_scale", "f8"),  # of the speed, likewise
+        ("eyes", EYES),  # landing camera, lidar and stereo cameras
         # flow meter of a propellant branch; shares of the branch's full flow
         ("flow_scale_sigma", "f8"),  # of the flow
         ("flow_bias_share", "f8"),  # constant error of the flow

@@ -27,6 +27,8 @@ class Ground(Recorder):
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
         landscape = Landscape(motion.site, motion.last, reach)
         self.static("site/ground", self.mesh(landscape.mesh()))
+        if (near := landscape.near()) is not None:
+            self.static("site/ground/near", self.mesh(near))
         self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
         rings = rr.LineStrips3D(

@@ -1,8 +1,9 @@
-"""The ground as the eye sees it: the simulation's relief, and on it craters, ripples and rocks that are
-decoration.
+"""The ground as the eye sees it: the simulation's relief, and where that has nothing finer than the map,
+craters, ripples and rocks that are decoration.
 
-The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up.  The decoration
-is the same for every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
+The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up; the ground of a
+landing area is drawn on a square grid there besides, with the rocks that lie on it.  Decoration is the same
+for every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.base import Vec3
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles
+from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles
 from edl6dof.replay.scene.site import Site
 
 RINGS, SPOKES = 190, 180
@@ -21,6 +22,12 @@ RINGS, SPOKES = 190, 180
 SUN = np.array([-0.72, -0.42, 0.55])
 #: Share of the surface that craters of each size class cover.
 _COVER = 0.055
+#: The square on which a landing area is drawn: half its side, and the spacing of its vertices, m.
+NEAR, SPACING = 36.0, 0.25
+#: How far (m) the wide mesh lies below that square, and within which of its middle's half side.
+_SUNK, _WITHIN = 1.5, 0.97
+#: Diameter (m) from which on rocks of a landing area are drawn as such; smaller ones are bumps of the mesh.
+_SMALLEST_ROCK = 0.4
 
 
 class Rocks(NamedTuple):
@@ -35,8 +42,8 @@ class Landscape:
     """Ground around ``touchdown`` out to ``reach`` (m)."""
 
     def __init__(self, site: Site, touchdown: np.ndarray, reach: float) -> None:
-        seed = np.abs([site.origin[0], site.origin[1], site.origin[2]]).astype(np.int64)
-        self._random = np.random.default_rng(seed)
+        self._seed = np.abs([site.origin[0], site.origin[1], site.origin[2]]).astype(np.int64)
+        self._random = np.random.default_rng(self._seed)
         self._site = site
         self._centre = np.asarray(touchdown, float)[:2]
         self._radius = np.geomspace(1.5, reach, RINGS)
@@ -46,21 +53,25 @@ class Landscape:
         self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin
         spacing = self._radius * 2.0 * pi / SPOKES
         shade, ripples = _waves(self._random, self._east, self._north, spacing[:, None])
-        calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
-        self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
+        if site.relief.detailed:
+            inside = np.maximum(np.abs(self._east), np.abs(self._north)) < _WITHIN * NEAR
+            self._decoration = np.where(inside, -_SUNK, 0.0)
+        else:
+            calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
+            self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
         self._elevation, self._up = site.ground(self._east + self._centre[0], self._north + self._centre[1])
         self._middle = float(site.ground(*self._centre)[1])
         self._shade = shade
 
     def mesh(self) -> Mesh:
         """The surface, coloured and shaded."""
-        light = self._sunlight(self._elevation + self._decoration)
-        tone = np.clip(self._shade, 0.0, 1.0)[..., None]
-        look = self._site.appearance
-        dark, light_ground, far = np.array(look.ground_dark), np.array(look.ground_light), np.array(look.haze)
-        colours = (dark + (light_ground - dark) * tone) * light[..., None]
+        outward = np.gradient(self._elevation + self._decoration, self._radius, axis=0)
+        around = self._around(self._elevation + self._decoration)
+        rise_east = outward * self._cos - around * self._sin
+        rise_north = outward * self._sin + around * self._cos
+        colours = soil(self._site, self._shade, rise_east, rise_north)
         haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
-        colours += (far - colours) * haze
+        colours += (np.array(self._site.appearance.haze) - colours) * haze
         place = np.stack(
             [self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration],
             axis=-1,
@@ -72,17 +83,46 @@ class Landscape:
         fan = np.stack([np.full(SPOKES, RINGS * SPOKES), j, (j + 1) % SPOKES], axis=-1)
         return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), fan]), colours)
 
+    def near(self) -> Mesh | None:
+        """The ground of a landing area around the touchdown; None where there is none."""
+        if not self._site.relief.detailed:
+            return None
+        side = np.arange(-NEAR, NEAR + 0.5 * SPACING, SPACING)
+        east, north = np.meshgrid(side, side)
+        up = self._site.ground(east + self._centre[0], north + self._centre[1])[1]
+        tone, _ = _waves(np.random.default_rng(self._seed), east, north, np.full((len(side), 1), SPACING))
+        rise_north, rise_east = np.gradient(up, SPACING)
+        place = np.stack([east + self._centre[0], north + self._centre[1], up], axis=-1).reshape(-1, 3)
+        colours = soil(self._site, tone, rise_east, rise_north).reshape(-1, 3)
+        return bright(place, open_grid_triangles(len(side), len(side)), colours)
+
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
         """Up coordinate (m) of the drawn ground at places in L: the true ground, and the decoration of the
         nearest vertex.
         """
+        up = np.asarray(self._site.ground(east, north)[1])
+        if self._site.relief.detailed:
+            return up
         x, y = east - self._centre[0], north - self._centre[1]
         i = np.searchsorted(self._radius, np.hypot(x, y)).clip(0, RINGS - 1)
         j = np.round(np.arctan2(y, x) * SPOKES / (2.0 * pi)).astype(int) % SPOKES
-        return np.asarray(self._site.ground(east, north)[1] + self._decoration[i, j])
+        return np.asarray(up + self._decoration[i, j])
 
-    def rocks(self, count: int = 700) -> Rocks:
-        """Boulders around the touchdown, more small ones than large ones, none under the lander."""
+    def rocks(self) -> Rocks:
+        """The rocks around the touchdown."""
+        return self._true_rocks() if self._site.relief.detailed else self._boulders()
+
+    def _true_rocks(self) -> Rocks:
+        """Those of the landing area, in their places and sizes."""
+        place = self._site.relief.rocks(self._centre[1], self._centre[0], 4.0 * NEAR, _SMALLEST_ROCK)
+        north, east, diameter = place.T
+        up = self._site.ground(east, north)[1] - 0.5 * diameter
+        sizes = diameter[:, None] * [1.1, 1.1, 1.5]
+        heading = self._random.uniform(0.0, 2.0 * pi, len(place))
+        return Rocks(np.column_stack([east, north, up]), sizes, heading)
+
+    def _boulders(self, count: int = 700) -> Rocks:
+        """Decoration: more small ones than large ones, none under the lander."""
         random = self._random
         distance, turn = (
             np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count),
@@ -121,16 +161,27 @@ class Landscape:
         blanket = 0.07 * np.maximum((2.5 - rho) / 1.5, 0.0) ** 2 / np.maximum(rho, 1.0)
         height[rows] += fresh * radius * np.where(rho < 1.0, bowl, blanket)
 
-    def _sunlight(self, height: np.ndarray) -> np.ndarray:
-        """Brightness of the slopes, 1 for level ground."""
-        outward = np.gradient(height, self._radius, axis=0)
-        around = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (
+    def _around(self, height: np.ndarray) -> np.ndarray:
+        """Rise per metre along the rings, counterclockwise."""
+        return (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / (
             2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
         )
-        east, north = outward * self._cos - around * self._sin, outward * self._sin + around * self._cos
-        towards = SUN / np.linalg.norm(SUN)
-        cosine = (towards[2] - towards[0] * east - towards[1] * north) / np.sqrt(1.0 + east**2 + north**2)
-        return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
+
+
+def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north."""
+    dark, light = np.array(site.appearance.ground_dark), np.array(site.appearance.ground_light)
+    colours: np.ndarray = dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]
+    return colours * sunlight(rise_east, rise_north)[..., None]
+
+
+def sunlight(rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Brightness of ground that rises so per metre towards east and north, 1 where it is level."""
+    towards = SUN / np.linalg.norm(SUN)
+    cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
+        1.0 + rise_east**2 + rise_north**2
+    )
+    return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
 
 
 def _waves(

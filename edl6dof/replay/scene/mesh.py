@@ -128,6 +128,13 @@ def grid_triangles(rows: int, columns: int) -> np.ndarray:
     return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
 
 
+def open_grid_triangles(rows: int, columns: int) -> np.ndarray:
+    """Triangles between ``rows`` x ``columns`` vertices of a sheet."""
+    i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
+    a = i * columns + j
+    return np.stack([a, a + 1, a + columns + 1, a, a + columns + 1, a + columns], axis=-1).reshape(-1, 3)
+
+
 def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> Mesh:
     """A mesh that shows its colours whatever the light: its normals are zero."""
     return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))

@@ -7,6 +7,8 @@ proportional-derivative law, which only decays.
 
 from __future__ import annotations
 
+from math import copysign
+
 import numpy as np
 
 from edl6dof.studies.yan2016.flights import last_outside
@@ -37,6 +39,4 @@ def _errors(start: float, gains: tuple[float, float], exponent: float, steps: in
 
 def _acceleration(x: float, rate: float, gains: tuple[float, float], powers: tuple[float, float]) -> float:
     """x_2' of eq. 21."""
-    return float(
-        -gains[0] * np.copysign(abs(x) ** powers[0], x) - gains[1] * np.copysign(abs(rate) ** powers[1], rate)
-    )
+    return -gains[0] * copysign(abs(x) ** powers[0], x) - gains[1] * copysign(abs(rate) ** powers[1], rate)

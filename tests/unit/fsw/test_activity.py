@@ -26,10 +26,8 @@ def test_share_is_the_time_open_within_the_measured_cycle(delay, lag):
         if k > 0:
             expect(effect, 5, t - delay - CYCLE, t - delay, lag, memory)
             inside = t - delay - CYCLE + CYCLE * (np.arange(4000) + 0.5) / 4000
-            sampled = [
-                np.mean([any(a + lag <= s < b + lag for a, b in own) for s in inside])
-                for own in zip(*history, strict=True)
-            ]
+            begun, ended = np.moveaxis(history, -1, 0)[..., None] + lag
+            sampled = np.mean(np.any((begun <= inside) & (inside < ended), axis=0), axis=-1)
             assert memory["share"][:5] == pytest.approx(sampled, abs=1e-3)
             assert memory["wrench"] == pytest.approx(memory["share"][:5] @ effect[:5], abs=1e-9)
         opens = t + rng.uniform(0.0, 0.02, 5)

@@ -54,7 +54,7 @@ class Watch:
         jets = self.vehicle["thrusters"][: len(NAMES)]
         self.flow = jets["thrust"] / (jets["specific_impulse"] * 9.80665)
         self.branch = self.vehicle["branches"]["of"][: len(NAMES)]
-        self.used = np.zeros(32)
+        self.branches, self.used = int(self.vehicle["branches"]["count"]), np.zeros(32)
         self.scale = 1.0 + self.rng.normal(0.0, 0.01, 32)
         self.dead_meters = []
 
@@ -77,7 +77,7 @@ class Watch:
             given[i] = 1.0 if kind == "stuck on" else (1.0 - loss) * share[i]
         open_to = np.append(self.shut[self.branch] == 0, np.ones(32 - len(NAMES), bool))
         given[~open_to] = 0.0
-        noise = np.concatenate([self.rng.normal(0, 2.0, 3), self.rng.normal(0, 1.0, 3)])
+        noise = self.rng.normal(0.0, [2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
         unexplained = (given - share) @ self.effectiveness + noise + disturbance
         self.activity["share"], self.activity["wrench"] = share, share @ self.effectiveness
         self.count(given if flows else share)
@@ -101,13 +101,11 @@ class Watch:
 
     def count(self, given):
         """Let the meters count what the thrusters let through."""
-        for b in range(int(self.vehicle["branches"]["count"])):
-            mine = self.branch == b
-            full = self.flow[mine].sum()
-            read = self.scale[b] * given[: len(NAMES)][mine] @ self.flow[mine] + self.rng.normal(
-                0, 0.005 * full
-            )
-            self.used[b] += (0.0 if b in self.dead_meters else read) * DT
+        full = np.bincount(self.branch, self.flow, self.branches)
+        through = np.bincount(self.branch, given[: len(NAMES)] * self.flow, self.branches)
+        read = self.scale[: self.branches] * through + self.rng.normal(0.0, 0.005 * full)
+        read[self.dead_meters] = 0.0
+        self.used[: self.branches] += read * DT
 
     @property
     def found(self):

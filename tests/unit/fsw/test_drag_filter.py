@@ -22,7 +22,7 @@ class Glide:
     def drag(self, altitude, speed):
         vehicle = self.onboard["vehicle"]
         density, _, _ = model_atmosphere(self.onboard["atmosphere"], altitude)
-        return 0.5 * density * speed * speed * believed_aero(vehicle, MACH)[0] / vehicle["entry_mass"]
+        return 0.5 * density * speed * speed * believed_aero(vehicle, MACH, speed)[0] / vehicle["entry_mass"]
 
     def step(self, factor=1.0, more_speed=0.0):
         """Filtered drag and energy, and those that were measured, one cycle on."""

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import edl6dof
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.npc import MEMORY as NPC_MEMORY
-from edl6dof.fsw.guidance.entry.laws.npc import miss_of, solve
+from edl6dof.fsw.guidance.entry.laws.npc import PLAN, miss_of, next_turns, solve
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.prediction.airframe import (
     FIRST_MACH,
@@ -21,9 +21,14 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
     believed_aero,
     mach_nodes,
 )
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted, shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import load_scenario
+
+#: Speed (m/s) above any at which something opens.
+FAST = 1e9
 
 
 def out_record(drag_ratio=1.0, lift_ratio=1.0):
@@ -140,9 +145,8 @@ def point(lat, lon):
 def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side, drag_ratio, lift_ratio):
     nav = state(*start, bank_deg=degrees(acos(cos_bank)) * (side if side else 1.0))
     shift = cos_bank - cos(sphere["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
-    down, cross, altitude, time = predict(
-        sphere, nav, out_record(drag_ratio, lift_ratio), shifted(shift, side, 0.0, 0.0)
-    )
+    plan = shifted(shift, side, 0.0, 0.0) if side else in_plane_shifted(shift, 0.0, 0.0)
+    down, cross, altitude, time = predict(sphere, nav, out_record(drag_ratio, lift_ratio), plan)
     lat, lon, expected_altitude, expected_time = vinh(sphere, nav, cos_bank, side, drag_ratio, lift_ratio)
     here, there = point(nav["latitude"], nav["longitude"]), point(lat, lon)
     target = point(sphere["site"]["aim_latitude"], sphere["site"]["aim_longitude"])
@@ -159,9 +163,9 @@ def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side
 def test_prediction_to_a_mach_number_ends_at_it(sphere):
     """At Mach 1.8 of the believed air instead of 420 m/s: later by the speed still to be lost, and lower."""
     nav = state(26.0, 110.0, 20e3, 1500.0, -14.0, 181.0)
-    *_, altitude, time = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
+    *_, altitude, time = predict(sphere, nav, out_record(), in_plane_shifted(0.5, 0.0, 0.0))
     sphere["guidance"]["entry"]["final_mach"] = 1.8
-    *_, lower, later = predict(sphere, nav, out_record(), shifted(0.5, 0.0, 0.0, 0.0))
+    *_, lower, later = predict(sphere, nav, out_record(), in_plane_shifted(0.5, 0.0, 0.0))
     air = sphere["atmosphere"]
     sound = np.interp(
         lower, air["bottom"] + air["spacing"] * np.arange(len(air["speed_of_sound"])), air["speed_of_sound"]
@@ -192,7 +196,7 @@ def test_predicted_range_grows_without_jumps(onboard, at_65_km, drag_ratio):
     200 m where alignment moves by a step.
     """
     air = out_record(drag_ratio)
-    ends = [miss_of(onboard[0], at_65_km, air, shift) for shift in np.arange(0.65, 0.87, 5e-4)]
+    ends = [miss_of(onboard[0], at_65_km, air, shift, 0.0, 0.0) for shift in np.arange(0.65, 0.87, 5e-4)]
     assert np.diff(ends).min() > 0.0 and np.diff(ends).max() < 300.0
 
 
@@ -205,8 +209,9 @@ def test_solution_of_the_corrector_is_predicted_to_hit(onboard, at_65_km, drag_r
     nav, out, memory = at_65_km, out_record(drag_ratio), np.zeros(1, NPC_MEMORY)[0]
     memory["shift"] = record["reference"]["shift"]
     for _ in range(2):  # a call stops after a few steps; the next one goes on from there
-        solve(entry["npc"], record, nav, out, cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
-    assert abs(miss_of(record, nav, out, memory["shift"])) < 200.0
+        low, high = cos(entry["bank_max"]), cos(entry["bank_min"])
+        solve(entry["npc"], record, nav, out, low, high, 0.0, 0.0, memory)
+    assert abs(miss_of(record, nav, out, memory["shift"], 0.0, 0.0)) < 200.0
     assert memory["iterations"] <= 1
     assert 20.0 < degrees(acos(memory["shift"])) < 100.0
 
@@ -216,7 +221,8 @@ def test_corrector_goes_to_the_nearer_limit_when_the_target_is_out_of_reach(onbo
     record, entry = onboard[0], onboard[0]["guidance"]["entry"]
     nav, memory = state(25.1 + ahead_deg, 110.2, 65e3, 4820.0, -9.3, 181.4), np.zeros(1, NPC_MEMORY)[0]
     for _ in range(3):
-        solve(entry["npc"], record, nav, out_record(), cos(entry["bank_max"]), cos(entry["bank_min"]), memory)
+        low, high = cos(entry["bank_max"]), cos(entry["bank_min"])
+        solve(entry["npc"], record, nav, out_record(), low, high, 0.0, 0.0, memory)
     assert memory["shift"] == pytest.approx(cos(entry[bound]), abs=1e-9)
 
 
@@ -228,17 +234,19 @@ def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
     table = vehicle["airframe"]
     table["wing_mach"] = 0.0
     for i in (0, 7, 40, NODES - 2):
-        area, lift = believed_aero(vehicle, mach_nodes()[i])
+        area, lift = believed_aero(vehicle, mach_nodes()[i], FAST)
         assert area == pytest.approx(vehicle["drag_area"] * table["drag"][i], rel=1e-9)
         assert lift == pytest.approx(vehicle["lift_to_drag"] * table["lift"][i], rel=1e-9)
-    assert believed_aero(vehicle, 0.0) == believed_aero(vehicle, FIRST_MACH)
-    assert believed_aero(vehicle, 1e3) == pytest.approx(believed_aero(vehicle, LAST_MACH), rel=1e-3)
+    assert believed_aero(vehicle, 0.0, FAST) == believed_aero(vehicle, FIRST_MACH, FAST)
+    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(
+        believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("mach", [22.3, 11.7, 5.2])
 def test_area_rate_is_that_of_the_believed_drag_area_while_the_speed_falls(onboard, mach):
     vehicle, speed, slowing = onboard[0]["vehicle"], 200.0 * mach, -60.0
-    areas = [believed_aero(vehicle, mach * (1.0 + side * 1e-5))[0] for side in (-1.0, 1.0)]
+    areas = [believed_aero(vehicle, mach * (1.0 + side * 1e-5), FAST)[0] for side in (-1.0, 1.0)]
     expected = log(areas[1] / areas[0]) / 2e-5 * slowing / speed
     assert area_rate(vehicle, mach, speed, slowing) == pytest.approx(expected, rel=0.02, abs=1e-7)
 
@@ -246,8 +254,15 @@ def test_area_rate_is_that_of_the_believed_drag_area_while_the_speed_falls(onboa
 def test_no_lift_is_believed_once_the_wing_is_open(onboard):
     vehicle = onboard[0]["vehicle"]
     assert vehicle["airframe"]["wing_mach"] == 2.8
-    assert believed_aero(vehicle, 2.79)[1] == 0.0
-    assert believed_aero(vehicle, 2.81)[1] > 0.14
+    assert believed_aero(vehicle, 2.79, FAST)[1] == 0.0
+    assert believed_aero(vehicle, 2.81, FAST)[1] > 0.14
+
+
+def test_no_lift_is_believed_below_the_speed_at_which_the_balance_masses_go():
+    vehicle = build_records(load_scenario("msl")).onboard[0]["vehicle"]
+    assert (vehicle["airframe"]["wing_speed"], vehicle["airframe"]["wing_mach"]) == (444.0, 0.0)
+    assert believed_aero(vehicle, 1.9, 443.9)[1] == 0.0
+    assert believed_aero(vehicle, 1.9, 444.1)[1] > 0.2
 
 
 @pytest.fixture(scope="module")
@@ -268,7 +283,7 @@ def test_believed_airframe_is_what_the_rigid_body_trims_to(nominal, shared_onboa
     vehicle = shared_onboard[0]["vehicle"]
     for low, high in ((3.2, 6.0), (6.0, 12.0), (12.0, 20.0)):
         part = (t["truth.mach"] > low) & (t["truth.mach"] < high) & (t["truth.dynamic_pressure_pa"] > 300.0)
-        believed = np.array([believed_aero(vehicle, mach) for mach in t["truth.mach"][part]])
+        believed = np.array([believed_aero(vehicle, mach, FAST) for mach in t["truth.mach"][part]])
         assert np.mean(drag[part] / t["truth.dynamic_pressure_pa"][part] / believed[:, 0]) == pytest.approx(
             1.0, abs=0.01
         )
@@ -285,7 +300,7 @@ def test_ratios_approach_what_is_measured_with_the_time_constant(onboard):
     density = exp(
         np.interp(30e3, air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"])), air["ln_density"])
     )
-    area, ratio = believed_aero(vehicle, 15.0)
+    area, ratio = believed_aero(vehicle, 15.0, FAST)
     drag = 1.2 * 0.5 * density * (2000.0**2 + 2500.0**2) * area / vehicle["entry_mass"]
     nav["drag"], nav["lift"] = drag, 0.8 * ratio * drag
     tau, dt = record["guidance"]["entry"]["air_data"]["time_constant"], 0.2
@@ -337,3 +352,44 @@ def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
     assert flight.success
     if law != "bank_profile":
         assert flight.metrics["parachute_miss_m"] < 3000.0
+
+
+# ---- reversals that the prediction foresees ----------------------------------------------------------------
+
+
+def test_reversal_in_the_plane_adds_the_range_of_lift_up_and_no_crossrange(onboard):
+    """More at a slower bank rate, as much in time as it is slower."""
+    record, nav = onboard[0], state(32.2, 110.2, 65e3, 4820.0, -9.3, 180.0, 60.0)
+    record["vehicle"]["bank_deceleration"] = 0.0
+    added = []
+    for rate_deg_s in (20.0, 5.0):
+        record["guidance"]["entry"]["bank_rate"] = radians(rate_deg_s)
+        straight, turned = (
+            predict(record, nav, out_record(), in_plane_shifted(0.0, turn, 0.0))[0] for turn in (0.0, 3500.0)
+        )
+        added.append(turned - straight)
+    assert 0.0 < 2.0 * added[0] < added[1]
+
+
+def test_bank_of_a_reversal_under_way_counts_from_the_side_that_is_left(onboard):
+    """Rolling from 60 deg right to the left, lift up is still to come; past it the range is smaller."""
+    record, out = onboard[0], out_record()
+    record["guidance"]["entry"]["bank_rate"] = radians(5.0)
+    out["side"] = -1.0
+    before, after = (
+        predict(
+            record, state(32.2, 110.2, 65e3, 4820.0, -9.3, 180.0, bank), out, in_plane_shifted(0.0, 0.0, 0.0)
+        )[0]
+        for bank in (60.0, -60.0)
+    )
+    assert before > after + 1e3
+
+
+def test_npc_foresees_the_reversals_of_its_plan_by_the_number_of_those_begun(onboard):
+    memory, plan, out = np.zeros(1, NPC_MEMORY)[0], np.zeros(1, PLAN)[0], out_record()
+    plan["turn"][:3] = 4800.0, 3100.0, 1500.0
+    seen = []
+    for out["side"] in (0.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0):
+        seen.append(next_turns(plan, memory, out))
+    first, second, third = (4800.0, 3100.0), (3100.0, 1500.0), (1500.0, 0.0)
+    assert seen == [first, first, first, second, second, third, (0.0, 0.0)]

@@ -4,13 +4,14 @@ from math import acos, atan, cos, exp, hypot, radians, sin, tan
 
 import numpy as np
 import pytest
+from powered_flight import G, Guided, PointMass
 from pyquaternion import Quaternion
 
 from edl6dof.fsw.control.frames import shortest_arc
 from edl6dof.fsw.estimation.registry import DISTURBANCE
 from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import STANDING_FORCE, standing_force
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import (
     TERMINAL,
     avoid,
@@ -21,45 +22,15 @@ from edl6dof.fsw.guidance.powered.terminal import (
     throttle,
 )
 from edl6dof.fsw.guidance.update import GUIDANCE, descend_by_engine
+from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
-G = 3.72
 STILL = np.zeros(2)
-
-
-class PointMass:
-    """Position east, north, height; velocity north, east, down; the guidance sees it as navigation."""
-
-    def __init__(self, height, velocity_N, east=0.0, north=0.0):
-        self.nav, self.out = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0]
-        self.nav["gravity"] = G
-        self.t, self.r, self.v = 0.0, np.array([north, east, height], float), np.array(velocity_N, float)
-        self.see()
-
-    def see(self):
-        self.nav["t"], self.nav["height"], self.nav["v_N"] = self.t, self.r[2], self.v
-        self.nav["site_L"] = self.r[1], self.r[0], self.r[2]
-        self.nav["speed"] = np.linalg.norm(self.v)
-
-    def move(self, north, east, up, dt):
-        """``up`` includes what gravity takes away."""
-        a = np.array([north, east, G - up])
-        self.r = self.r + (self.v * dt + 0.5 * a * dt * dt) * (1.0, 1.0, -1.0)
-        self.v = self.v + a * dt
-        self.t += dt
-        self.see()
-
-
-def law_memory():
-    return np.zeros(1, POWERED_LAWS.memory)[0]
-
-
-def given(record):
-    """Settings and believed vehicle that a powered law gets."""
-    return record["guidance"]["powered"], record["vehicle"]
+#: Nothing chosen by hazard detection.
+NO_POINT = np.zeros(1, LANDING_POINT)[0]
 
 
 def terminal(onboard):
@@ -80,16 +51,14 @@ def test_polynomial_law_follows_a_cubic_down_and_a_quartic_sideways_that_ends_up
     record = onboard[0]
     p = record["guidance"]["powered"]["polynomial"]
     p["time_floor"] = p["lateral_time_floor"] = 0.3
-    body, memory = PointMass(height, (north, east, descent)), law_memory()
-    law = POWERED_LAWS.names.index("polynomial")
+    body = PointMass(height, (north, east, descent))
+    law = Guided(record, "polynomial", body)
     dt, seen, pushes = 0.02, [], []
-    powered_guidance(law, *given(record), body.nav, memory, body.out)
-    duration = float(body.out["time_to_go"])
-    lead = memory["polynomial"]["target_L"]
-    goal = np.array([lead[1], lead[0], p["final_height"]])
+    law(body)
+    duration, goal = float(body.out["time_to_go"]), law.goal
     start = body.r.copy(), body.v * (1.0, 1.0, -1.0)
     while body.out["time_to_go"] > 0.35:
-        n, e, u, limit = powered_guidance(law, *given(record), body.nav, memory, body.out)
+        n, e, u, limit = law(body)
         assert limit == pytest.approx(p["tilt_limit"])
         seen.append((body.t, *body.r))
         pushes.append(hypot(n, e))
@@ -123,32 +92,40 @@ def test_thrust_axis_is_kept_until_the_engine_burns(onboard):
     held = (sin(tilt) * cos(azimuth), sin(tilt) * sin(azimuth), cos(tilt))
     body.nav["q_I2B"] = shortest_arc((-1.0, 0.0, 0.0), held)
     quiet = np.zeros(1, DISTURBANCE)[0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
     assert body.out["thrust_direction_N"] == pytest.approx((held[0], held[1], -held[2]), abs=1e-12)
-    assert memory["powered"]["polynomial"]["started"] == 0  # planned from where the engine lights
+    assert memory["target"]["set"] == 0  # chosen where the engine lights
     state["ignited"], state["mass"], state["engine"] = 1, 950.0, onboard[0]["vehicle"]["engines"][0]
-    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, 0.1, memory, body.out)
-    assert memory["powered"]["polynomial"]["started"] == 1
+    descend_by_engine(onboard[0], G_POWERED, body.nav, state, quiet, NO_POINT, 0.1, memory, body.out)
+    assert memory["target"]["set"] == 1
     assert body.out["thrust_direction_N"][:2] @ held[:2] < 0.0  # against the drift
 
 
-def test_polynomial_law_diverts_against_the_drift_away_from_the_backshell(onboard):
-    record = onboard[0]
-    p = record["guidance"]["powered"]["polynomial"]
-    body, memory = PointMass(1300.0, (-10.0, 0.0, 80.0)), law_memory()
-    powered_guidance(POWERED_LAWS.names.index("polynomial"), *given(record), body.nav, memory, body.out)
-    ahead = p["drift_share"] * body.out["time_to_go"] * -10.0
-    assert memory["polynomial"]["target_L"] == pytest.approx((0.0, ahead + p["divert"]))
+@pytest.mark.parametrize("drift", [(-10.0, 0.0), (3.0, 4.0), (0.0, 0.3)])
+def test_target_lies_ahead_by_a_share_of_the_drift_less_a_divert_away_from_the_backshell(onboard, drift):
+    p = onboard[0]["guidance"]["powered"]["target"]
+    body, target = PointMass(1300.0, (*drift, 80.0), east=70.0), np.zeros(1, POWERED_TARGET)[0]
+    choose_target(p, body.nav, NO_POINT, target)
+    duration = p["time_factor"] * 2.0 * (1300.0 - p["height"]) / 80.0
+    speed = hypot(*drift)
+    against = np.array(drift) / -speed if speed > 0.5 else np.array([-1.0, 0.0])
+    north, east = p["drift_share"] * duration * np.array(drift) + p["divert"] * against
+    assert target["point_L"] == pytest.approx((70.0 + east, north))
+    assert (target["arrival"], target["height"]) == pytest.approx((duration, p["height"]))
+    before = target.copy()
+    body.move(5.0, -3.0, 6.0, 1.0)
+    choose_target(p, body.nav, NO_POINT, target)
+    assert target == before  # once only
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, 80.0), (20.0, -10.0, 75.0)])
 def test_gravity_turn_reaches_the_final_height_slowly_with_thrust_against_the_velocity(onboard, velocity):
-    body, memory = PointMass(1400.0, velocity), law_memory()
-    final = onboard[0]["guidance"]["powered"]["gravity_turn"]["final_height"]
-    law = POWERED_LAWS.names.index("gravity_turn")
+    body = PointMass(1400.0, velocity)
+    law = Guided(onboard[0], "gravity_turn", body)
+    final = law.goal[2]
     braking = []
     while body.r[2] > final + 2.0 and body.t < 120.0:
-        n, e, u, _ = powered_guidance(law, *given(onboard[0]), body.nav, memory, body.out)
+        n, e, u, _ = law(body)
         thrust = np.array([n, e, -(u - G)])
         assert np.cross(thrust, body.v) == pytest.approx(np.zeros(3), abs=1e-9)
         assert thrust @ body.v < 0.0
@@ -260,7 +237,7 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 
     def step(b):
         nonlocal fastest
-        avoid(*terminal(onboard), b.nav, mass, STILL, memory, b.out)
+        avoid(*terminal(onboard), b.nav, mass, STILL, NO_POINT, memory, b.out)
         assert b.out["thrust_direction_N"] == pytest.approx((0.0, 0.0, -1.0))
         fastest = max(fastest, np.hypot(b.v[0], b.v[1]))
 
@@ -273,9 +250,34 @@ def test_avoidance_reaches_the_safe_spot_upright_at_limited_lateral_speed(onboar
 def test_descent_comes_down_at_the_touchdown_rate_without_lateral_speed(onboard):
     p = onboard[0]["guidance"]["powered"]["terminal"]
     body, mass = PointMass(60.0, (0.2, 0.1, 2.5)), 850.0
-    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, b.out), body, mass, 20.0)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, NO_POINT, b.out), body, mass, 20.0)
     assert body.v[2] == pytest.approx(p["touchdown_rate"], abs=0.02)
     assert np.hypot(body.v[0], body.v[1]) < 0.15
+
+
+def test_chosen_spot_is_flown_to_and_held_in_the_slow_descent(onboard):
+    p = onboard[0]["guidance"]["powered"]["terminal"]
+    p["avoidance_rate"], p["touchdown_rate"] = 2.0, 0.5
+    point, memory, mass = np.zeros(1, LANDING_POINT)[0], np.zeros(1, TERMINAL)[0], 850.0
+    point["fine_known"], point["fine_L"] = 1, (12.0, 3.0)
+    body = PointMass(100.0, (0.0, 0.0, 0.5), east=7.0, north=-4.0)
+    fly_terminal(
+        lambda b: avoid(*terminal(onboard), b.nav, mass, STILL, point, memory, b.out), body, mass, 45.0
+    )
+    assert body.r[:2] == pytest.approx((3.0, 12.0), abs=0.3)
+    pushed = PointMass(40.0, (0.3, -0.3, 0.5), east=12.5, north=2.5)
+    fly_terminal(lambda b: descend(*terminal(onboard), b.nav, mass, STILL, point, b.out), pushed, mass, 30.0)
+    assert pushed.r[:2] == pytest.approx((3.0, 12.0), abs=0.1)
+
+
+def test_target_of_powered_descent_is_that_of_coarse_avoidance_where_there_is_one(onboard):
+    point, target = np.zeros(1, LANDING_POINT)[0], np.zeros(1, POWERED_TARGET)[0]
+    point["coarse_known"], point["coarse_L"] = 1, (321.0, -123.0)
+    choose_target(
+        onboard[0]["guidance"]["powered"]["target"], PointMass(1200.0, (5.0, 5.0, 60.0)).nav, point, target
+    )
+    assert target["set"] == 1 and target["height"] == 100.0 and target["arrival"] > 20.0
+    assert tuple(target["point_L"]) == (321.0, -123.0)
 
 
 def test_known_standing_force_moves_the_vehicle_in_none_of_the_terminal_phases(onboard):
@@ -283,8 +285,8 @@ def test_known_standing_force_moves_the_vehicle_in_none_of_the_terminal_phases(o
     wind, mass, memory = np.array([120.0, -90.0]), 900.0, np.zeros(1, TERMINAL)[0]
     laws = (
         lambda b, known: hover(*terminal(onboard), b.nav, mass, known, b.out),
-        lambda b, known: avoid(*terminal(onboard), b.nav, mass, known, memory, b.out),
-        lambda b, known: descend(*terminal(onboard), b.nav, mass, known, b.out),
+        lambda b, known: avoid(*terminal(onboard), b.nav, mass, known, NO_POINT, memory, b.out),
+        lambda b, known: descend(*terminal(onboard), b.nav, mass, known, NO_POINT, b.out),
     )
     for law in laws:
         drifts = []
@@ -301,7 +303,7 @@ def test_lateral_force_that_is_asked_for_stays_within_what_a_pair_of_thrusters_c
         PointMass(10.0, (9.0, -9.0, 1.0)),
         onboard[0]["guidance"]["powered"]["terminal"]["lateral_force"],
     )
-    descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), body.out)
+    descend(*terminal(onboard), body.nav, 900.0, np.array([300.0, -300.0]), NO_POINT, body.out)
     assert body.out["translating"] == 1
     assert body.out["force_N"] == pytest.approx([-limit, limit])
 
@@ -310,7 +312,7 @@ def test_horizontal_thrusters_rest_shortly_before_touchdown(onboard):
     height = onboard[0]["guidance"]["powered"]["terminal"]["rest_height"]
     for above, translating in ((0.1, 1), (-0.1, 0)):
         body = PointMass(height + above, (0.3, 0.0, 1.7))
-        descend(*terminal(onboard), body.nav, 900.0, STILL, body.out)
+        descend(*terminal(onboard), body.nav, 900.0, STILL, NO_POINT, body.out)
         assert body.out["translating"] == translating
 
 

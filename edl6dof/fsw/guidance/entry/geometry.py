@@ -29,3 +29,12 @@ def to_target(onboard, nav):
     ahead = atan2(sin(arc) * cos(nav.azimuth - bearing), cos(arc))
     radius = planet.equatorial_radius
     return arc * radius, crossrange * radius, ahead * radius
+
+
+@kernel
+def first_side(out):
+    """Side to bank to at first (+1 right, -1 left): the one that the commanded bank angle is on already, else
+    towards the aim point.
+    """
+    away = out.crossrange if out.bank == 0.0 else -out.bank
+    return -1.0 if away > 0.0 else 1.0

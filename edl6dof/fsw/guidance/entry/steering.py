@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.jit import kernel
@@ -40,16 +41,14 @@ def limited(onboard, wanted):
 
 @kernel
 def chosen_side(onboard, nav, memory, out, wanted):
-    """Side to bank to: towards the aim point at first, then as the reversal logic says; reversals are
-    counted.
-    """
+    """Side to bank to: the first one, then as the reversal logic says; reversals are counted."""
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
-        memory.sign = -1.0 if out.crossrange > 0.0 else 1.0
+        memory.sign = first_side(out)
     sign = bank_side(p.logic, p, onboard, nav, memory.reversal, out, wanted, memory.sign)
     if sign != memory.sign:
         memory.count += 1
-    memory.sign = sign
+    memory.sign = out.side = sign
     return sign
 
 

@@ -6,6 +6,8 @@ deceleration needed is taken from the remaining height and speed, v^2 / (2 h), a
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from edl6dof.config.base import Params, param
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
@@ -14,16 +16,15 @@ from edl6dof.registry import Member
 class GravityTurnParams(Params):
     """Gravity-turn powered guidance."""
 
-    final_height_m: float = param(
-        100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0
-    )
+    moved: ClassVar = {"final_height_m": "flight_software.guidance.powered.target.height_m"}
+
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
 
 
 @kernel
-def guide(params, vehicle, nav, memory, out):
+def guide(params, vehicle, state, nav, target, memory, out):
     """Commanded thrust acceleration north, east, up (m/s2) and the tilt limit (rad)."""
-    path = max(nav.height - params.final_height, 1.0)
+    path = max(nav.height - target.height, 1.0)
     speed = max(nav.speed, 0.1)
     descent = max(nav.v_N[2], 0.1)
     brake = 0.5 * speed * descent / path

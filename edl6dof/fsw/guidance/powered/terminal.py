@@ -168,9 +168,14 @@ def acceleration_towards(p, nav, north, east):
 
 
 @kernel
-def avoid(p, engine, nav, mass, standing, memory, out):
-    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending."""
-    if memory.target_set == 0:
+def avoid(p, engine, nav, mass, standing, point, memory, out):
+    """Fly sideways to the safe spot with the horizontal thrusters and limited speed while descending: to the
+    one that was chosen, else to the one that is given.
+    """
+    if point.fine_known != 0:
+        memory.target_set = 1
+        memory.target_L[0], memory.target_L[1] = point.fine_L[0], point.fine_L[1]
+    elif memory.target_set == 0:
         memory.target_set = 1
         memory.target_L[0] = nav.site_L[0] + p.safe_spot_east
         memory.target_L[1] = nav.site_L[1] + p.safe_spot_north
@@ -183,12 +188,16 @@ def avoid(p, engine, nav, mass, standing, memory, out):
 
 
 @kernel
-def descend(p, engine, nav, mass, standing, out):
-    """Come down vertically at the touchdown rate; the horizontal thrusters take out lateral velocity until
-    shortly before contact.
+def descend(p, engine, nav, mass, standing, point, out):
+    """Come down vertically at the touchdown rate; until shortly before contact the horizontal thrusters hold
+    the place of the spot that was chosen, or take out lateral velocity where none was.
     """
     gain = p.touchdown_velocity_gain
-    push_sideways(p, mass, (-gain * nav.v_N[0], -gain * nav.v_N[1]), standing, out)
+    wanted = -gain * nav.v_N[0], -gain * nav.v_N[1]
+    if point.fine_known != 0:
+        north, east = point.fine_L[1] - nav.site_L[1], point.fine_L[0] - nav.site_L[0]
+        wanted = acceleration_towards(p, nav, north, east)
+    push_sideways(p, mass, wanted, standing, out)
     if nav.height < p.rest_height:
         out.translating = 0
     stay_upright(p, engine, nav, mass, p.touchdown_rate, out)

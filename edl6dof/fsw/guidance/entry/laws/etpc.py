@@ -57,7 +57,7 @@ def guide(params, plan, onboard, nav, memory, out):
     predicted = between(table.range, i, f) + between(table.by_drag, i, f) * (nav.drag - out.reference_drag)
     predicted += between(table.by_climb, i, f) * (climb - between(table.climb, i, f))
     wanted = between(table.lift, i, f) + p.overcontrol * (out.range_to_go - predicted) / by_lift
-    _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     return acos(clamp(wanted / max(lift_to_drag * out.lift_ratio, 1e-3), -1.0, 1.0))
 
 

@@ -24,6 +24,7 @@ from math import acos, copysign, cos, sin, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.geometry import first_side
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import model_atmosphere
@@ -130,14 +131,18 @@ def correct(params, onboard, nav, memory, out, slowest):
     memory.miss, memory.aside = ends(params, onboard, nav, memory, out, memory.bank, memory.turn)
     if abs(memory.miss) > params.tolerance:
         correct_range(params, onboard, nav, memory, out)
+    if memory.left > 1 and memory.miss > params.tolerance and memory.bank >= onboard.guidance.entry.bank_max:
+        memory.left -= 1  # through lift up so often leads beyond the aim point, whatever the bank angle
+        foresee(params, nav, memory)
+        return
     if memory.turn > 0.0 and abs(memory.aside) > params.tolerance:
         correct_turn(params, onboard, nav, memory, out, slowest)
 
 
 @kernel
 def start(params, onboard, nav, memory, out):
-    """The plan before the first correction: towards the aim point, reversals equally far apart in speed."""
-    memory.side = -1.0 if out.crossrange > 0.0 else 1.0
+    """The plan before the first correction: reversals equally far apart in speed."""
+    memory.side = first_side(out)
     memory.left = params.reversals
     memory.bank = abs(nav.bank)
     foresee(params, nav, memory)

@@ -2,9 +2,10 @@
 
 Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's
 cos(bank), by Newton's method with a finite-difference slope (Gauss-Newton for one unknown), from the last
-call's solution.  Density and lift-to-drag errors enter as measured ratios.  Source: Lu 2014, "Entry guidance:
-a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter bank profile, terminal
-range error as a function of it, Gauss-Newton iteration.
+call's solution.  Reversals are foreseen at the speeds of the plan, in order, for the range that rolling
+through lift up adds at the vehicle's bank rate.  Density and lift-to-drag errors enter as measured ratios.
+Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV:
+one-parameter bank profile, terminal range error as a function of it, Gauss-Newton iteration.
 
 Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in
 energy; the unknown is added to cos(bank), in which range is nearly linear, instead of to the bank angle; the
@@ -18,7 +19,7 @@ from math import acos, cos
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
@@ -40,27 +41,56 @@ class NpcParams(Params):
     )
 
 
-MEMORY = np.dtype([("shift", "f8"), ("started", FLAG), ("miss", "f8"), ("iterations", COUNT)], align=True)
+#: Reversals of the plan that are looked at, at most.
+MAX_TURNS = 12
+
+MEMORY = np.dtype(
+    [
+        ("shift", "f8"),
+        ("started", FLAG),
+        ("miss", "f8"),
+        ("iterations", COUNT),
+        ("side", "f8"),  # at the last call, +1 right, -1 left
+        ("done", COUNT),  # reversals begun
+    ],
+    align=True,
+)
+
+#: Speeds (m/s) at which the plan reverses, falling, zero after the last.
+PLAN = np.dtype([("turn", "f8", (MAX_TURNS,))])
 
 
 @kernel
-def miss_of(onboard, nav, out, shift):
-    """Predicted downrange miss (m), reversals cancelling."""
-    miss, _, _, _ = predict(onboard, nav, out, shifted(shift, 0.0, 0.0, 0.0))
+def miss_of(onboard, nav, out, shift, turn, later):
+    """Predicted downrange miss (m) with the next two reversals at ``turn`` and ``later`` (m/s), 0 for
+    none.
+    """
+    miss, _, _, _ = predict(onboard, nav, out, in_plane_shifted(shift, turn, later))
     return miss
 
 
 @kernel
-def solve(p, onboard, nav, out, low, high, memory):
+def next_turns(plan, memory, out):
+    """Speeds (m/s) of the two planned reversals that come next by the number of those begun, 0 for none."""
+    if memory.side != 0.0 and out.side != memory.side:
+        memory.done += 1
+    memory.side = out.side
+    i = memory.done
+    return plan.turn[i] if i < MAX_TURNS else 0.0, plan.turn[i + 1] if i + 1 < MAX_TURNS else 0.0
+
+
+@kernel
+def solve(p, onboard, nav, out, low, high, turn, later, memory):
     """Move ``memory.shift`` within ``low`` and ``high`` to where the predicted miss is zero, or to the bound
     nearest to that.
     """
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
-    memory.miss = miss_of(onboard, nav, out, memory.shift)
+    memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later)
     while abs(memory.miss) > p.tolerance and memory.iterations < p.iterations:
         nudge = NUDGE if memory.shift + NUDGE <= high else -NUDGE
-        slope = (miss_of(onboard, nav, out, memory.shift + nudge) - memory.miss) / nudge
+        beside = miss_of(onboard, nav, out, memory.shift + nudge, turn, later)
+        slope = (beside - memory.miss) / nudge
         if slope <= 0.0:
             return
         better = clamp(memory.shift - memory.miss / slope, low, high)
@@ -68,7 +98,7 @@ def solve(p, onboard, nav, out, low, high, memory):
         if better == memory.shift:
             return
         memory.shift = better
-        memory.miss = miss_of(onboard, nav, out, better)
+        memory.miss = miss_of(onboard, nav, out, better, turn, later)
 
 
 @kernel
@@ -79,11 +109,31 @@ def guide(params, plan, onboard, nav, memory, out):
         memory.shift = onboard.reference.shift
         if nav.drag >= params.start_drag:
             memory.started = 1
+    turn, later = next_turns(plan, memory, out)
     if memory.started != 0 and nav.speed > max(entry.align_speed, entry.heading.speed):
         # the shift may not leave what the present bank angle can follow
         own = cos(reference_bank(onboard, 0.0, nav.speed))
-        solve(params, onboard, nav, out, cos(entry.bank_max) - own, cos(entry.bank_min) - own, memory)
+        low, high = cos(entry.bank_max) - own, cos(entry.bank_min) - own
+        solve(params, onboard, nav, out, low, high, turn, later, memory)
     return acos(clamp(cos(reference_bank(onboard, memory.shift, nav.speed)), -1.0, 1.0))
 
 
-MEMBER = Member("npc", NpcParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3), section IV", MEMORY)
+def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
+    """Note the speeds at which the plan reverses."""
+    side = planned["side"]
+    changes = np.flatnonzero((side[1:] != side[:-1]) & (side[:-1] != 0.0)) + 1
+    turns = planned["speed"][changes][:MAX_TURNS]
+    table = onboard["plan"]["npc"][0]["turn"]
+    table[:] = 0.0
+    table[: len(turns)] = turns
+
+
+MEMBER = Member(
+    "npc",
+    NpcParams,
+    {"guide": guide},
+    "Lu 2014, J. Guidance 37(3), section IV",
+    MEMORY,
+    tables=PLAN,
+    plan=lay_plan,
+)

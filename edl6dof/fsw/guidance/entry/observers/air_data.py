@@ -39,7 +39,7 @@ def measure_air(onboard, nav, memory):
     if memory.drag == 0.0:
         memory.drag, memory.lift, memory.t = 1.0, 1.0, nav.t
     density, _, _ = model_atmosphere(onboard.atmosphere, nav.altitude)
-    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach)
+    area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     to_north, to_east = expected_wind(onboard.atmosphere, nav.altitude)
     north, east, down = nav.v_N[0] - to_north, nav.v_N[1] - to_east, nav.v_N[2]
     believed = 0.5 * density * (north * north + east * east + down * down) * area / onboard.vehicle.entry_mass

@@ -1,10 +1,10 @@
 """The trim angle, drag and lift that the flight computer expects of its vehicle, over Mach number.
 
 One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of
-the Mach number.  Below the
-Mach number at which the mission table opens the trim wing the vehicle trims at zero angle of attack: no lift,
-and the drag of that attitude.  Where no table was made the factors are one.  Source: the nominal aerodynamic
-database, trimmed on the ground (:mod:`edl6dof.scenario.believed_aero`).
+the Mach number.  Below the Mach number or speed at which the mission table opens the trim wing, or lets the
+balance masses go, the vehicle trims at zero angle of attack: no lift, and the drag of that attitude.  Where
+no table was made the factors are one.  Source: the nominal aerodynamic database, trimmed on the ground
+(:mod:`edl6dof.scenario.believed_aero`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
 
 AIRFRAME = np.dtype(
     [
-        ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 without one
+        ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 when it does not, or by speed
+        ("wing_speed", "f8"),  # speed at which it opens, m/s; likewise
         ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
         ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
         ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
@@ -52,11 +53,11 @@ def trim_alpha(vehicle, mach):
 
 
 @kernel
-def believed_aero(vehicle, mach):
-    """Drag area (m2) and lift-to-drag ratio of the ``onboard.vehicle`` at trim."""
+def believed_aero(vehicle, mach, speed):
+    """Drag area (m2) and lift-to-drag ratio of the ``onboard.vehicle`` at trim; ``speed`` in m/s."""
     table = vehicle.airframe
     i, f = node_of(mach)
-    if mach < table.wing_mach:
+    if mach < table.wing_mach or speed < table.wing_speed:
         return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
     return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)
 

@@ -12,16 +12,24 @@ from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
-#: Kinds of magnitude.
-SHIFTED, LINEAR = range(2)
+#: Kinds of plan.
+SHIFTED, LINEAR, IN_PLANE = range(3)
 
 
 @kernel
 def shifted(shift, side, first_turn, second_turn):
-    """Reference profile, its cosine shifted by ``shift``; ``side`` is +1 right, -1 left, 0 for a flight in
-    the plane, whose reversals cancel; reversals at two speeds (m/s), 0 for none.
+    """Reference profile, its cosine shifted by ``shift``; ``side`` is +1 right, -1 left; reversals at two
+    speeds (m/s), 0 for none.
     """
     return SHIFTED, shift, 0.0, 0.0, side, first_turn, second_turn
+
+
+@kernel
+def in_plane_shifted(shift, first_turn, second_turn):
+    """The same with the sideways lift left out, which the reversals cancel: they pass through lift up and no
+    more.
+    """
+    return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
 
 
 @kernel
@@ -35,7 +43,7 @@ def linear(bank, last_bank, speed, side, first_turn, second_turn):
 @kernel
 def planned_bank(onboard, plan, speed):
     """Bank angle (rad) that the plan holds at ``speed``, its magnitude within the limits; of a flight in the
-    plane the magnitude.
+    plane positive on the present side.
     """
     entry = onboard.guidance.entry
     kind, first, last, start, side, first_turn, second_turn = plan
@@ -55,7 +63,7 @@ def planned_bank(onboard, plan, speed):
 @kernel
 def in_plane(plan):
     """Whether the sideways lift is left out."""
-    return plan[4] == 0.0
+    return plan[0] == IN_PLANE
 
 
 @kernel

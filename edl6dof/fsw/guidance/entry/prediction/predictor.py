@@ -46,7 +46,7 @@ def predict(onboard, nav, out, plan):
     here, target = unit(r), aim_direction(onboard)
     ahead = unit(sub(target, scale(dot(target, here), here)))
     steered_above = max(entry.align_speed, entry.heading.speed)
-    bank = abs(nav.bank) if in_plane(plan) else nav.bank
+    bank = present_bank(nav, out) if in_plane(plan) else nav.bank
     t, dt = 0.0, 0.0
     r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
     lift_up, lift_right = 1.0, 0.0
@@ -72,7 +72,7 @@ def predict(onboard, nav, out, plan):
             goal = heading_bank(entry.heading, range_to_go, crossrange)
             if not aligning:
                 aligning, at_handover = True, crossrange
-        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
+        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, onboard.vehicle.bank_deceleration, dt)
         if in_plane(plan):
             lift_right = 0.0
         a, _, _ = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
@@ -93,6 +93,14 @@ def predict(onboard, nav, out, plan):
         height_above_ellipsoid(planet, r),
         t,
     )
+
+
+@kernel
+def present_bank(nav, out):
+    """Bank angle (rad), positive on the side that is banked to: negative while a reversal is still short of
+    lift up.
+    """
+    return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
 
 
 @kernel

@@ -99,7 +99,7 @@ def point_mass(onboard, h, v, gamma, bank):
     r = planet.equatorial_radius + h
     g = planet.mu / (r * r)
     density, sound, _ = model_atmosphere(onboard.atmosphere, h)
-    area, lift_to_drag = believed_aero(vehicle, v / sound)
+    area, lift_to_drag = believed_aero(vehicle, v / sound, v)
     drag = 0.5 * density * v * v * area / vehicle.entry_mass
     lift = drag * lift_to_drag
     return (

@@ -8,6 +8,7 @@ postflight performance for 2011 Mars Science Laboratory mission", section on ban
 from __future__ import annotations
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -27,7 +28,7 @@ def side(params, onboard, nav, memory, out, wanted, sign):
     """
     p = params
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed
-    return -sign if sign * out.crossrange > limit else sign
+    return reversed_in_reach(onboard, nav, out, sign) if sign * out.crossrange > limit else sign
 
 
 MEMBER = Member(

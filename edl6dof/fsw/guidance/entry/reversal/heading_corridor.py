@@ -9,6 +9,7 @@ from __future__ import annotations
 from math import asin, sin
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
@@ -30,7 +31,7 @@ def side(params, onboard, nav, memory, out, wanted, sign):
     p, radius = params, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)
-    return -sign if sign * error > limit else sign
+    return reversed_in_reach(onboard, nav, out, sign) if sign * error > limit else sign
 
 
 MEMBER = Member(

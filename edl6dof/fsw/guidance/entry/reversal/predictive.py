@@ -16,6 +16,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.fsw.guidance.entry.reversal.in_reach import reversed_in_reach
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
@@ -51,7 +52,9 @@ def side(params, onboard, nav, memory, out, wanted, sign):
     if sign * going_on < p.dead_zone:
         return sign
     _, reversed_now, _, _ = predict(onboard, nav, out, shifted(shift, -sign, 0.0, 0.0))
-    return -sign if sign * reversed_now > -p.ratio * sign * going_on else sign
+    if sign * reversed_now <= -p.ratio * sign * going_on:
+        return sign
+    return reversed_in_reach(onboard, nav, out, sign)
 
 
 MEMBER = Member("predictive", PredictiveParams, {"side": side}, "Smith 2016, AAS 16-216")

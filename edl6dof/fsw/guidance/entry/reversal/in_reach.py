@@ -1,0 +1,44 @@
+"""Whether a reversal can be afforded: rolling through lift up takes its time and adds range, and what the
+largest bank angle cannot take out again is missed.
+
+While the aim point stays in reach a reversal is made when the logic asks for it.  Where it does not, the
+miss of range and crossrange together decides: a reversal waits as long as a little later, or none at all,
+ends nearer to the aim point.  Source: derived; flown ahead at the vehicle's bank rate.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+from edl6dof.fsw.guidance.entry.prediction.bank_plan import linear
+from edl6dof.fsw.guidance.entry.prediction.predictor import predict
+from edl6dof.jit import kernel
+
+#: Speed (m/s) by which a reversal is put off to see whether later is better.
+LATER = 100.0
+
+
+@kernel
+def nearest_end(onboard, nav, out, side, turn):
+    """Range (m) by which the aim point is overflown at the largest bank angle, none if it is not, and the
+    crossrange, from ``side`` with a reversal at the speed ``turn`` (m/s), 0 for none.
+    """
+    most = onboard.guidance.entry.bank_max
+    beyond, aside, _, _ = predict(onboard, nav, out, linear(most, most, nav.speed, side, turn, 0.0))
+    return max(beyond, 0.0), aside
+
+
+@kernel
+def reversed_in_reach(onboard, nav, out, sign):
+    """Side to bank to where the logic asks to leave side ``sign``: the other one, or ``sign`` while that ends
+    nearer to the aim point.
+    """
+    over, aside = nearest_end(onboard, nav, out, -sign, 0.0)
+    if over == 0.0:
+        return -sign
+    now = hypot(over, aside)
+    for turn in (nav.speed - LATER, 0.0):
+        over, aside = nearest_end(onboard, nav, out, sign, turn)
+        if hypot(over, aside) < now:
+            return sign
+    return -sign

@@ -1,0 +1,113 @@
+"""E-guidance, which is zero-effort-miss/zero-effort-velocity guidance: least integral of the squared thrust
+acceleration to a final position at rest.
+
+a = 6 ZEM / t_go^2 - 2 ZEV / t_go, linear in time; ZEM and ZEV are position and velocity that would be
+missing at arrival without thrust.  The time to go is the one that makes the integral least over all times (a
+quartic), or longer where engine and tilt ask for it (:mod:`.planning`).  Sources: Cherry, AIAA 64-638
+(E-guidance); D'Souza, AIAA 97-3709 (time to go); Ebrahimi, Bahrami & Roshanian, Acta Astronautica 62 (2008)
+556-562, and Guo, Hawkins & Wie, J. Guidance 36 (2013) 810-820 (ZEM/ZEV).
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import param
+from edl6dof.fsw.guidance.powered.planning import PLAN, PlanningParams, plan_arrival
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import clamp
+
+
+class EGuidanceParams(PlanningParams):
+    """E-guidance (ZEM/ZEV)."""
+
+    lateral_time_floor_s: float = param(
+        7.0, "smallest time to go used in the lateral gains, which the attitude has to follow", gt=0.0
+    )
+
+
+#: At arrival the upward acceleration is (6 h - 2 V T) / T^2.
+_GAINS = (2.0, 6.0)
+
+
+#: Times to go (s) between which the quartic is searched, the ratio of neighbours, and halvings after that.
+_SHORTEST, _LONGEST, _RATIO, _HALVINGS = 0.1, 1e4, 1.1, 40
+
+
+@kernel
+def effort_rate(t, gravity, north, east, up, v_north, v_east, v_up):
+    """t^4 times the rate at which the cost changes with the time to go ``t``, up to its sign.
+
+    The position is relative to the target.  D'Souza 1997, without a weight of the flight time.
+    """
+    rr = north * north + east * east + up * up
+    rv = north * v_north + east * v_east + up * v_up
+    vv = v_north * v_north + v_east * v_east + v_up * v_up
+    return (0.5 * gravity * gravity * t * t - 2.0 * vv) * t * t - 12.0 * rv * t - 18.0 * rr
+
+
+@kernel
+def optimal_time(gravity, north, east, up, v_north, v_east, v_up):
+    """Time to go (s) of the least cost, for a state relative to the target (m, m/s).
+
+    Of several minima the one of the shortest time: the longer ways pass the target and come back.
+    """
+    rest = (gravity, north, east, up, v_north, v_east, v_up)
+    high = _SHORTEST
+    while effort_rate(high, *rest) <= 0.0 and high < _LONGEST:
+        high *= _RATIO
+    low = high / _RATIO
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if effort_rate(middle, *rest) > 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@kernel
+def zem_zev(miss, velocity, gravity, t_go):
+    """Thrust acceleration along one axis.
+
+    Args:
+        miss: target less position, m.
+        velocity: m/s; none is wanted at arrival.
+        gravity: along the axis, m/s2.
+        t_go: time to go, s.
+    """
+    zem = miss - velocity * t_go - 0.5 * gravity * t_go * t_go
+    zev = -velocity - gravity * t_go
+    return 6.0 * zem / (t_go * t_go) - 2.0 * zev / t_go
+
+
+@kernel
+def guide(params, vehicle, state, nav, target, memory, out):
+    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    p = params
+    north, east = target.point_L[1] - nav.site_L[1], target.point_L[0] - nav.site_L[0]
+    up = target.height - nav.height
+    least = 0.0
+    if memory.made == 0:
+        v_north, v_east, descent = nav.v_N[0], nav.v_N[1], nav.v_N[2]
+        least = optimal_time(nav.gravity, -north, -east, -up, v_north, v_east, -descent)
+    out.time_to_go = plan_arrival(
+        (p.tilt_limit, p.thrust_reserve, p.lateral_time_floor), _GAINS, least, state, nav, target, memory
+    )
+    t_go = max(out.time_to_go, p.time_floor)
+    upward = zem_zev(up, -nav.v_N[2], -nav.gravity, t_go)
+    t_go = max(out.time_to_go, p.lateral_time_floor)
+    return (
+        zem_zev(north, nav.v_N[0], 0.0, t_go),
+        zem_zev(east, nav.v_N[1], 0.0, t_go),
+        clamp(upward, 0.5 * nav.gravity, 20.0),
+        p.tilt_limit,
+    )
+
+
+MEMBER = Member(
+    "e_guidance",
+    EGuidanceParams,
+    {"guide": guide},
+    "Cherry 1964; D'Souza 1997; Guo, Hawkins & Wie 2013",
+    PLAN,
+)

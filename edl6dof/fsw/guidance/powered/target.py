@@ -1,0 +1,80 @@
+"""Where powered deceleration ends: at rest, at a height above a point that keeps clear of the backshell.
+
+The point is chosen once, where the engine lights: ahead of the lander by a share of its drift over the time
+that a constant deceleration takes, less a divert against the drift; or where
+coarse hazard avoidance has chosen it.  Source of backshell avoidance: Hu et al.
+2022, section 6.2; the rule is an estimate.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG
+
+#: Least height above the target (m) and descent rate (m/s) from which the time of arrival is worked out.
+LEAST_HEIGHT, LEAST_DESCENT = 50.0, 5.0
+
+
+class PoweredTargetParams(Params):
+    """Target of powered deceleration, which all powered laws share."""
+
+    height_m: float = param(
+        100.0, "height above ground at which velocity is zero", status="published", source="S1", gt=0.0
+    )
+    time_factor: float = param(
+        1.0,
+        "expected duration over 2 height / descent rate, that of a constant deceleration",
+        status="estimate",
+        gt=0.2,
+        le=3.0,
+    )
+    drift_share: float = param(
+        0.33, "share of velocity times expected duration by which the target leads the lander", ge=0.0, le=1.0
+    )
+    divert_m: float = param(
+        120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0
+    )
+
+
+POWERED_TARGET = np.dtype(
+    [
+        ("set", FLAG),
+        ("arrival", "f8"),  # s, flight time at which the lander is expected there
+        ("point_L", "f8", (2,)),  # m, east and north of the landing site
+        ("height", "f8"),  # m, above ground
+    ],
+    align=True,
+)
+
+
+@kernel
+def choose_target(p, nav, point, target):
+    """Set ``target`` unless it is set already.
+
+    Args:
+        p: ``target`` section of powered guidance.
+        nav: ``NAV`` record.
+        point: ``LANDING_POINT`` record: its coarse point is taken where one is chosen.
+        target: ``POWERED_TARGET`` record.
+    """
+    if target.set != 0:
+        return
+    target.set = 1
+    target.height = p.height
+    descent = max(nav.v_N[2], LEAST_DESCENT)
+    duration = p.time_factor * 2.0 * max(nav.height - p.height, LEAST_HEIGHT) / descent
+    target.arrival = nav.t + duration
+    east, north = nav.v_N[1], nav.v_N[0]
+    drift = sqrt(east * east + north * north)
+    ahead = p.drift_share * duration
+    back_e, back_n = (east / drift, north / drift) if drift > 0.5 else (0.0, 1.0)
+    if point.coarse_known != 0:
+        target.point_L[0], target.point_L[1] = point.coarse_L[0], point.coarse_L[1]
+        return
+    target.point_L[0] = nav.site_L[0] + ahead * east - p.divert * back_e
+    target.point_L[1] = nav.site_L[1] + ahead * north - p.divert * back_n

@@ -1,0 +1,1 @@
+"""The ways to tell safe ground: one file each."""

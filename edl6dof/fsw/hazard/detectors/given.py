@@ -1,0 +1,21 @@
+"""No hazard detection: the safe spot is given, as an offset from the point where avoidance begins
+(:mod:`edl6dof.fsw.guidance.powered.terminal`).
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class GivenParams(Params):
+    """No detection: the safe spot is given."""
+
+
+@kernel
+def judge(params, chart, footprint, radius, deviation, out):
+    """Nothing is judged."""
+
+
+MEMBER = Member("given", GivenParams, {"judge": judge}, "none: the spot is set, not found")

@@ -1,0 +1,37 @@
+"""Safe ground by limits: slope and roughness of the footprint as they are measured.
+
+Source: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard avoidance for safe landing on Mars", J.
+Guidance 25(6) (2002) 1091-1099.
+"""
+
+from __future__ import annotations
+
+from math import tan
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.hazard.safety import judge_by_limits
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class LidarDetectionParams(Params):
+    """Slope and roughness within limits."""
+
+    slope_limit_deg: float = param(
+        8.0, "largest slope under the footprint", status="recalled", source="Chang'e-3", gt=0.0, lt=45.0
+    )
+    roughness_limit_m: float = param(
+        0.16,
+        "largest distance of a cell of the footprint from its plane, as measured: half the height of a rock "
+        "of half a metre is not to be missed between two rays",
+        status="estimate", gt=0.0, le=5.0,
+    )  # fmt: skip
+
+
+@kernel
+def judge(params, chart, footprint, radius, deviation, out):
+    """Judge every cell of ``footprint`` (see the registry)."""
+    judge_by_limits(footprint, tan(params.slope_limit), params.roughness_limit, out)
+
+
+MEMBER = Member("lidar", LidarDetectionParams, {"judge": judge}, "Johnson et al., J. Guidance 25(6), 2002")

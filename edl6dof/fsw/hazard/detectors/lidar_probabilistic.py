@@ -1,0 +1,48 @@
+"""Safe ground by the probability that slope and roughness keep their limits, given the errors of range.
+
+Source: Tomita and Ho, "Real-time stochastic terrain mapping and processing for autonomous safe landing",
+arXiv 2409.09309 (2024), for a Gaussian map; the product of :mod:`edl6dof.fsw.hazard.safety` in place of
+their bounds.
+"""
+
+from __future__ import annotations
+
+from math import tan
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.hazard.safety import judge_by_probability
+from edl6dof.jit import kernel
+from edl6dof.registry import Member
+
+
+class ProbabilisticParams(Params):
+    """Slope and roughness within limits, with a probability."""
+
+    slope_limit_deg: float = param(
+        8.0, "largest slope under the footprint", status="recalled", source="Chang'e-3", gt=0.0, lt=45.0
+    )
+    roughness_limit_m: float = param(
+        0.22,
+        "largest distance of a cell of the footprint from its plane: less than a rock of half a metre has",
+        status="estimate", gt=0.0, le=5.0,
+    )  # fmt: skip
+    relief_between_m: float = param(
+        0.02, "relief between the points of a cell, standard deviation", status="estimate", ge=0.0, le=1.0
+    )
+    least_probability: float = param(
+        0.95, "probability from which on a spot counts as safe", status="estimate", gt=0.0, lt=1.0
+    )
+
+
+@kernel
+def judge(params, chart, footprint, radius, deviation, out):
+    """Judge every cell of ``footprint`` (see the registry)."""
+    judge_by_probability(
+        chart, footprint, radius, tan(params.slope_limit), params.roughness_limit,
+        deviation, params.relief_between, params.least_probability, out,
+    )  # fmt: skip
+
+
+MEMBER = Member(
+    "lidar_probabilistic", ProbabilisticParams, {"judge": judge}, "Tomita and Ho, arXiv 2409.09309, 2024"
+)

@@ -1,0 +1,140 @@
+"""The plane that the lander would stand on at every cell of a map, and what would reach up under it.
+
+The footprint is a disc, as the lander's azimuth at touchdown is free: its legs stand somewhere on the rim.
+The plane is that of least squares over the means of the cells of the disc, whose moments are known, so that
+level and rises follow from three running sums (cells that enter less cells that leave, chord by chord); the
+roughness is the largest distance of a cell from the plane, square to it: of a rock under the belly, or of a
+hole under a leg.  Source of the two measures: Johnson,
+Klumpp, Collier and Wolf, "Lidar-based hazard avoidance for safe landing on Mars", J. Guidance 25(6) 2002
+(there with a robust plane in place of least squares).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.fsw.hazard.point_map import MAP_CELLS
+from edl6dof.jit import kernel
+
+#: Largest radius of a footprint in cells.
+MAX_RADIUS = 32
+#: What stands in place of slope and roughness where the footprint is not all known; no footprint is so bad.
+UNKNOWN = np.float32(1e3)
+
+_ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
+
+#: The planes of a row of cells, and the sums that they follow from.
+PLANES = np.dtype(
+    [
+        ("known", "f8", (_ROW,)),
+        ("sum", "f8", (_ROW,)),
+        ("east_sum", "f8", (_ROW,)),
+        ("north_sum", "f8", (_ROW,)),
+        ("level", "f4", (MAP_CELLS,)),  # m
+        ("rise_east", "f4", (MAP_CELLS,)),  # per metre
+        ("rise_north", "f4", (MAP_CELLS,)),
+        ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
+        ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
+    ],
+    align=True,
+)
+
+FOOTPRINT = np.dtype(
+    [
+        ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
+        ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
+        ("planes", PLANES),
+    ],
+    align=True,
+)
+
+
+@kernel
+def chord(radius, row):
+    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a row off its middle."""
+    return int(sqrt(radius * radius - row * row))
+
+
+@kernel
+def fit_row(chart, radius, i, planes):
+    """Planes of the footprints around all cells of row ``i``, at least ``int(radius)`` rows off the ends."""
+    reach = int(radius)
+    for c in range(_ROW):
+        planes.known[c] = planes.sum[c] = planes.east_sum[c] = planes.north_sum[c] = 0.0
+    cells, second = 0, 0.0
+    for row in range(-reach, reach + 1):
+        half = chord(radius, row)
+        cells += 2 * half + 1
+        second += row * row * (2 * half + 1)
+        enters, leaves = reach - half, reach + half + 1
+        mean, weight = chart.mean[i + row], chart.weight[i + row]
+        for c in range(MAP_CELLS):
+            z, known = float(mean[c]), 1.0 if weight[c] > 0.0 else 0.0
+            planes.known[c + enters] += known
+            planes.sum[c + enters] += z
+            planes.east_sum[c + enters] += c * z
+            planes.north_sum[c + enters] += row * z
+            planes.known[c + leaves] -= known
+            planes.sum[c + leaves] -= z
+            planes.east_sum[c + leaves] -= c * z
+            planes.north_sum[c + leaves] -= row * z
+    known = total = east = north = 0.0
+    for c in range(MAP_CELLS + reach):
+        known += planes.known[c]
+        total += planes.sum[c]
+        east += planes.east_sum[c]
+        north += planes.north_sum[c]
+        j = c - reach
+        if j < 0:
+            continue
+        planes.level[j] = total / cells
+        planes.rise_east[j] = (east - j * total) / second
+        planes.rise_north[j] = north / second
+        planes.whole[j] = 1.0 if known > cells - 0.5 else 0.0
+
+
+@kernel
+def stray_row(chart, radius, i, planes):
+    """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
+    reach = int(radius)
+    first, last = reach, MAP_CELLS - reach
+    # views that begin at the first column: an index that is never negative keeps the innermost loop short
+    level, farthest = planes.level[first:last], planes.farthest[first:last]
+    rise_east, rise_north = planes.rise_east[first:last], planes.rise_north[first:last]
+    for j in range(last - first):
+        farthest[j] = 0.0
+    for row in range(-reach, reach + 1):
+        half, north = chord(radius, row), np.float32(row)
+        for column in range(-half, half + 1):
+            east, top = np.float32(column), chart.highest[i + row, first + column : last + column]
+            for j in range(last - first):
+                off = abs(top[j] - level[j] - rise_east[j] * east - rise_north[j] * north)
+                farthest[j] = off if off > farthest[j] else farthest[j]
+
+
+@kernel
+def assess(chart, radius_m, out):
+    """Slope and roughness of the footprint around every cell.
+
+    Args:
+        chart: ``ELEVATION_MAP`` record, holes filled.
+        radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
+        out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
+    """
+    radius = min(radius_m / chart.cell, float(MAX_RADIUS))
+    reach = int(radius)
+    planes, cell = out.planes, np.float32(chart.cell)
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            out.slope[i, j] = out.roughness[i, j] = UNKNOWN
+    for i in range(reach, MAP_CELLS - reach):
+        fit_row(chart, radius, i, planes)
+        stray_row(chart, radius, i, planes)
+        for j in range(reach, MAP_CELLS - reach):
+            if planes.whole[j] > 0.0:
+                east, north = planes.rise_east[j] / cell, planes.rise_north[j] / cell
+                steep = east * east + north * north
+                out.slope[i, j] = sqrt(steep)
+                out.roughness[i, j] = planes.farthest[j] / sqrt(1.0 + steep)

@@ -1,0 +1,125 @@
+"""A map of elevations from ranges and the pose in which each was taken.
+
+Rows run north, columns east.  A cell holds the weighted mean of the points in it, the highest of those of the
+sharpest instrument, and their weight: the inverse of the variance of the mean, in units of that of one such
+point.  A cell without a point is unknown: its weight is zero.
+"""
+
+from __future__ import annotations
+
+from math import floor
+
+import numpy as np
+
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import add, scale
+
+#: Cells of the map along each side.
+MAP_CELLS = 256
+#: A hole is filled where so many of the eight cells around it are known, in so many rounds.
+NEIGHBOURS_TO_FILL, FILL_ROUNDS = 3, 2
+
+ELEVATION_MAP = np.dtype(
+    [
+        ("cell", "f8"),  # m: side of a cell
+        ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
+        ("level", "f8"),  # m: up of the landing site from which the elevations count
+        ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+        ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+        ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
+    ],
+    align=True,
+)
+
+
+@kernel
+def begin_map(cell, centre_L, chart):
+    """Empty the map ``chart`` (``ELEVATION_MAP``) and lay it around ``centre_L`` (east, north, up of the
+    landing site, m), with cells of side ``cell`` (m).
+    """
+    half = 0.5 * cell * MAP_CELLS
+    chart.cell, chart.level = cell, centre_L[2]
+    chart.corner_L[0], chart.corner_L[1] = centre_L[0] - half, centre_L[1] - half
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            chart.mean[i, j] = chart.highest[i, j] = chart.weight[i, j] = 0.0
+
+
+@kernel
+def cell_of(chart, east, north):
+    """Row and column of the cell that holds a point; beyond an end of the map they lie beyond its cells."""
+    return (
+        int(floor((north - chart.corner_L[1]) / chart.cell)),
+        int(floor((east - chart.corner_L[0]) / chart.cell)),
+    )
+
+
+@kernel
+def middle_of(chart, i, j):
+    """East and north of the landing site (m) of the middle of a cell."""
+    return chart.corner_L[0] + (j + 0.5) * chart.cell, chart.corner_L[1] + (i + 0.5) * chart.cell
+
+
+@kernel
+def add_point(point_L, weight, chart):
+    """Take in a point (east, north, up of the landing site, m) of a ``weight``; one of at least a whole
+    weight counts for the highest too.
+    """
+    i, j = cell_of(chart, point_L[0], point_L[1])
+    if i < 0 or j < 0 or i >= MAP_CELLS or j >= MAP_CELLS:
+        return
+    z, before = point_L[2] - chart.level, chart.weight[i, j]
+    if weight >= 1.0:
+        chart.highest[i, j] = max(chart.highest[i, j], z) if before >= 1.0 else z
+    chart.weight[i, j] = before + weight
+    chart.mean[i, j] += (z - chart.mean[i, j]) * weight / (before + weight)
+    if before + weight < 1.0:
+        chart.highest[i, j] = chart.mean[i, j]
+
+
+@kernel
+def add_range(distance, direction_B, eye_L, axes_L, weight, chart):
+    """Take in the point at ``distance`` (m) along a unit direction in B from the eye.
+
+    Args:
+        distance: range, m; none where it is not positive.
+        direction_B: line of sight.
+        eye_L: place of the eye, east, north, up of the landing site, m.
+        axes_L: unit axes x, y, z of B, each as east, north, up.
+        weight: of the point, see above.
+        chart: ``ELEVATION_MAP``, updated.
+    """
+    if distance <= 0.0:
+        return
+    x, y, z = axes_L
+    along = add(scale(direction_B[0], x), add(scale(direction_B[1], y), scale(direction_B[2], z)))
+    add_point(add(eye_L, scale(distance, along)), weight, chart)
+
+
+@kernel
+def fill_holes(weight, chart):
+    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight;
+    what has too few of them stays as it is.
+    """
+    for _ in range(FILL_ROUNDS):
+        for i in range(1, MAP_CELLS - 1):
+            for j in range(1, MAP_CELLS - 1):
+                if chart.weight[i, j] < weight:
+                    _fill(i, j, weight, chart)
+        # what this round has filled counts as known from now on
+        for i in range(1, MAP_CELLS - 1):
+            for j in range(1, MAP_CELLS - 1):
+                chart.weight[i, j] = abs(chart.weight[i, j])
+
+
+@kernel
+def _fill(i, j, weight, chart):
+    total, count = 0.0, 0
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            if chart.weight[i + di, j + dj] >= weight:
+                total += chart.mean[i + di, j + dj]
+                count += 1
+    if count >= NEIGHBOURS_TO_FILL:
+        chart.mean[i, j] = chart.highest[i, j] = total / count
+        chart.weight[i, j] = -weight

@@ -1,0 +1,122 @@
+"""Scanning lidar: ranges along a fan of rays, a few rows of it in each base cycle.
+
+A scan begins when it is told to, and takes as many cycles as it has blocks of rows; each block is shot from
+where the vehicle is then, so that its motion bends the scan.  A ray meets the true ground (rocks included)
+within the patch that lies in view when the scan begins; beyond it nothing comes back, as little as from too
+far away, from ground met too flat, and now and then from anywhere.
+
+Source: Johnson, Keim and Ivanov, Analysis of flash lidar field test data for safe lunar landing, IEEE
+Aerospace Conference (2010).
+Left out: the width of a ray, and parts of the vehicle that fly below it.
+"""
+
+from __future__ import annotations
+
+from math import cos, tan
+
+import numpy as np
+
+from edl6dof.config.base import Vec3, param
+from edl6dof.config.dtype import in_si
+from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS
+from edl6dof.interface.eyes import look
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, whole
+from edl6dof.registry import Member
+from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
+from edl6dof.sensors.patch import PATCH, trace
+from edl6dof.sensors.sight import along, sight
+from edl6dof.spatial.noise import normal_pair, uniform
+from edl6dof.spatial.vector import take3
+
+
+class LidarParams(EyeParams):
+    """Scanning lidar; errors as standard deviations."""
+
+    largest = {"m": 1e4}
+
+    field_of_view_deg: float = param(
+        28.0, "of a scan, rows and columns: 50 m of ground from 100 m", status="derived",
+        source="patch of Chang'e-3, hover of Tianwen-1", gt=0.0, le=90.0,
+    )  # fmt: skip
+    position_m: Vec3 = param((-0.5, 0.6, 0.0), "where it sits, B", status="estimate", min_length=3)
+    longest_m: float = param(300.0, "range beyond which nothing comes back", status="estimate", gt=0.0)
+    incidence_deg: float = param(
+        75.0, "largest angle between a ray and the normal of the ground", status="estimate", gt=0.0, lt=90.0
+    )
+    dropout: float = param(0.01, "probability that nothing comes back", status="estimate", ge=0.0, le=1.0)
+    range_noise_m: float = param(0.03, "noise of a range", status="estimate", ge=0.0)
+    range_bias_m: float = param(
+        0.02, "constant error of all ranges, drawn for each case", status="estimate", ge=0.0
+    )
+    quantum_m: float = param(0.01, "step in which ranges are told", status="estimate", gt=0.0)
+
+
+MEMORY = np.dtype(
+    [
+        ("patch", PATCH),  # the ground in view when the scan began
+        ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
+        ("scans", COUNT),  # begun so far
+        ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
+    ],
+    align=True,
+)
+
+
+@kernel
+def measure(params, unit, case, tables, plant, outputs, memory, sensed):
+    """Begin a scan where one is told, and shoot the next block of the one that runs."""
+    lidar, faults = sensed.lidar, plant.instruments
+    lidar.fresh = 0
+    if faults.lidar_lost != 0:
+        memory.left = 0
+        return
+    if plant.eyes.scan == 0 and memory.left == 0:
+        return
+    turn = take3(unit.turn, 0)
+    origin, axes, height = sight(case, tables, plant, outputs, take3(params.position, 0), turn)
+    reach = reach_of(params, plant)
+    if plant.eyes.scan != 0:
+        lay_in_view(case, tables, origin, axes, height, reach, memory.patch)
+        memory.left = SCAN_ROWS
+        memory.scans += 1
+    lidar.row, lidar.fresh = SCAN_ROWS - memory.left, 1
+    memory.left -= SCAN_BLOCK
+    if faults.mirror_stuck == 0:
+        memory.mirror = lidar.row
+    tangent, flattest = tan(0.5 * params.field_of_view), cos(params.incidence)
+    first = (memory.scans * SCAN_ROWS + lidar.row) * SCAN_COLUMNS
+    for i in range(SCAN_BLOCK):
+        for j in range(SCAN_COLUMNS):
+            ray = along(axes, look(tangent, SCAN_COLUMNS, memory.mirror + i, j))
+            way, incidence = trace(memory.patch, origin, ray, reach)
+            seen = way > 0.0 and incidence >= flattest
+            lidar.range[i, j] = read(params, unit, way, first + i * SCAN_COLUMNS + j) if seen else 0.0
+
+
+@kernel
+def read(params, unit, way, number):
+    """What ray ``number`` reads of a range (m); 0 where nothing comes back."""
+    if uniform(unit.key, 2 * number) < params.dropout:
+        return 0.0
+    noise, _ = normal_pair(unit.key, 2 * number + 1)
+    told = way + unit.bias + params.range_noise * noise + 0.5 * params.quantum
+    return max(told - told % params.quantum, 0.0)
+
+
+def plan(params: LidarParams, rng: np.random.Generator, unit: np.void) -> None:
+    """Draw the errors of the copy that flies."""
+    draw_eye(params, rng, unit)
+    unit["bias"] = in_si(params)["range_bias"] * rng.standard_normal()
+
+
+MEMBER = Member(
+    "lidar",
+    LidarParams,
+    {"measure": measure},
+    "Johnson, Keim and Ivanov, IEEE Aerospace Conference (2010)",
+    memory=MEMORY,
+    tables=EYE_UNIT,
+    plan=plan,
+    writes=("lidar",),
+)

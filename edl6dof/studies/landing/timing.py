@@ -1,0 +1,62 @@
+"""How long one call of a powered law takes: the compiled law alone, over states of the nominal descent.
+
+Source: none, a measurement.
+"""
+
+from __future__ import annotations
+
+from time import thread_time
+
+import numpy as np
+
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.jit import kernel
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import LoadedScenario
+from edl6dof.sim.flight import fly
+
+#: Flight times (s) of the states, those of the calls that follow them later than a law takes to plan again.
+SAVED_AT, LATER_S = (452.0, 460.0, 468.0, 476.0), 1.0
+REPEATS, BLOCKS = 20, 10
+
+
+@kernel
+def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats):
+    """Call a powered law again and again on one state, each time with its memory as it was."""
+    powered = onboards[0].guidance.powered
+    for _ in range(repeats):
+        work[0] = memories[0]
+        powered_guidance(law, powered, onboards[0].vehicle, states[0], navs[0], targets[0], work[0], outs[0])
+
+
+def call_time(loaded: LoadedScenario) -> float:
+    """Longest processor time (us) of a guidance call over states of the nominal descent: what a law remembers
+    is one second old, so that one that plans now and then plans in the call.
+    """
+    law = POWERED_LAWS.names.index(loaded.scenario.flight_software.guidance.powered.law)
+    onboard = build_records(loaded).onboard
+    return max(_timed(loaded, onboard, law, t) for t in SAVED_AT)
+
+
+def _timed(loaded: LoadedScenario, onboard: np.ndarray, law: int, t: float) -> float:
+    before, after = (fly(loaded, save_at_s=at).saved for at in (t, t + LATER_S))
+    if before is None or after is None:
+        raise ValueError(f"the nominal flight is over before {t + LATER_S:g} s")
+    states, navs, targets, memories = (
+        np.zeros(1, dtype) for dtype in (VEHICLE_STATE, NAV, POWERED_TARGET, POWERED_LAWS.memory)
+    )
+    states[0], navs[0] = after.fsw["vehicle"][0], after.fsw["nav"][0]
+    targets[0], memories[0] = before.fsw["guidance"]["target"][0], before.fsw["guidance"]["powered"][0]
+    given = (law, onboard, states, navs, targets, memories)
+    rest = (np.zeros(1, POWERED_LAWS.memory), np.zeros(1, GUIDE))
+    _repeat(*given, *rest, 1)
+    blocks = []
+    for _ in range(BLOCKS):
+        start = thread_time()
+        _repeat(*given, *rest, REPEATS)
+        blocks.append(thread_time() - start)
+    return 1e6 * min(blocks) / REPEATS

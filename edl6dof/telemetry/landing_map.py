@@ -1,0 +1,91 @@
+"""What a lander saw of the ground below it, and why it went where it went: for reports and pictures."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.fsw.hazard.safety import VERDICTS
+
+
+class LandingMap(NamedTuple):
+    """The map of hazard detection and the choice made on it.
+
+    Places are metres east and north of the landing site as the flight computer took them: off the ground by
+    the error of navigation then (channels ``nav.error_...``).  Rows run north, columns east; a cell that was
+    not seen has ``nan``.
+
+    Attributes:
+        cell_m: side of a cell.
+        corner_m: south-west corner of the map, east and north, shape (2,).
+        elevation_m: mean elevation above the ground below the hover, as navigated, shape (n, n).
+        slope_deg: slope of the plane of the footprint around each cell; ``nan`` where not all of it is known.
+        roughness_m: largest distance of a cell of the footprint from that plane, likewise.
+        verdict: index in ``VERDICTS``: safe, edge (not all known), slope, rock.
+        probability: that slope and roughness keep their limits; an upper bound where they do not.
+        clearance_m: distance from the nearest cell that is not safe.
+        hover_m: where the scan began: east, north, and height above the map's level, shape (3,).
+        spot_m: spot that was chosen, east and north, shape (2,).
+        found: whether it is safe, shape ().
+        rejected_m: spots that the search passed over, shape (k, 2).
+        rejected_verdict: why, shape (k,).
+        drift_m: predicted way of backshell and canopy: east, north, height above the ground, shape (p, 3).
+        coarse_m: target of each part of the landing image, shape (parts, 2).
+        coarse_obstacles: share of obstacles of each, shape (parts,).
+        coarse_part: which was taken, shape ().
+    """
+
+    cell_m: np.ndarray
+    corner_m: np.ndarray
+    elevation_m: np.ndarray
+    slope_deg: np.ndarray
+    roughness_m: np.ndarray
+    verdict: np.ndarray
+    probability: np.ndarray
+    clearance_m: np.ndarray
+    hover_m: np.ndarray
+    spot_m: np.ndarray
+    found: np.ndarray
+    rejected_m: np.ndarray
+    rejected_verdict: np.ndarray
+    drift_m: np.ndarray
+    coarse_m: np.ndarray
+    coarse_obstacles: np.ndarray
+    coarse_part: np.ndarray
+
+    def reasons(self) -> list[str]:
+        """Why each of the rejected spots was passed over: ``edge``, ``slope`` or ``rock``."""
+        return [VERDICTS[int(verdict)] for verdict in self.rejected_verdict]
+
+
+def landing_map(fsw: np.void) -> LandingMap | None:
+    """The map in the memory of a flight computer at the end of a flight; ``None`` where no spot was chosen
+    from a scan.
+    """
+    hazard, point = fsw["hazard"], fsw["landing_point"]
+    if not np.isfinite(hazard["spot_t"]):
+        return None
+    chart, footprint, judged = hazard["chart"], hazard["footprint"], hazard["judged"]
+    choice, coarse = hazard["choice"], hazard["coarse"]
+    known = judged["verdict"] != VERDICTS.index("edge")
+    rejected = choice["rejected"][: choice["n_rejected"]]
+    return LandingMap(
+        cell_m=np.array(chart["cell"]),
+        corner_m=chart["corner_L"].copy(),
+        elevation_m=np.where(chart["weight"] > 0.0, chart["mean"], np.float32(np.nan)),
+        slope_deg=np.where(known, np.degrees(np.arctan(footprint["slope"])), np.float32(np.nan)),
+        roughness_m=np.where(known, footprint["roughness"], np.float32(np.nan)),
+        verdict=judged["verdict"].copy(),
+        probability=judged["probability"].copy(),
+        clearance_m=judged["clearance"].copy(),
+        hover_m=hazard["here_L"] - (0.0, 0.0, chart["level"]),
+        spot_m=point["fine_L"].copy(),
+        found=np.array(int(choice["found"])),
+        rejected_m=rejected["spot_L"].copy(),
+        rejected_verdict=rejected["verdict"].astype(np.int64),
+        drift_m=coarse["drift"]["place_L"][: coarse["drift"]["count"]].copy(),
+        coarse_m=coarse["target_L"][: coarse["parts"]].copy(),
+        coarse_obstacles=coarse["obstacles"][: coarse["parts"]].copy(),
+        coarse_part=np.array(int(coarse["part"])),
+    )

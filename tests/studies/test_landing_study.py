@@ -1,0 +1,128 @@
+"""The comparison of powered laws: what is paired, what is measured, and that a small run of it comes out
+whole.
+"""
+
+from math import inf, nan, sqrt
+
+import numpy as np
+import pytest
+from numba.core.runtime import _nrt_python, rtsys
+
+import edl6dof
+from edl6dof.fsw.guidance.command import GUIDE
+from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.scenario.records import build_records
+from edl6dof.studies import landing
+from edl6dof.studies.landing import conditions, figures, tables, timing
+from edl6dof.studies.landing.conditions import DISPERSED, POWERED, divert
+
+
+def row(law, flight=0, condition=DISPERSED, **figures_):
+    return {
+        "law": law,
+        "flight": flight,
+        "condition": condition,
+        "came_down": True,
+        **figures_,
+    }
+
+
+def test_every_powered_law_is_compared():
+    assert POWERED_LAWS.names == landing.LAWS
+    assert {"polynomial", "gravity_turn", "e_guidance", "apollo", "constant_thrust"} <= set(landing.LAWS)
+
+
+def test_difference_is_of_the_same_flights_and_its_interval_that_of_their_mean():
+    fuel = {"polynomial": [60.0, 70.0, 80.0, 90.0], "apollo": [61.0, 73.0, 82.0, nan]}
+    rows = [row(law, i, hover_fuel_kg=kg) for law, every in fuel.items() for i, kg in enumerate(every)]
+    mean, half = tables.difference(rows, "apollo", "hover_fuel_kg")
+    assert mean == pytest.approx(2.0)
+    assert half == pytest.approx(1.96 * 1.0 / sqrt(3))
+    assert tables.difference(rows, "polynomial", "hover_fuel_kg") == (0.0, 0.0)
+    assert np.all(np.isnan(tables.difference(rows[4:], "apollo", "hover_fuel_kg")))  # no reference flown
+
+
+@pytest.mark.parametrize(
+    "figure, value",
+    [("target_miss_m", 5.1), ("hover_speed_m_s", 5.1), ("hover_off_m", -10.1), ("target_miss_m", inf)],
+)
+def test_target_is_reached_only_within_every_tolerance(figure, value):
+    good = {"target_miss_m": 4.9, "hover_speed_m_s": 4.9, "hover_off_m": -9.9}
+    assert tables.reached(row("apollo", **good))
+    assert not tables.reached(row("apollo", **{**good, figure: value}))
+    assert not tables.reached(row("apollo"))  # never came to hover
+
+
+def test_laws_meet_the_same_cases_and_only_they_differ():
+    truths = conditions.dispersed(20)
+    scenario = edl6dof.load(conditions.SCENARIO).scenario
+    ours, theirs = (conditions.cases(scenario, truths, law) for law in ("apollo", "polynomial"))
+    for one, other in zip(ours, theirs, strict=True):
+        assert (one.index, one.truth, one.belief, one.profile) == (
+            *(other.index, other.truth, other.belief, other.profile),
+        )
+        assert {**one.label, "law": ""} == {**other.label, "law": ""}
+    counts = {c: sum(one.label["condition"] == c for one in ours) for c in (DISPERSED, divert(600.0))}
+    assert counts == {DISPERSED: 20, divert(600.0): 2}
+    # a shorter run flies the first of a longer one
+    assert truths[3].truth == conditions.dispersed(4)[3].truth
+
+
+def test_miss_is_small_and_saturation_grows_with_the_divert():
+    found = {}
+    for metres in (0.0, 600.0):
+        flight = edl6dof.fly("tianwen1", [f"{POWERED}.target.divert_m={metres}", "simulation.log_every=5"])
+        found[metres] = figures.of_flight(flight)
+    for one in found.values():
+        assert one["navigated_miss_m"] < 5.0
+        assert 0.0 < one["hover_fuel_kg"] < one["ground_fuel_kg"]
+    assert found[600.0]["saturated_s"] > found[0.0]["saturated_s"] + 5.0
+    assert found[600.0]["peak_tilt_deg"] > found[0.0]["peak_tilt_deg"] + 10.0
+
+
+def test_no_powered_law_allocates():
+    """Counted by numba's own runtime: a hundred calls allocate no more than one."""
+    _nrt_python.memsys_enable_stats()
+    loaded = edl6dof.load("tianwen1")
+    onboard, state = build_records(loaded).onboard, edl6dof.fly(loaded, save_at_s=460.0).saved.fsw
+    records = [np.zeros(1, dtype) for dtype in (VEHICLE_STATE, NAV, POWERED_TARGET)]
+    for record, saved in zip(
+        records, (state["vehicle"], state["nav"], state["guidance"]["target"]), strict=True
+    ):
+        record[0] = saved[0]
+    memories = [np.zeros(1, POWERED_LAWS.memory) for _ in range(2)]
+    for law, name in enumerate(POWERED_LAWS.names):
+        counts = []
+        for repeats in (1, 1, 100):
+            before = rtsys.get_allocation_stats().alloc
+            timing._repeat(law, onboard, *records, *memories, np.zeros(1, GUIDE), repeats)
+            counts.append(rtsys.get_allocation_stats().alloc - before)
+        assert counts[1] == counts[2], name
+
+
+def test_small_run_comes_out_whole(monkeypatch):
+    monkeypatch.setattr(conditions, "DIVERTS", (0.0, 600.0))
+    monkeypatch.setattr(tables, "DIVERTS", (0.0, 600.0))
+    for module in (conditions, tables):
+        monkeypatch.setattr(module, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
+    monkeypatch.setattr(timing, "SAVED_AT", (460.0,))
+    seen = []
+    report = landing.run(("polynomial", "apollo"), 2, lambda done, total: seen.append((done, total)))
+    assert report.runs == len(report.table) == 10 and seen[-1] == (10, 10)
+    rows = report.table.to_pylist()
+    for one, other in zip(rows[:5], rows[5:], strict=True):  # the same until the engine lights
+        assert (one["law"], other["law"]) == ("polynomial", "apollo")
+        for name in ("ignition_height_m", "ignition_descent_m_s", "ignition_drift_m_s"):
+            assert one[name] == other[name]
+    fuel, kept, diverts, faults = report.grids
+    assert [line[0] for line in fuel.rows] == ["polynomial", "apollo"]
+    assert fuel.rows[0][2] == 0.0 and fuel.rows[1][2] != 0.0
+    assert kept.rows[1][-2] == 100.0 and 0.0 < kept.rows[1][-1] < 50.0
+    assert diverts.rows[0][4] > diverts.rows[0][1]  # a divert costs
+    assert faults.rows[0][1] > 30.0  # without its engine it crashes
+    dead = next(finding for finding in report.findings if finding.label.startswith("dead"))
+    assert dead.computed == 0.0 and "after main engine dead" in dead.note
+    assert [drawing.key for drawing in report.drawings] == ["comparison"]

@@ -1,0 +1,137 @@
+"""Coarse avoidance: Tianwen-1's rule on planted images, and the drift of backshell and canopy."""
+
+import numpy as np
+import pytest
+from charts import new
+from scipy.integrate import solve_ivp
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.hazard.coarse import COARSE, CoarseParams, choose_part
+from edl6dof.fsw.hazard.drift import DRIFT, DRIFTER, distance_from_drift, predict_drift
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.onboard import NODES, ONBOARD
+from edl6dof.interface.capacities import CAMERA_CELLS
+from edl6dof.interface.sensed import CAMERA
+from edl6dof.spatial.quaternion import from_axes
+
+MIDDLES = (2.0 * np.arange(CAMERA_CELLS) + 1.0) / CAMERA_CELLS - 1.0
+#: Of the cells, along z (rows) and y (columns) of B; as the lander hangs below, y points south and z east.
+Z, Y = np.meshgrid(MIDDLES, MIDDLES, indexing="ij")
+
+
+def navigated(v_N=(0.0, 0.0, 62.0), height=1200.0, place=(300.0, -200.0)):
+    """Upright at the pole of a frame: nose down, y of B to the south, z of B to the east."""
+    nav = new(NAV)
+    nav["north_I"], nav["east_I"], nav["up_I"] = np.eye(3)
+    nav["q_I2B"] = from_axes((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    nav["v_N"], nav["height"], nav["site_L"] = v_N, height, (*place, height)
+    nav["altitude"], nav["gravity"] = height - 4000.0, 3.72
+    return nav
+
+
+def image(density, seen=None):
+    camera = new(CAMERA)
+    camera["density"], camera["seen"] = density, 1 if seen is None else seen
+    return camera
+
+
+def chosen(density, v_N, seen=None, drift=None, **values):
+    params, out = new(dtype_of(CoarseParams)), new(COARSE)
+    fill(params, CoarseParams(**values))
+    if drift is not None:
+        out["drift"] = drift
+    nav = navigated(v_N)
+    east, north = choose_part(params, image(density, seen), nav, out)
+    return out, np.array([east, north]) - nav["site_L"][:2]
+
+
+@pytest.mark.parametrize("rocky_side, target", [("east", (-170.0, 0.0)), ("west", (170.0, 0.0))])
+def test_slanting_image_is_halved_along_the_velocity(rocky_side, target):
+    density = np.where((Z > 0.0) == (rocky_side == "east"), 0.2, 0.1)
+    out, to = chosen(density, (10.0, 0.0, 62.0))
+    assert out["parts"] == 2
+    np.testing.assert_allclose(to, (target[0], 120.0), atol=1e-9)
+    np.testing.assert_allclose(sorted(out["obstacles"][:2]), (0.1, 0.2), atol=1e-6)
+
+
+def test_halves_follow_the_velocity():
+    """Flying north-east, with rocks to the south-east: the north-west half is taken."""
+    density = np.where(Z - (-Y) > 0.0, 0.3, 0.0)  # east more than north
+    out, to = chosen(density, (8.0, 8.0, 62.0), lead_s=0.0)
+    assert out["parts"] == 2
+    np.testing.assert_allclose(to, 170.0 * np.array([-np.sqrt(0.5), np.sqrt(0.5)]), atol=1e-6)
+
+
+@pytest.mark.parametrize("east, north", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_steep_image_is_quartered(east, north):
+    density = np.where((Z * east > 0.0) & (-Y * north > 0.0), 0.05, 0.15)
+    out, to = chosen(density, (0.5, 0.2, 62.0), lead_s=0.0)
+    assert out["parts"] == 4
+    np.testing.assert_allclose(to, 170.0 * np.sqrt(0.5) * np.array([east, north]), atol=1e-6)
+
+
+def test_what_is_not_seen_counts_as_obstacles():
+    density, seen = np.where(Z > 0.0, 0.0, 0.3), np.where((Z > 0.0) & (Y < 0.2), 0, 1)
+    out, to = chosen(density, (10.0, 0.0, 62.0), seen=seen)
+    assert to[0] == pytest.approx(-170.0)
+    assert max(out["obstacles"]) == pytest.approx(np.mean(Y[Z > 0.0] < 0.2), abs=1e-6)
+
+
+def test_part_below_the_drift_is_not_taken():
+    drift = new(DRIFT)
+    drift["count"] = 3
+    # straight into the target east of the course, which has fewer obstacles
+    drift["place_L"][:3] = [(470.0, -300.0, 900.0), (470.0, -200.0, 300.0), (470.0, -80.0, 0.0)]
+    density = np.where(Z > 0.0, 0.0, 0.3)
+    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift)
+    assert to[0] == pytest.approx(-170.0)
+    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=0.0)
+    assert to[0] == pytest.approx(170.0)
+    # where none keeps clear, the clearest
+    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=1e4)
+    assert to[0] == pytest.approx(-170.0) and out["clear"].max() == pytest.approx(340.0)
+
+
+def test_distance_from_the_drift_is_that_of_its_low_part():
+    drift = new(DRIFT)
+    drift["count"] = 3
+    drift["place_L"][:3] = [(0.0, 0.0, 900.0), (100.0, 0.0, 300.0), (200.0, 0.0, 0.0)]
+    assert distance_from_drift(drift, 400.0, 50.0, 30.0) == pytest.approx(30.0)
+    assert distance_from_drift(drift, 200.0, 50.0, 30.0) == pytest.approx(np.hypot(50.0, 30.0))
+    assert distance_from_drift(new(DRIFT), 400.0, 50.0, 30.0) == 1e9
+
+
+def air():
+    """Exponential air with a wind that grows with height."""
+    record = new(ONBOARD["atmosphere"])
+    heights = np.linspace(-6000.0, 10000.0, NODES)
+    record["bottom"], record["top"], record["spacing"] = heights[0], heights[-1], heights[1] - heights[0]
+    record["ln_density"] = np.log(0.018) - (heights + 4000.0) / 11000.0
+    record["wind_north"], record["wind_east"] = 2e-3 * (heights + 4000.0), -4e-3 * (heights + 4000.0)
+    return record
+
+
+def test_drift_is_that_of_an_integrated_fall():
+    nav, drifter, out = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(DRIFT)
+    drifter["mass"], drifter["drag_area"] = 168.0, 139.0
+    predict_drift(air(), drifter, nav, out)
+
+    def slope(_, y):
+        height = y[2]
+        # of the expected wind, what blew at the release instead
+        wind = np.array([2e-3 * height + 9.0 - 2.4, -4e-3 * height + 3.0 + 4.8, 0.0])
+        v = np.array([y[3], y[4], y[5]]) - wind
+        density = 0.018 * np.exp(-height / 11000.0)
+        a = -0.5 * density * 139.0 / 168.0 * np.linalg.norm(v) * v + (0.0, 0.0, 3.72)
+        return [y[3], y[4], -y[5], *a]
+
+    path = out["place_L"][: out["count"]]
+    flown = solve_ivp(
+        slope, (0.0, len(path) - 1.0), [-200.0, 300.0, 1200.0, 9.0, 3.0, 62.0], rtol=1e-9, dense_output=True
+    ).sol(np.arange(len(path) - 1))
+    np.testing.assert_allclose(path[:-1, 1], flown[0], atol=0.5)
+    np.testing.assert_allclose(path[:-1, 0], flown[1], atol=0.5)
+    np.testing.assert_allclose(path[:-1, 2], flown[2], atol=0.5)
+    terminal = np.sqrt(2.0 * 168.0 * 3.72 / (0.018 * 139.0))
+    assert path[-3, 2] - path[-2, 2] == pytest.approx(terminal, rel=0.01)
+    assert path[-1, 2] == 0.0
