@@ -30,9 +30,10 @@ from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes
-from edl6dof.replay.views.layout import Layout, Shown
+from edl6dof.replay.views.layout import Layout
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
+from edl6dof.replay.views.spatial import Shown
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
@@ -123,8 +124,17 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
+        scanned=_scanned(first, places),
         flights=len(flights),
         ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
+
+
+def _scanned(flight: History, places: np.ndarray) -> np.ndarray | None:
+    """Place from which the ground was scanned, m in L."""
+    if flight.landing_map is None:
+        return None
+    row = int(np.searchsorted(flight.t, flight.when["scan"]).clip(0, len(places) - 1))
+    return places[row]

@@ -131,6 +131,15 @@ def _hazard_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _stars_problems(scenario: Scenario) -> dict[str, str]:
+    """The event that ends the view of the stars is one of the mission."""
+    name, known = scenario.sensors.star_tracker.until, scenario.mission.events
+    if name is None or name in known:
+        return {}
+    words = ", ".join(known) or "none"
+    return {"sensors.star_tracker.until": f"no event named {name!r} in the mission; names: {words}"}
+
+
 def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
     reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
@@ -180,6 +189,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"terrain"}), _landing_area_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
+    CrossCheck(frozenset({"sensors", "mission"}), _stars_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),

@@ -8,6 +8,7 @@ from math import cos, sin
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
@@ -17,7 +18,6 @@ from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fi
 from edl6dof.fsw.hazard.registry import GIVEN, judge
 from edl6dof.fsw.hazard.safety import JUDGED
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
-from edl6dof.fsw.vehicle_state import G0
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel

@@ -27,6 +27,7 @@ PAINT: dict[str, RGB] = {
 CHOSEN: RGB = (245, 250, 255)
 PASSED_OVER: RGB = (255, 205, 60)
 RAY: RGB = (120, 235, 140)
+LEGEND = "green is safe, amber too steep, red too rough"
 #: How far (m) above the ground the map is drawn, and every how many cells a vertex.
 _ABOVE, _EVERY = 0.04, 2
 #: Rays of a row that are drawn.
@@ -51,7 +52,7 @@ class Hazards(Recorder):
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
             places = self._on_ground(found.rejected_m - off, 0.3)
-            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=0.2)
+            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=self.rr.Radius.ui_points(3.5))
             self.at(chosen, "site/hazards/passed_over", points)
         self._chosen(found, off, chosen)
 
@@ -65,7 +66,7 @@ class Hazards(Recorder):
         )
         self.at(t, "site/hazards/chosen", ring)
         middle = self._on_ground((found.spot_m - off)[None], 0.3)
-        words = "chosen spot" if found.found else "least bad spot"
+        words = f"{'chosen' if found.found else 'least bad'} spot; {LEGEND}"
         point = self.rr.Points3D(
             middle, colors=CHOSEN, labels=[words], show_labels=True, radii=self.rr.Radius.ui_points(3.0)
         )
