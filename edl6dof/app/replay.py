@@ -23,6 +23,7 @@ from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.viewed import viewed_scenario
 from edl6dof.sim.flight import fly
+from edl6dof.telemetry.landing_map import LandingMap
 
 RECORDING = "replay.rrd"
 

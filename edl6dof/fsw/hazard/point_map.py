@@ -98,8 +98,8 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, chart):
 
 @kernel
 def fill_holes(weight, chart):
-    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight; what
-    has too few of them stays as it is.
+    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight;
+    what has too few of them stays as it is.
     """
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
