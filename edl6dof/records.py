@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 
-def whole(low: int, high: int, of: str = "") -> np.dtype:
-    """A whole number from ``low`` to ``high``; with ``of`` it numbers things of that name, of which there may
-    be fewer.
+def whole(low: int, high: int, of: str = "", kind: str = "i8") -> np.dtype:
+    """A whole number from ``low`` to ``high``, of eight bytes unless ``kind`` says another; with ``of`` it
+    numbers things of that name, of which there may be fewer.
     """
-    return np.dtype("i8", metadata={"low": low, "high": high, "of": of})
+    return np.dtype(kind, metadata={"low": low, "high": high, "of": of})
 
 
 #: Yes or no; how many of something that goes on all through a flight; the time of something that need not

@@ -12,17 +12,15 @@ from edl6dof.environment.landing_area.params import GENERATED
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.fsw.hazard.safety import SAFE
 from edl6dof.jit import kernel
+from edl6dof.metrics.footing import COUNTED, FOOTPRINT
 from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.vector import add, take3
 from edl6dof.telemetry.columns import Telemetry
 
-#: Diameter (m) from which a rock under the lander counts as a hazard.
-LARGE_ROCK_M = 0.5
-
 
 class TrueSpot(NamedTuple):
     """Where the chosen spot truly is, east and north of the landing site (m): as chosen, less the error of
-    navigation when the map was taken.
+    navigation when the scan began.
     """
 
     east: float
@@ -34,13 +32,12 @@ def true_spot(fsw: np.void, telemetry: Telemetry) -> TrueSpot | None:
     hazard, point = fsw["hazard"], fsw["landing_point"]
     if not np.isfinite(hazard["spot_t"]):
         return None
-    middle = 0.5 * float(hazard["scan_t"] + hazard["spot_t"])
-    east, north = telemetry.at(middle, "nav.error_east_m", "nav.error_north_m")
+    east, north = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")
     return TrueSpot(float(point["fine_L"][0]) - east, float(point["fine_L"][1]) - north)
 
 
 def hazard_figures(
-    case: np.ndarray, fsw: np.void, telemetry: Telemetry, landing: dict[str, float], radius_m: float
+    case: np.ndarray, fsw: np.void, telemetry: Telemetry, landing: dict[str, float]
 ) -> dict[str, float]:
     """Figures of the coarse and of the fine choice; of what was not chosen there is none.
 
@@ -49,7 +46,6 @@ def hazard_figures(
         fsw: final memory of the flight software.
         telemetry: its rows.
         landing: figures of the touchdown.
-        radius_m: of the footprint, m.
     """
     figures: dict[str, float] = {}
     hazard = fsw["hazard"]
@@ -68,9 +64,9 @@ def hazard_figures(
     figures["map_safe_share"] = float(np.mean(judged == SAFE))
     if case["terrain"]["landing_area"]["model"][0] == GENERATED:
         up = float(telemetry["truth.site_up_m"][-1])
-        largest = _largest_rock(case, spot.east, spot.north, up, radius_m)
+        largest = _largest_rock(case, spot.east, spot.north, up)
         figures["spot_largest_rock_m"] = largest
-        figures["spot_false_safe"] = float(bool(choice["found"]) and largest >= LARGE_ROCK_M)
+        figures["spot_false_safe"] = float(bool(choice["found"]) and largest >= COUNTED)
     if "landing_east_m" in landing:
         figures["spot_miss_m"] = hypot(
             landing["landing_east_m"] - spot.east, landing["landing_north_m"] - spot.north
@@ -79,14 +75,14 @@ def hazard_figures(
 
 
 @kernel
-def _largest_rock(cases, east, north, up, radius):
-    """Diameter (m) of the largest rock whose middle lies under a disc around a place (east, north, up of the
-    landing site, m); 0 for none.
+def _largest_rock(cases, east, north, up):
+    """Diameter (m) of the largest rock whose middle lies under the footprint around a place (east, north, up
+    of the landing site, m); 0 for none.
     """
     site, planet, terrain = cases[0].site, cases[0].planet, cases[0].terrain
     off = ned_to_fixed(site.sin_lat, site.cos_lat, site.sin_lon, site.cos_lon, (north, east, -up))
     r_F = add(take3(site.origin_F, 0), off)
     sl, cl, so, co, _ = geodetic(planet.equatorial_radius, planet.flattening, r_F)
     y, x = place_of(terrain, atan2(sl, cl), atan2(so, co))
-    _, largest = within(terrain.landing_area.rocks, y, x, radius, 0.0)
+    _, largest = within(terrain.landing_area.rocks, y, x, FOOTPRINT, 0.0)
     return largest

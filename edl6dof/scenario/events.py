@@ -15,7 +15,11 @@ from edl6dof.interface.events import ACTIONS, LANDING_GEAR
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Quantities that guidance works out, and which guidance does; of others navigation always tells.
-WORKED_OUT_BY = {"downrange_to_go_m": ("hold_bank", "entry"), "time_to_go_s": ("powered",)}
+WORKED_OUT_BY = {
+    "downrange_to_go_m": ("hold_bank", "entry"),
+    "time_to_go_s": ("powered",),
+    "spot_chosen": ("hover", "avoid", "descend"),
+}
 
 
 def things(vehicle: VehicleParams, action: str) -> dict[str, int]:

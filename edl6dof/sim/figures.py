@@ -43,12 +43,11 @@ def figures_of(flight: Flight) -> dict[str, float]:
 
 def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
     """What hazard detection did and what it kept away from; empty without it."""
-    params = flight.scenario.flight_software.hazard
-    if params.detection == "given":
+    if flight.scenario.flight_software.hazard.detection == "given":
         return {}
     lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
     return drift_figures(flight.telemetry, when, lines) | hazard_figures(
-        flight.case, flight.fsw[0], flight.telemetry, figures, params.footprint_radius_m
+        flight.case, flight.fsw[0], flight.telemetry, figures
     )
 
 

@@ -79,7 +79,7 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         elevation_m=np.where(chart["weight"] > 0.0, chart["mean"], np.float32(np.nan)),
         slope_deg=np.where(known, np.degrees(np.arctan(footprint["slope"])), np.float32(np.nan)),
         roughness_m=np.where(known, footprint["roughness"], np.float32(np.nan)),
-        verdict=judged["verdict"].copy(),
+        verdict=judged["verdict"].astype(np.int8),
         probability=judged["probability"].copy(),
         clearance_m=judged["clearance"].copy(),
         hover_m=hazard["here_L"] - (0.0, 0.0, chart["level"]),

@@ -27,7 +27,7 @@ class ChoiceParams(Params):
         2.0, "distance from the nearest unsafe spot beyond which more brings nothing", status="design", ge=0.0
     )
     clearance_worth: float = param(
-        15.0, "way (m) that a metre of clearance is worth", status="design", ge=0.0, le=1e4
+        50.0, "way (m) that a metre of clearance is worth", status="design", ge=0.0, le=1e4
     )
     propellant_worth_m: float = param(
         5.0, "way (m) that a kilogram of propellant is worth", status="design", ge=0.0, le=1e4
@@ -101,8 +101,7 @@ def choose_spot(params, chart, judged, here_L, apart, speed, time, flow, out):
         speed, time, flow: as of :func:`cost_of`.
         out: ``CHOICE`` record, written; the spot is where it was if none is safe.
     """
-    row, column = cell_of(chart, here_L[0], here_L[1])
-    row, column = min(max(row, 0), MAP_CELLS - 1), min(max(column, 0), MAP_CELLS - 1)
+    row, column, _ = cell_of(chart, here_L[0], here_L[1])
     out.found, out.cost, out.n_rejected = 0, 1e9, 0
     for ring in range(MAP_CELLS):
         if ring * chart.cell > out.cost:

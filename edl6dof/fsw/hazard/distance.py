@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 
 #: Square of a distance that no two cells have.
 _FAR = 1e9
@@ -19,7 +20,7 @@ _FAR = 1e9
 ENVELOPE = np.dtype(
     [
         ("given", "f8", (MAP_CELLS,)),  # the sampled function
-        ("apex", "i8", (MAP_CELLS,)),  # where each parabola of the envelope stands
+        ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # where each parabola of the envelope stands
         ("begins", "f8", (MAP_CELLS + 1,)),  # from where on it is the lowest
         ("squared", "f4", (MAP_CELLS, MAP_CELLS)),  # distance along the columns, squared
     ],

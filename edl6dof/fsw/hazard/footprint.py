@@ -17,6 +17,7 @@ import numpy as np
 
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 
 #: Largest radius of a footprint in cells.
 MAX_RADIUS = 32
@@ -53,14 +54,16 @@ FOOTPRINT = np.dtype(
 
 @kernel
 def chord(radius, row):
-    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a row off its middle."""
-    return int(sqrt(radius * radius - row * row))
+    """Half of the chord, in whole cells, of a disc of ``radius`` cells in a row off its middle; of the row of
+    its middle, how far it reaches.
+    """
+    return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
 
 
 @kernel
 def fit_row(chart, radius, i, planes):
-    """Planes of the footprints around all cells of row ``i``, at least ``int(radius)`` rows off the ends."""
-    reach = int(radius)
+    """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
+    reach = chord(radius, 0)
     for c in range(_ROW):
         planes.known[c] = planes.sum[c] = planes.east_sum[c] = planes.north_sum[c] = 0.0
     cells, second = 0, 0.0
@@ -98,7 +101,7 @@ def fit_row(chart, radius, i, planes):
 @kernel
 def stray_row(chart, radius, i, planes):
     """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
-    reach = int(radius)
+    reach = chord(radius, 0)
     first, last = reach, MAP_CELLS - reach
     # views that begin at the first column: an index that is never negative keeps the innermost loop short
     level, farthest = planes.level[first:last], planes.farthest[first:last]
@@ -124,8 +127,8 @@ def assess(chart, radius_m, out):
         out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
     """
     radius = min(radius_m / chart.cell, float(MAX_RADIUS))
-    reach = int(radius)
-    planes, cell = out.planes, np.float32(chart.cell)
+    reach = chord(radius, 0)
+    planes, side = out.planes, np.float32(chart.cell)
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
             out.slope[i, j] = out.roughness[i, j] = UNKNOWN
@@ -134,7 +137,7 @@ def assess(chart, radius_m, out):
         stray_row(chart, radius, i, planes)
         for j in range(reach, MAP_CELLS - reach):
             if planes.whole[j] > 0.0:
-                east, north = planes.rise_east[j] / cell, planes.rise_north[j] / cell
+                east, north = planes.rise_east[j] / side, planes.rise_north[j] / side
                 steep = east * east + north * north
                 out.slope[i, j] = sqrt(steep)
                 out.roughness[i, j] = planes.farthest[j] / sqrt(1.0 + steep)

@@ -7,11 +7,10 @@ point.  A cell without a point is unknown: its weight is zero.
 
 from __future__ import annotations
 
-from math import floor
-
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 from edl6dof.spatial.vector import add, scale
 
 #: Cells of the map along each side.
@@ -33,12 +32,12 @@ ELEVATION_MAP = np.dtype(
 
 
 @kernel
-def begin_map(cell, centre_L, chart):
+def begin_map(side, centre_L, chart):
     """Empty the map ``chart`` (``ELEVATION_MAP``) and lay it around ``centre_L`` (east, north, up of the
-    landing site, m), with cells of side ``cell`` (m).
+    landing site, m), with cells of a ``side`` (m).
     """
-    half = 0.5 * cell * MAP_CELLS
-    chart.cell, chart.level = cell, centre_L[2]
+    half = 0.5 * side * MAP_CELLS
+    chart.cell, chart.level = side, centre_L[2]
     chart.corner_L[0], chart.corner_L[1] = centre_L[0] - half, centre_L[1] - half
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):
@@ -47,11 +46,12 @@ def begin_map(cell, centre_L, chart):
 
 @kernel
 def cell_of(chart, east, north):
-    """Row and column of the cell that holds a point; beyond an end of the map they lie beyond its cells."""
-    return (
-        int(floor((north - chart.corner_L[1]) / chart.cell)),
-        int(floor((east - chart.corner_L[0]) / chart.cell)),
-    )
+    """Row and column of the cell that holds a point, of one beside the map the nearest; and whether the map
+    holds it.
+    """
+    i, up = cell((north - chart.corner_L[1]) / chart.cell, MAP_CELLS)
+    j, right = cell((east - chart.corner_L[0]) / chart.cell, MAP_CELLS)
+    return i, j, 0.0 <= up < 1.0 and 0.0 <= right < 1.0
 
 
 @kernel
@@ -65,8 +65,8 @@ def add_point(point_L, weight, chart):
     """Take in a point (east, north, up of the landing site, m) of a ``weight``; one of at least a whole
     weight counts for the highest too.
     """
-    i, j = cell_of(chart, point_L[0], point_L[1])
-    if i < 0 or j < 0 or i >= MAP_CELLS or j >= MAP_CELLS:
+    i, j, held = cell_of(chart, point_L[0], point_L[1])
+    if not held:
         return
     z, before = point_L[2] - chart.level, chart.weight[i, j]
     if weight >= 1.0:

@@ -23,6 +23,7 @@ import numpy as np
 from edl6dof.fsw.hazard.footprint import UNKNOWN, chord, fit_row
 from edl6dof.fsw.hazard.point_map import MAP_CELLS
 from edl6dof.jit import kernel
+from edl6dof.records import whole
 
 #: Verdicts on a cell.
 SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
@@ -33,7 +34,7 @@ _DOUBT = 5.0
 
 JUDGED = np.dtype(
     [
-        ("verdict", "i1", (MAP_CELLS, MAP_CELLS)),  # of the list above
+        ("verdict", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
         ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
         ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
     ],
@@ -74,7 +75,7 @@ def below(x):
 def spread_of_rise(radius_m, cell, deviation):
     """Standard deviation of the rise of the plane of a footprint, by the errors of its cells (m)."""
     radius, second = radius_m / cell, 0.0
-    reach = int(radius)
+    reach = chord(radius, 0)
     for row in range(-reach, reach + 1):
         second += row * row * (2 * chord(radius, row) + 1)
     return deviation / (cell * sqrt(second))
@@ -85,7 +86,7 @@ def keeps_clear(chart, radius, i, j, planes, roughest, deviation, between, least
     """Probability that no cell of the footprint around (i, j) lies farther off its plane than ``roughest``
     (m, up or down); once it is seen to be less than ``least``, an upper bound of it.
     """
-    reach, doubt, enough = int(radius), 0.0, -log(least)
+    reach, doubt, enough = chord(radius, 0), 0.0, -log(least)
     for row in range(-reach, reach + 1):
         half = chord(radius, row)
         level = planes.level[j] + planes.rise_north[j] * row
@@ -116,7 +117,7 @@ def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviati
         out: ``JUDGED`` record, verdicts and probabilities written.
     """
     radius, planes = radius_m / chart.cell, footprint.planes
-    reach = int(radius)
+    reach = chord(radius, 0)
     spread = max(spread_of_rise(radius_m, chart.cell, sqrt(deviation * deviation + between * between)), 1e-9)
     sharpest = max(between, 1e-9)
     for i in range(MAP_CELLS):

@@ -68,7 +68,7 @@ class Sequencer:
         return self
 
     def set(self, name, value):
-        if name in ("time_to_go", "downrange_to_go"):
+        if name in ("time_to_go", "downrange_to_go", "spot_chosen"):
             self.guide[name] = value
         elif name == "descent_rate":
             self.nav["v_N"][2] = value
@@ -110,6 +110,17 @@ def test_trigger_fires_at_its_latest_time_whatever_the_quantity():
     s = Sequencer(plan(Phase(name="a", until=trigger("mach", "below", 2.0, latest_s=4.0)), last()))
     s.run(10.0, mach=25.0)
     assert s.entered[1][0] == pytest.approx(4.0, abs=DT + 1e-9)
+
+
+def test_hover_waits_for_the_choice_of_a_spot_but_not_for_ever():
+    hover = Phase(name="a", guidance="hover", until=trigger("spot_chosen", "above", 0.5, latest_s=20.0))
+    s = Sequencer(plan(hover, last()))
+    s.run(5.0, spot_chosen=0)
+    s.run(1.0, spot_chosen=1)
+    assert s.entered[1][0] == pytest.approx(5.0, abs=1e-6)
+    assert Sequencer(plan(hover, last())).run(30.0, spot_chosen=0).entered[1][0] == pytest.approx(
+        20.0, abs=DT
+    )
 
 
 def test_window_counts_from_the_start_of_the_phase_and_not_of_the_flight():

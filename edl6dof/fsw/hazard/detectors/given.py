@@ -1,5 +1,5 @@
 """No hazard detection: the safe spot is given, as an offset from the point where avoidance begins
-(:mod:`edl6dof.fsw.guidance.powered.terminal`).
+(:mod:`edl6dof.fsw.guidance.powered.terminal`).  No source: it is the null member.
 """
 
 from __future__ import annotations
@@ -18,4 +18,4 @@ def judge(params, chart, footprint, radius, deviation, out):
     """Nothing is judged."""
 
 
-MEMBER = Member("given", GivenParams, {"judge": judge}, "none: the spot is set, not found")
+MEMBER = Member("given", GivenParams, {"judge": judge}, "null member")
