@@ -25,6 +25,7 @@ from numba.core.dispatcher import Dispatcher
 from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
 from edl6dof.source_stamp import SourceTree
+from edl6dof.stale_code import PREFIX, note_sources, remove_stale
 
 #: numba's settings: a module whose names it makes when it is imported.
 SETTINGS: Any = numba.config
@@ -110,11 +111,18 @@ class _TreeStamp:
         return tree_stamp(self._py_file)
 
     def ensure_cache_path(self) -> None:
-        """Make the folder and try to write into it, once for all the functions that share it."""
+        """Make the folder and try to write into it, once for all the functions that share it; folders of
+        plugins that are gone go.
+        """
         folder = self.get_cache_path()
-        if folder not in _writable:
-            super().ensure_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
-            _writable.add(folder)
+        if folder in _writable:
+            return
+        super().ensure_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
+        _writable.add(folder)
+        called = called_from(str(Path(self._py_file).resolve()))
+        if called:
+            note_sources(Path(folder), called)
+        remove_stale(Path(folder).parent if called else Path(folder))
 
     def get_cache_path(self) -> str:
         """numba's folder; below it one for each set of outside files, so that flights with and without them
@@ -123,7 +131,7 @@ class _TreeStamp:
         folder: str = super().get_cache_path()  # type: ignore[misc]  # of the locator that this is mixed into
         if not (called := called_from(str(Path(self._py_file).resolve()))):
             return folder
-        return str(Path(folder) / f"plugins-{hashlib.sha256(repr(called).encode()).hexdigest()[:12]}")
+        return str(Path(folder) / f"{PREFIX}{hashlib.sha256(repr(called).encode()).hexdigest()[:12]}")
 
 
 class ChosenTreeLocator(_TreeStamp, caching.UserProvidedCacheLocator):

@@ -18,7 +18,7 @@ from pydantic import create_model
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
 
-EMPTY_MEMORY = np.dtype([("unused", "f8")])
+EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 
 #: Members from outside the package by title of their family, and the titles of the families that exist
 #: already.

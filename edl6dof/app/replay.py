@@ -23,6 +23,7 @@ from edl6dof.runs.run import Run
 from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.viewed import viewed_scenario
 from edl6dof.sim.flight import fly
+from edl6dof.telemetry.landing_map import LandingMap
 
 RECORDING = "replay.rrd"
 
@@ -62,6 +63,11 @@ class FlownRun:
     def events(self) -> Sequence[Mapping[str, Any]]:
         """The timeline."""
         return self._run.events
+
+    @property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it."""
+        return self._run.landing_map
 
     @property
     def telemetry(self) -> Mapping[str, np.ndarray]:

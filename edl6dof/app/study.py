@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from math import floor, isfinite, log10
+from math import floor, isfinite, isinf, log10
 from pathlib import Path
 from statistics import median
 from textwrap import wrap
@@ -133,9 +133,7 @@ def _outcome(report: Report) -> str:
     values = [finding for finding in report.findings if finding.within is not None]
     reproduced = f"; {sum(bool(f.holds) for f in values)} of {len(values)} published values reproduced"
     return (
-        "every published requirement is kept"
-        if not explained
-        else "every figure that does not hold is explained"
+        "every requirement is kept" if not explained else "every figure that does not hold is explained"
     ) + (reproduced if values else "")
 
 
@@ -170,10 +168,14 @@ def _grid(grid: Grid) -> Table:
 
 
 def _decimals(column: Sequence[float]) -> list[str]:
-    """Numbers of a column with as many decimals as give the middle one three digits, two at most."""
+    """Numbers of a column with as many decimals as give the middle one three digits, two at most; an infinite
+    one is that of a flight that failed.
+    """
     sizes = [abs(value) for value in column if isfinite(value) and value]
     digits = min(max(2 - floor(log10(median(sizes))), 0), 2) if sizes else 0
-    return [f"{value:.{digits}f}" if isfinite(value) else "-" for value in column]
+    return [
+        f"{value:.{digits}f}" if isfinite(value) else "fails" if isinf(value) else "-" for value in column
+    ]
 
 
 def _numbers(finding: Finding) -> tuple[str, str]:

@@ -34,7 +34,8 @@ def replay(
         typer.Option(
             metavar="NAME",
             help=(
-                "Page in front: Flight, Entry, Parachute, 'Powered descent', Control, Navigation, Thrusters."
+                "Page in front: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, Navigation, "
+                "Thrusters."
             ),
         ),
     ] = "",

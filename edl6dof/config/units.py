@@ -28,6 +28,8 @@ class Unit(NamedTuple):
 
 
 DEG = pi / 180.0
+#: Standard gravity, m/s2: the unit of loads, and what turns specific impulse into exhaust velocity.
+G0 = 9.80665
 
 #: Suffix (without the leading underscore) to unit.
 UNITS: dict[str, Unit] = {
@@ -45,7 +47,7 @@ UNITS: dict[str, Unit] = {
     "m_s3": Unit("m/s3", 1.0, 1e4),
     "m_s4": Unit("m/s4", 1.0, 1e4),
     "m3_s2": Unit("m3/s2", 1.0, 1e21),
-    "g0": Unit("g", 9.80665, 1e4),
+    "g0": Unit("g", G0, 1e4),
     "ug": Unit("ug", 9.80665e-6, 1e9),
     "ug_sqrt_hz": Unit("ug/sqrt(Hz)", 9.80665e-6, 1e9),
     "ug_sqrt_h": Unit("ug/sqrt(h)", 9.80665e-6 / 60.0, 1e9),

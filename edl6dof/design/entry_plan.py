@@ -10,11 +10,11 @@ from math import cos, degrees, radians, sin
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.entry.profiles.bank_points import MAX_POINTS
 from edl6dof.scenario.planned_entry import fly_shifted
 from edl6dof.scenario.start import Start
 
-G0 = 9.80665
 #: One standard deviation of what an open-loop entry meets: density and lift-to-drag ratio over the expected
 #: ones, and the entry angle (deg).  A third of the three-sigma values of tianwen1_mc [E].
 DENSITY, LIFT, ANGLE_DEG = 0.2 / 3.0, 0.1 / 3.0, 0.1

@@ -20,7 +20,8 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import linprog
 
-from edl6dof.design.entry_plan import G0, Plan, figures, own_points
+from edl6dof.config.units import G0
+from edl6dof.design.entry_plan import Plan, figures, own_points
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARTS
+from edl6dof.config.units import G0
+from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS
 from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
-
-G0 = 9.80665
 
 #: What engines can do: one of them, or those that burn taken together.
 ENGINE_ABILITY = np.dtype(
@@ -26,6 +25,7 @@ ENGINE_ABILITY = np.dtype(
 
 VEHICLE_STATE = np.dtype(
     [
+        ("requested", FLAG, (MAX_EVENTS,)),  # events that it has requested
         ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
         ("mass", "f8"),  # kg
         ("wing_commanded", FLAG),  # the trim wing was commanded open
@@ -61,6 +61,7 @@ def follow_events(vehicle, mission, t, request, state):
     for i in range(mission.n_events):
         if request[i] == 0:
             continue
+        state.requested[i] = 1
         event = mission.events[i]
         if event.action == JETTISON:
             take_off(vehicle, event.thing, state)

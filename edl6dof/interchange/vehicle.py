@@ -23,7 +23,8 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import ConfigError
-from edl6dof.interchange.daveml import UNITS, Model, Variable, read_daveml
+from edl6dof.interchange.daveml import read_daveml
+from edl6dof.interchange.daveml_model import UNITS, Model, Variable
 
 DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"
 ROLL, PITCH, YAW = (f"aeroBodyMomentCoefficient_{axis}" for axis in ("Roll", "Pitch", "Yaw"))

@@ -18,6 +18,7 @@ from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.landing_area.rocks import HEIGHT
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import fixed_to_ned, rotate_z
+from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import dot, sub, take3
 from edl6dof.vehicle.landing_gear import contact_point
@@ -104,13 +105,17 @@ def under_belly(case, tables, outputs, q, rotation, plane):
     middle = _in_N(out, q, rotation, (lowest - centre[0], -centre[1], -centre[2]))
     along = _in_N(out, q, rotation, (1.0, 0.0, 0.0))
     reach, clearance = -1e9, 1e9
-    count = int(radius / step)
-    for i in range(-count, count + 1):
-        for j in range(-count, count + 1):
-            y, x = i * step, j * step
-            if y * y + x * x > radius * radius:
+    north, east = place_of(case.terrain, out.latitude, out.longitude)
+    first, left = (
+        endless_cell((north + middle[0] - radius) / step),
+        endless_cell((east + middle[1] - radius) / step),
+    )
+    count = endless_cell(2.0 * radius / step) + 2
+    for i in range(first, first + count):
+        for j in range(left, left + count):
+            y, x = i * step - north, j * step - east
+            if (y - middle[0]) ** 2 + (x - middle[1]) ** 2 > radius * radius:
                 continue
-            y, x = y + middle[0], x + middle[1]
             height = ground_beside(case, tables, out, y, x)[0] - out.elevation
             down = middle[2] - dot(along, (y - middle[0], x - middle[1], 0.0)) / along[2]
             reach = max(reach, height + out.elevation - plane[0] - plane[1] * y - plane[2] * x)

@@ -14,6 +14,7 @@ from edl6dof.telemetry.timeline import first_times
 
 if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
+    from edl6dof.telemetry.landing_map import LandingMap
 
 #: Rows kept per second.
 POSE_HZ = 25.0
@@ -73,6 +74,10 @@ class Flown(Protocol):
         """The timeline."""
 
     @property
+    def landing_map(self) -> LandingMap | None:
+        """What the lander saw of the ground and chose on it."""
+
+    @property
     def telemetry(self) -> Mapping[str, np.ndarray]:
         """Columns by name."""
 
@@ -95,6 +100,7 @@ class History:
         instruments: what was made of each instrument, at these rows; none where sensors are perfect.
         failures: true state of the thrusters that fail, by name, at these rows; 0 works.
         diagnosed: what the flight software found out, by thruster.
+        landing_map: what the lander saw of the ground and chose on it; ``None`` without a scan.
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
 
@@ -108,6 +114,7 @@ class History:
             flight.scenario,
         )
         self.phase_names, self.events = flight.phase_names, flight.events
+        self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]

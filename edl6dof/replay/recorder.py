@@ -10,7 +10,8 @@ import numpy as np
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.layout import PHASES, TIMELINE
+from edl6dof.replay.views.layout import PHASES
+from edl6dof.replay.views.spatial import TIMELINE
 
 if TYPE_CHECKING:
     import rerun as rr

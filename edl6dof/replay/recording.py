@@ -25,17 +25,20 @@ from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
+from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes
-from edl6dof.replay.views.layout import Layout, Shown
+from edl6dof.replay.views.layout import Layout
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
+from edl6dof.replay.views.spatial import Shown
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
     Ground,
+    Hazards,
     Globe,
     Track,
     Vehicle,
@@ -52,7 +55,7 @@ PARTS: tuple[type[Recorder], ...] = (
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation))
+    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation, *NAVIGATED))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -121,8 +124,17 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
+        scanned=_scanned(first, places),
         flights=len(flights),
         ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
+
+
+def _scanned(flight: History, places: np.ndarray) -> np.ndarray | None:
+    """Place from which the ground was scanned, m in L."""
+    if flight.landing_map is None:
+        return None
+    row = int(np.searchsorted(flight.t, flight.when["scan"]).clip(0, len(places) - 1))
+    return places[row]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
-from edl6dof.replay.views.layout import TIMELINE
+from edl6dof.replay.views.spatial import TIMELINE
 
 #: A picture is finished when two in a row are the same, looked at every half second, at least and at most
 #: this often.

@@ -9,6 +9,7 @@ from math import cos, hypot, radians, sin, sqrt, tan
 import numpy as np
 
 from edl6dof.config.dtype import in_si
+from edl6dof.scenario.events import event_number
 from edl6dof.scenario.schema import Scenario
 from edl6dof.spatial.frames import ned_to_fixed
 
@@ -30,6 +31,7 @@ def believe_instruments(record: np.void, scenario: Scenario) -> None:
         square = (2.0 * stars["noise"] ** 2 + stars["boresight_noise"] ** 2) / 3.0
         record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
         record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
+        record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         record["tracking_position_sigma"] = np.sqrt(ground["position"] ** 2 @ axes**2)

@@ -19,7 +19,7 @@ from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
 from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.records import offset
-from edl6dof.scenario.events import fill_events
+from edl6dof.scenario.events import event_number, fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
 from edl6dof.scenario.site import fill_site
@@ -120,6 +120,7 @@ def _fill_wind(case: np.void, s: Scenario, tables: np.void) -> None:
 
 def _fill_sensors(case: np.void, s: Scenario, tables: np.void) -> None:
     fill_sensors(case["sensors"], s.sensors_in_flight, s.seed, s.profile)
+    case["sensors"]["unit"]["star_tracker"]["until"] = event_number(s.mission, s.sensors.star_tracker.until)
 
 
 def _fill_ground(case: np.void, s: Scenario, tables: np.void) -> None:
@@ -163,7 +164,7 @@ CASE_PARTS = (
     CasePart(("initial",), frozenset({"initial", "planet"}), _fill_initial),
     CasePart(("atmosphere",), frozenset({"atmosphere", "seed", "profile"}), _fill_atmosphere),
     CasePart(("wind",), frozenset({"wind", "seed", "profile"}), _fill_wind),
-    CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile"}), _fill_sensors),
+    CasePart(("sensors",), frozenset({"sensors", "dynamics", "seed", "profile", "mission"}), _fill_sensors),
     CasePart(("terrain", "site"), frozenset({"terrain", "planet", "seed", "profile"}), _fill_ground),
     CasePart(
         ("vehicle", "lander", "feeds", "branches", "suspension", "carrier"),

@@ -13,6 +13,7 @@ from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.landing_area.params import landing_area_problems
 from edl6dof.fsw.check_out import check_out_problems
 from edl6dof.fsw.control.registry import HEEDS
+from edl6dof.fsw.hazard.footprint import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
@@ -113,6 +114,32 @@ def _sensor_problems(scenario: Scenario) -> dict[str, str]:
     return sensor_problems(scenario.sensors_in_flight, (*read, "footpad_contact", "wing_open"))
 
 
+def _hazard_problems(scenario: Scenario) -> dict[str, str]:
+    """What detects hazards needs the lidar, and the map of it a footprint of cells that is not too large."""
+    hazard, found = scenario.flight_software.hazard, {}
+    if hazard.detection == "given":
+        return {}
+    if "lidar" not in scenario.sensors_in_flight.flown:
+        found["flight_software.hazard.detection"] = (
+            f"needs sensors.carried to name lidar (got {hazard.detection}); given detects nothing"
+        )
+    if hazard.footprint_radius_m > MAX_RADIUS * hazard.cell_m:
+        found["flight_software.hazard.footprint_radius_m"] = (
+            f"must not exceed {MAX_RADIUS} cells of flight_software.hazard.cell_m, "
+            f"{MAX_RADIUS * hazard.cell_m:g} m (got {hazard.footprint_radius_m:g})"
+        )
+    return found
+
+
+def _stars_problems(scenario: Scenario) -> dict[str, str]:
+    """The event that ends the view of the stars is one of the mission."""
+    name, known = scenario.sensors.star_tracker.until, scenario.mission.events
+    if name is None or name in known:
+        return {}
+    words = ", ".join(known) or "none"
+    return {"sensors.star_tracker.until": f"no event named {name!r} in the mission; names: {words}"}
+
+
 def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
     reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
@@ -162,8 +189,10 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"terrain"}), _landing_area_problems),
     CrossCheck(frozenset({"simulation", "vehicle"}), _lag_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _sensor_problems),
+    CrossCheck(frozenset({"sensors", "mission"}), _stars_problems),
     CrossCheck(frozenset({"sensors", "flight_software", "initial"}), _alignment_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
+    CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),

@@ -30,6 +30,11 @@ def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
     return {engine.name: index for index, engine in enumerate(vehicle.engines)}
 
 
+def event_number(mission: MissionParams, name: str | None) -> int:
+    """Number of an event, counted from one; zero where none is named."""
+    return 0 if name is None else 1 + list(mission.events).index(name)
+
+
 def event_problems(mission: MissionParams, vehicle: VehicleParams) -> dict[str, str]:
     """Things that do not exist, names with two meanings and events too many, by dotted key."""
     problems: dict[str, str] = {}

@@ -10,6 +10,7 @@ from edl6dof.config.base import Hardware, param
 from edl6dof.config.dtype import in_si
 from edl6dof.jit import kernel
 from edl6dof.sensors.patch import LEVEL, clear, lay_patch
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_CAPSULE
 
 
 class EyeParams(Hardware):
@@ -33,6 +34,12 @@ def draw_eye(params: EyeParams, rng: np.random.Generator, unit: np.void) -> None
     """Draw the turn of the copy that flies, and the key of its noise."""
     unit["turn"] = in_si(params)["misalignment"] * rng.standard_normal(3)
     unit["key"] = rng.integers(2**62)
+
+
+@kernel
+def reach_of(params, plant):
+    """How far (m) an eye sees: nowhere through the heat shield."""
+    return params.longest if plant.shape != CONFIG_CAPSULE else 0.0
 
 
 @kernel

@@ -22,7 +22,7 @@ from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.sensors.echo import antenna
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye
+from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, reach_of
 from edl6dof.sensors.ground_cells import GROUND_CELLS, lay_cells, middle, shows_ground
 from edl6dof.sensors.obstacles import share_of_obstacles
 from edl6dof.sensors.parts_in_view import DISCS, find_discs, is_hidden
@@ -82,13 +82,13 @@ MEMORY = np.dtype(
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Take an image where one is told."""
     camera = sensed.camera
-    camera.fresh = plant.eyes.expose
+    camera.fresh = 0 if plant.instruments.camera_lost != 0 else plant.eyes.expose
     if camera.fresh == 0:
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
     origin, axes, _ = sight(case, tables, plant, outputs, position, turn)
     view = (origin, across(axes), tangent)
-    lay_cells(case, tables, origin, axes, tangent, params.longest, memory.cells)
+    lay_cells(case, tables, origin, axes, tangent, reach_of(params, plant), memory.cells)
     find_discs(case, plant, outputs, position, turn, memory.discs)
     motion = _motion(case, plant, outputs, position)
     pixel, steepest = 2.0 * tangent / params.pixels, tan(params.steepest)

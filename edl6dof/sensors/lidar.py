@@ -23,7 +23,7 @@ from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, whole
 from edl6dof.registry import Member
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view
+from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
 from edl6dof.sensors.patch import PATCH, trace
 from edl6dof.sensors.sight import along, sight
 from edl6dof.spatial.noise import normal_pair, uniform
@@ -57,6 +57,7 @@ MEMORY = np.dtype(
         ("patch", PATCH),  # the ground in view when the scan began
         ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
         ("scans", COUNT),  # begun so far
+        ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
     ],
     align=True,
 )
@@ -65,24 +66,30 @@ MEMORY = np.dtype(
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Begin a scan where one is told, and shoot the next block of the one that runs."""
-    lidar = sensed.lidar
+    lidar, faults = sensed.lidar, plant.instruments
     lidar.fresh = 0
+    if faults.lidar_lost != 0:
+        memory.left = 0
+        return
     if plant.eyes.scan == 0 and memory.left == 0:
         return
     turn = take3(unit.turn, 0)
     origin, axes, height = sight(case, tables, plant, outputs, take3(params.position, 0), turn)
+    reach = reach_of(params, plant)
     if plant.eyes.scan != 0:
-        lay_in_view(case, tables, origin, axes, height, params.longest, memory.patch)
+        lay_in_view(case, tables, origin, axes, height, reach, memory.patch)
         memory.left = SCAN_ROWS
         memory.scans += 1
     lidar.row, lidar.fresh = SCAN_ROWS - memory.left, 1
     memory.left -= SCAN_BLOCK
+    if faults.mirror_stuck == 0:
+        memory.mirror = lidar.row
     tangent, flattest = tan(0.5 * params.field_of_view), cos(params.incidence)
     first = (memory.scans * SCAN_ROWS + lidar.row) * SCAN_COLUMNS
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
-            ray = along(axes, look(tangent, SCAN_COLUMNS, lidar.row + i, j))
-            way, incidence = trace(memory.patch, origin, ray, params.longest)
+            ray = along(axes, look(tangent, SCAN_COLUMNS, memory.mirror + i, j))
+            way, incidence = trace(memory.patch, origin, ray, reach)
             seen = way > 0.0 and incidence >= flattest
             lidar.range[i, j] = read(params, unit, way, first + i * SCAN_COLUMNS + j) if seen else 0.0
 

@@ -49,9 +49,10 @@ SENSOR_FAMILY = Family(
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 12
-#: Those that stand for whatever is carried in the set ``perfect``, and those that are left on top of them:
-#: nothing ideal stands for an image.
-PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", "landing_camera", "lidar", "stereo")
+#: Those that make images: nothing ideal stands for them.
+EYES: tuple[Component, ...] = ("landing_camera", "lidar", "stereo")
+#: Those that stand for whatever is carried in the set ``perfect``, and those that are left on top of them.
+PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", *EYES)
 
 if TYPE_CHECKING:
     SensorName = str
@@ -160,4 +161,5 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["star_tracker"] = ["star_tracker"]
     if "flow_meters" in params.flown:
         names["flow_meter"] = list(branches)
+    names |= {name: [name] for name in EYES if name in params.flown}
     return names

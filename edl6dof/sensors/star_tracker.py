@@ -1,6 +1,7 @@
 """Star tracker: the attitude, in cycles in which it sees stars, with noise and the error of its alignment.
 
-It sees stars above an altitude, while the body turns slowly enough.  Noise is larger about the boresight than
+It sees stars above an altitude, until an event of the mission if one is named, while the body turns slowly
+enough.  Noise is larger about the boresight than
 across it.
 
 Source: Liebe, IEEE Transactions on Aerospace and Electronic Systems 38(2), 2002.
@@ -37,6 +38,12 @@ class StarTrackerParams(Hardware):
     lowest_m: float = param(
         118e3, "altitude below which it sees no stars", status="estimate", ge=-1e4, le=1e9
     )
+    until: str | None = param(
+        None,
+        "event of the mission after which it sees no stars: it is covered, or leaves with a part",
+        status="estimate",
+        record=False,
+    )
     rate_deg_s: float = param(3.0, "largest rate at which it sees stars", status="estimate", gt=0.0, le=1e4)
 
     @field_validator("boresight")
@@ -45,8 +52,9 @@ class StarTrackerParams(Hardware):
         return unit_vector(value)
 
 
-#: The copy that flies: its alignment, a small rotation in B (rad), and the key of its noise.
-UNIT = np.dtype([("misalignment", "f8", (3,)), ("key", "i8")], align=True)
+#: The copy that flies: its alignment, a small rotation in B (rad), the key of its noise, and the number of
+#: the event that ends its view, counted from one; zero for none.
+UNIT = np.dtype([("misalignment", "f8", (3,)), ("key", "i8"), ("until", "i8")], align=True)
 MEMORY = np.dtype([("cycle", COUNT)], align=True)
 
 
@@ -55,7 +63,8 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Say the attitude now, where there are stars to be seen."""
     stars, y, cycle = sensed.stars, plant.y, memory.cycle
     memory.cycle += 1
-    due = cycle % params.every_cycles == 0 and plant.instruments.star_tracker_lost == 0
+    over = unit.until > 0 and plant.t >= plant.done[unit.until - 1]
+    due = cycle % params.every_cycles == 0 and plant.instruments.star_tracker_lost == 0 and not over
     stars.valid = 0
     if due and outputs.altitude >= params.lowest and norm(take3(y, RATE)) <= params.rate:
         off = add(take3(unit.misalignment, 0), noise(params, unit, cycle))

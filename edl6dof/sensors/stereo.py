@@ -20,7 +20,7 @@ from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
-from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view
+from edl6dof.sensors.eye import EYE_UNIT, EyeParams, draw_eye, lay_in_view, reach_of
 from edl6dof.sensors.patch import PATCH, trace
 from edl6dof.sensors.sight import along, sight
 from edl6dof.spatial.noise import normal_pair, uniform
@@ -61,12 +61,13 @@ MEMORY = np.dtype([("patch", PATCH), ("pairs", COUNT)], align=True)
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Take a pair of images where one is told."""
     stereo = sensed.stereo
-    stereo.fresh = plant.eyes.scan
+    stereo.fresh = 0 if plant.instruments.stereo_lost != 0 else plant.eyes.scan
     if stereo.fresh == 0:
         return
     turn = take3(unit.turn, 0)
     origin, axes, height = sight(case, tables, plant, outputs, take3(params.position, 0), turn)
-    lay_in_view(case, tables, origin, axes, height, params.longest, memory.patch)
+    reach = reach_of(params, plant)
+    lay_in_view(case, tables, origin, axes, height, reach, memory.patch)
     tangent, flattest = tan(0.5 * params.field_of_view), cos(params.incidence)
     per_pixel = 2.0 * tangent / (params.pixels * params.baseline)
     pair = memory.pairs
@@ -74,7 +75,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     for i in range(STEREO_CELLS):
         for j in range(STEREO_CELLS):
             direction = look(tangent, STEREO_CELLS, i, j)
-            way, incidence = trace(memory.patch, origin, along(axes, direction), params.longest)
+            way, incidence = trace(memory.patch, origin, along(axes, direction), reach)
             block = (pair * STEREO_CELLS + i // _BLOCK) * STEREO_CELLS + j // _BLOCK
             found = way > 0.0 and incidence >= flattest
             if found and uniform(unit.key, 2 * block) >= params.textureless:

@@ -28,6 +28,14 @@ def cell(position, cells):
 
 
 @kernel
+def endless_cell(position):
+    """Index of the cell that ``position`` (in cells) lies in, on a lattice that goes on for ever both ways; 0
+    for what is no place on it.
+    """
+    return int(np.floor(position)) if abs(position) < 2.0**52 else 0
+
+
+@kernel
 def held(share):
     """A position within a cell, held at both ends of the table."""
     if share < 0.0:

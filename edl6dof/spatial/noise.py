@@ -29,6 +29,12 @@ def random_bits(key, counter):
 
 
 @kernel
+def random_bits_at(key, i, j):
+    """64 random bits of (``key``, ``i``, ``j``), three whole numbers, of the last two the lower 32 bits."""
+    return random_bits(key, (np.uint64(i) << _32) | (np.uint64(j) & _LOW))
+
+
+@kernel
 def normal_pair(key, counter):
     """Two independent standard normals of (``key``, ``counter``); none beyond 6.4, as they come from 32 bits
     each.

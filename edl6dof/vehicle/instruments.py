@@ -37,6 +37,10 @@ INSTRUMENT_FAULTS = np.dtype(
         ("speed", READING_FAULT, (MAX_BEAMS,)),
         ("flow", READING_FAULT, (MAX_BRANCHES,)),
         ("star_tracker_lost", FLAG),
+        ("camera_lost", FLAG),
+        ("lidar_lost", FLAG),
+        ("stereo_lost", FLAG),
+        ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
     ],
     align=True,
 )

@@ -44,27 +44,28 @@ from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.scenario import records
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 
-sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
-"flight_software.guidance.entry.law=" + sys.argv[1]]
-case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
-capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
-for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
-    found = {
-        "air": air(case["atmosphere"], gas, tables["atmosphere"], x)[0],
-        "wind": wind(case["wind"], tables["atmosphere"], x)[0],
-        "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
-        "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
-        "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
-        "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
-        "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
-        "airframe": believed_aero(onboard["vehicle"], x, 1e9)[0],
-        "reference": node_of(onboard["reference"], x)[1],
-        "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
-        "influence": at_speed(onboard["plan"]["etpc"], x)[1],
-        "profile": profile_range(onboard["plan"]["adaptive_hinf"], x),
-    }
-    if np.isnan(x):
-        assert all(np.isnan(value) for value in found.values()), found
+for law in sys.argv[1:]:
+    sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
+    "flight_software.guidance.entry.law=" + law]
+    case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
+    capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
+    for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):
+        found = {
+            "air": air(case["atmosphere"], gas, tables["atmosphere"], x)[0],
+            "wind": wind(case["wind"], tables["atmosphere"], x)[0],
+            "ground, latitude": ground(case["terrain"], tables["terrain"], x, 1.0)[0],
+            "ground, longitude": ground(case["terrain"], tables["terrain"], 0.4, x)[0],
+            "aerodynamics, Mach": capsule_coefficients(capsule, tables["aero"], gas, x, 1e-3, 0.2)[0],
+            "aerodynamics, angle": capsule_coefficients(capsule, tables["aero"], gas, 5.0, 1e-3, x)[0],
+            "model atmosphere": model_atmosphere(onboard["atmosphere"], x)[0],
+            "airframe": believed_aero(onboard["vehicle"], x, 1e9)[0],
+            "reference": node_of(onboard["reference"], x)[1],
+            "range scale": x + range_scale(onboard["reference"], x, 1e5, 0.0, 0.4),
+            "influence": at_speed(onboard["plan"]["etpc"], x)[1],
+            "profile": profile_range(onboard["plan"]["adaptive_hinf"], x),
+        }
+        if np.isnan(x):
+            assert all(np.isnan(value) for value in found.values()), found
 print("kept within bounds")
 """
 
@@ -92,9 +93,7 @@ def test_kernels_index_nothing_outside(checked):
     assert " passed" in run.stdout
 
 
-@pytest.mark.parametrize("law", ["etpc", "adaptive_hinf"])
-def test_no_table_is_read_out_of_bounds(checked, law):
-    done = subprocess.run(
-        [sys.executable, "-c", TABLES, law], env=checked, capture_output=True, text=True, timeout=240
-    )
+def test_no_table_is_read_out_of_bounds(checked):
+    words = [sys.executable, "-c", TABLES, "etpc", "adaptive_hinf"]
+    done = subprocess.run(words, env=checked, capture_output=True, text=True, timeout=300)
     assert done.stdout.strip() == "kept within bounds", done.stderr[-3000:]

@@ -19,6 +19,7 @@ from edl6dof.fsw.estimation.registry import ESTIMATORS
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
+from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.sensors.registry import SENSOR_FAMILY
 from edl6dof.vehicle.faults.registry import FAULT_KINDS
@@ -28,7 +29,7 @@ from edl6dof.vehicle.propulsion.engine_models.registry import ENGINE_MODELS
 FAMILIES = (
     *(CONTROLLERS, ENTRY_LAWS, REVERSALS, POWERED_LAWS, ALLOCATORS, ESTIMATORS),
     *(ATMOSPHERES, WINDS, SENSOR_FAMILY, FAULT_KINDS, DISTRIBUTIONS),
-    *(PARACHUTE_MODELS, ENGINE_MODELS, NAVIGATION_FILTERS),
+    *(PARACHUTE_MODELS, ENGINE_MODELS, NAVIGATION_FILTERS, HAZARD_DETECTION),
 )
 MEMBERS = [(family, member) for family in FAMILIES for member in family.members]
 #: A law fills a file of its own; the kinds of faults are a few lines each and share one.

@@ -121,3 +121,18 @@ def test_fault_of_an_instrument_is_an_event_and_breaks_no_more_than_its_reading(
     reading = broken.saved.sensors["sensed"]["inertial"]["rate"][0]
     limit = np.radians(330.0)
     assert reading[2] == pytest.approx(limit) and np.abs(np.delete(reading, 2)).max() < 0.1 * limit
+
+
+def test_stars_are_seen_until_the_event_that_is_named_and_not_missed_after_it(nominal):
+    """Through the air down to the trim wing: the attitude is known better until then, and drifts after."""
+    stars = "sensors.star_tracker={until: trim_wing, lowest_m: -1.0e+4, rate_deg_s: 10}"
+    flight = edl6dof.fly("tianwen1", [stars])
+    wing = flight.metrics["trim_wing_s"]
+    before, at, after, usual = (
+        one.telemetry.at(t, "nav.sigma_attitude_down_deg")[0]
+        for one, t in ((flight, wing - 20.0), (flight, wing), (flight, wing + 60.0), (nominal, wing))
+    )
+    assert max(before, at) < 0.7 * usual
+    assert before == pytest.approx(at, rel=0.05)
+    assert after > 1.1 * at
+    assert flight.exclusions == [] and flight.landed

@@ -98,7 +98,7 @@ def test_files_are_written_and_what_is_there_is_kept(tmp_path, capsys):
     assert run_study(options("small", out=out, quick=True, force=True)) == 0
     assert pq.read_table(out / "runs.parquet").num_rows == 6
     shown = capsys.readouterr().out
-    assert "A remark." in shown and "every published requirement is kept" in shown
+    assert "A remark." in shown and "every requirement is kept" in shown
 
 
 def test_histogram_leaves_out_runs_that_did_not_arrive_and_shows_its_bars_whole():
@@ -193,7 +193,7 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
     heads = ("law", *(f"fig. {i} m/s2" for i in range(10)), "call us")
     rows = (
         ("long_name_law", *[12.345] * 10, 0.1234),
-        ("npc", *[123.46] * 9, float("nan"), 53.4),
+        ("npc", float("inf"), *[123.46] * 8, float("nan"), 53.4),
         ("other", *[9.8765] * 10, 0.2),
     )
     grid = Grid("A comparison", heads, rows)
@@ -207,7 +207,7 @@ def test_table_of_twelve_columns_is_whole_on_a_narrow_terminal(monkeypatch, tmp_
     lines = capsys.readouterr().out.splitlines()[:7]
     assert max(map(len, lines)) <= 80
     assert lines[4].split() == ["long_name_law", *["12.3"] * 10, "0.12"]
-    assert lines[5].split() == ["npc", *["123.5"] * 9, "-", "53.40"]
+    assert lines[5].split() == ["npc", "fails", *["123.5"] * 8, "-", "53.40"]
     assert [len(line) for line in lines[4:]] == [len(lines[4])] * 3
 
 

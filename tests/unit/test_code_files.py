@@ -13,20 +13,27 @@ from edl6dof.code_files import CodeFiles, say_once
 
 ROOT = Path(__file__).parents[2]
 KERNEL = "from edl6dof.jit import kernel\n@kernel\ndef twice(x):\n    return x + x\n"
-CALL = "import sys, mine; print(mine.twice(eval(sys.argv[1])), sum(mine.twice.stats.cache_hits.values()))"
+CALL = (
+    "import sys, mine; print(*(mine.twice(eval(word)) for word in sys.argv[1:]), "
+    "sum(mine.twice.stats.cache_hits.values()))"
+)
 
 
 @pytest.fixture
 def place(tmp_path) -> Path:
     """A folder with a module that has one kernel."""
-    (tmp_path / "mine.py").write_text(KERNEL, encoding="utf-8")
-    return tmp_path
+    return with_kernel(tmp_path)
 
 
-def start(place: Path, value: str = "1.5", **environment: str) -> subprocess.Popen[str]:
+def with_kernel(folder: Path) -> Path:
+    (folder / "mine.py").write_text(KERNEL, encoding="utf-8")
+    return folder
+
+
+def start(place: Path, *values: str, **environment: str) -> subprocess.Popen[str]:
     env = {key: text for key, text in os.environ.items() if not key.startswith(("NUMBA_", "XDG_"))}
     env |= {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "HOME": "/dev/null"} | environment
-    words = [sys.executable, "-c", CALL, value]
+    words = [sys.executable, "-c", CALL, *(values or ["1.5"])]
     return subprocess.Popen(
         words, cwd=place, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -44,10 +51,17 @@ def code(place: Path) -> list[Path]:
     return sorted((place / "__pycache__").iterdir())
 
 
-@pytest.mark.parametrize("harm", ["emptied", "cut short", "one bit", "something else"])
-def test_damaged_code_is_compiled_again_and_said_in_one_line(place, harm):
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory) -> Path:
+    """A folder with a module whose kernel is compiled; every test leaves it so."""
+    place = with_kernel(tmp_path_factory.mktemp("compiled"))
     assert ended(start(place)) == ("3.0", 0, [])
-    (file,) = code(place)
+    return place
+
+
+@pytest.mark.parametrize("harm", ["emptied", "cut short", "one bit", "something else"])
+def test_damaged_code_is_compiled_again_and_said_in_one_line(compiled, harm):
+    (file,) = code(compiled)
     content = file.read_bytes()
     half = len(content) // 2
     flipped = content[:half] + bytes([content[half] ^ 1]) + content[half + 1 :]
@@ -59,19 +73,19 @@ def test_damaged_code_is_compiled_again_and_said_in_one_line(place, harm):
             "something else": b"\x80\x05garbage.",
         }[harm]
     )
-    said, hits, lines = ended(start(place))
+    said, hits, lines = ended(start(compiled))
     assert (said, hits) == ("3.0", 0)
     (line,) = lines
     assert line.endswith("is damaged; it is compiled again")
-    assert ended(start(place)) == ("3.0", 1, [])
+    assert ended(start(compiled)) == ("3.0", 1, [])
 
 
 def test_processes_that_compile_at_once_leave_code_for_all(place):
     """Each compiles for arguments of its own; nobody's code is lost or taken for another's."""
-    values = {"1.5": "3.0", "2": "4", "1.5j": "3j", "True": "2", "(1.0, 2)": "(1.0, 2, 1.0, 2)"}
+    values = {"1.5": "3.0", "2": "4", "(1.0, 2)": "(1.0, 2, 1.0, 2)"}
     running = [start(place, value) for value in values for _ in range(2)]
     assert [ended(one)[0] for one in running] == [said for said in values.values() for _ in range(2)]
-    assert [ended(start(place, value)) for value in values] == [(said, 1, []) for said in values.values()]
+    assert ended(start(place, *values)) == (" ".join(values.values()), len(values), [])
     assert {file.suffix for file in code(place)} == {".nbc"}
 
 

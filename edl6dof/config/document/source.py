@@ -150,7 +150,7 @@ def _copied(data: Any) -> Any:
 
 @lru_cache(maxsize=16)
 def _parsed(text: str, file: str) -> Document:
-    """The document that a text is, read once: a vehicle serves many scenarios, and a scenario many flights."""
+    """The document that a text is, read once: a vehicle serves many scenarios, a scenario many flights."""
     tree = parse_yaml(text, file)
     if tree.data is None:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])

@@ -11,13 +11,14 @@ Source: thinning: Lewis and Shedler, Naval Research Logistics 26, 403 (1979).
 
 from __future__ import annotations
 
-from math import ceil, exp, floor, log2
+from math import ceil, exp, log2
 from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.jit import kernel
-from edl6dof.spatial.noise import random_bits
+from edl6dof.spatial.lookups import endless_cell
+from edl6dof.spatial.noise import random_bits, random_bits_at
 
 MAX_CLASSES = 16
 #: Most members that the cells of a class may hold on average.
@@ -46,19 +47,19 @@ def first_cell(population, k, place):
     """Lower (north or east) of the two cells of class ``k`` that hold all that reaches the cell of the
     lattice that begins at ``place`` (m).
     """
-    return int(floor((place - population.reach * population.largest[k]) / population.cell[k]))
+    return endless_cell((place - population.reach * population.largest[k]) / population.cell[k])
 
 
 @kernel
 def last_cell(population, k, place):
     """The last cell (northmost or eastmost) of class ``k`` that holds what reaches back to ``place`` (m)."""
-    return int(floor((place + population.reach * population.largest[k]) / population.cell[k]))
+    return endless_cell((place + population.reach * population.largest[k]) / population.cell[k])
 
 
 @kernel
 def cell_bits(population, k, i, j):
     """The random bits of the cell (``i`` north, ``j`` east) of class ``k``."""
-    return random_bits(population.key[k], (np.uint64(i) << _32) | (np.uint64(j) & _LOW))
+    return random_bits_at(population.key[k], i, j)
 
 
 @kernel

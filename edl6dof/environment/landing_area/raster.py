@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import ceil, floor
-
 from edl6dof.environment.landing_area.craters import crater_height
 from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
@@ -11,6 +9,7 @@ from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.environment.landing_area.surface import node_height
 from edl6dof.environment.terrain import regional
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import endless_cell
 
 #: Nodes between which what is coarser than the landing area is drawn as a straight line: off it by a
 #: few millimetres where that bends.
@@ -26,7 +25,7 @@ def lay_raster(terrain, grid, north, east, heights):
         The place (m north and east of the site) of the first node: the nearest to ``north`` and ``east``.
     """
     area = terrain.landing_area
-    i, j = round(north / area.cell), round(east / area.cell)
+    i, j = endless_cell(north / area.cell + 0.5), endless_cell(east / area.cell + 0.5)
     heights[:] = 0.0
     _paint_rocks(area, area.rocks, i, j, heights)
     _paint_craters(area, area.craters, i, j, heights)
@@ -98,9 +97,8 @@ def _paint_craters(area, craters, i, j, heights):
 
 @kernel
 def nodes_within(middle, reach, step, first, count):
-    """Range of indices, among ``count`` nodes from node ``first`` on, that lie within ``reach`` (m) of
+    """Range of indices, among ``count`` nodes from node ``first`` on, that lie less than ``reach`` (m) from
     ``middle`` (m).
     """
-    low = ceil((middle - reach) / step) - first
-    high = floor((middle + reach) / step) - first
-    return max(low, 0), min(high + 1, count)
+    low, high = endless_cell((middle - reach) / step), endless_cell((middle + reach) / step)
+    return max(low + 1 - first, 0), min(high + 1 - first, count)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from math import floor
-
 from edl6dof.environment.landing_area.craters import crater_height
 from edl6dof.environment.landing_area.fractal import fractal_at
 from edl6dof.environment.landing_area.params import FADE
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, member
 from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.vector import clamp
 
 
@@ -21,7 +20,7 @@ def relief(area, tiles, north, east):
     if share_at(area, north, east) == 0.0:
         return 0.0, 0.0, 0.0
     step = area.cell
-    i, j = int(floor(north / step)), int(floor(east / step))
+    i, j = endless_cell(north / step), endless_cell(east / step)
     sw, se, nw, ne = corners(area, tiles, i, j)
     u, t = north / step - i, east / step - j
     south, up = sw + t * (se - sw), nw + t * (ne - nw)

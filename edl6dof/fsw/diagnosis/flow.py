@@ -27,11 +27,11 @@ from math import sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 
-G0 = 9.80665
 LEAST_USE = 0.1  # share of a cycle from which a prediction counts
 LARGEST = 200.0  # evidence beyond which nothing changes any more
 MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone never tells it

@@ -98,13 +98,13 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, chart):
 
 @kernel
 def fill_holes(weight, chart):
-    """Give cells without a point the mean of the known ones around them, at a ``weight`` of their own; what
-    has too few of them stays unknown.
+    """Give cells of less than a ``weight`` the mean of the better known ones around them, at that weight;
+    what has too few of them stays as it is.
     """
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
             for j in range(1, MAP_CELLS - 1):
-                if chart.weight[i, j] == 0.0:
+                if chart.weight[i, j] < weight:
                     _fill(i, j, weight, chart)
         # what this round has filled counts as known from now on
         for i in range(1, MAP_CELLS - 1):
@@ -117,7 +117,7 @@ def _fill(i, j, weight, chart):
     total, count = 0.0, 0
     for di in range(-1, 2):
         for dj in range(-1, 2):
-            if chart.weight[i + di, j + dj] > 0.0:
+            if chart.weight[i + di, j + dj] >= weight:
                 total += chart.mean[i + di, j + dj]
                 count += 1
     if count >= NEIGHBOURS_TO_FILL:

@@ -8,6 +8,7 @@ from math import cos, sin
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
@@ -17,7 +18,6 @@ from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fi
 from edl6dof.fsw.hazard.registry import GIVEN, judge
 from edl6dof.fsw.hazard.safety import JUDGED
 from edl6dof.fsw.mission.phases import G_AVOID, G_HOVER, G_POWERED
-from edl6dof.fsw.vehicle_state import G0
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
 from edl6dof.interface.eyes import look
 from edl6dof.jit import kernel
@@ -34,6 +34,7 @@ HAZARD = np.dtype(
         ("scan_t", TIME_IF_EVER),  # s: first block of the scan
         ("spot_t", TIME_IF_EVER),  # s: spot chosen
         ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
+        ("way_L", "f8", (3,)),  # m: from there, by the velocity since
         ("coarse", COARSE),
         ("chart", ELEVATION_MAP),
         ("footprint", FOOTPRINT),
@@ -67,11 +68,22 @@ def body_axes(planet, frame, nav):
 
 
 @kernel
-def place_of_eye(eye, centre, nav, axes_L):
-    """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B."""
+def place_of_eye(eye, centre, memory, axes_L):
+    """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B.
+
+    It has moved since the scan began by the integral of the velocity: the altitude as navigated jumps by
+    metres with the ground that the radar meets, and would lay a step into the map wherever it does.
+    """
     arm = sub(take3(eye.place, 0), centre)
     off = add(scale(arm[0], axes_L[0]), add(scale(arm[1], axes_L[1]), scale(arm[2], axes_L[2])))
-    return add(take3(nav.site_L, 0), off)
+    return add(add(take3(memory.here_L, 0), take3(memory.way_L, 0)), off)
+
+
+@kernel
+def move(nav, dt, memory):
+    """Keep count of the way since the scan began, ``dt`` (s) after the last time."""
+    north, east, down = take3(nav.v_N, 0)
+    put3(memory.way_L, 0, add(take3(memory.way_L, 0), scale(dt, (east, north, -down))))
 
 
 @kernel
@@ -163,17 +175,19 @@ def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
             command.scan = memory.scanning = 1
             memory.scan_t = nav.t
             put3(memory.here_L, 0, take3(nav.site_L, 0))
+            put3(memory.way_L, 0, (0.0, 0.0, 0.0))
             ground = (nav.site_L[0], nav.site_L[1], nav.site_L[2] - nav.height)
             begin_map(params.cell, ground, memory.chart)
         return
+    move(nav, 1.0 / onboard.rates.base, memory)
     centre = take3(onboard.vehicle.configuration[state.configuration].centre, 0)
     axes_L = body_axes(onboard.planet, onboard.site.frame, nav)
     sharp = max(deviation_at(eyes.lidar, nav.height), 1e-3)
     if sensed.stereo.fresh != 0:
-        eye_L = place_of_eye(eyes.stereo, centre, nav, axes_L)
+        eye_L = place_of_eye(eyes.stereo, centre, memory, axes_L)
         take_pair(eyes.stereo, sensed.stereo, sharp, eye_L, axes_L, memory.chart)
     if sensed.lidar.fresh != 0:
-        eye_L = place_of_eye(eyes.lidar, centre, nav, axes_L)
+        eye_L = place_of_eye(eyes.lidar, centre, memory, axes_L)
         take_rows(eyes.lidar, sensed.lidar, eye_L, axes_L, memory.chart)
         if sensed.lidar.row + SCAN_BLOCK >= SCAN_ROWS:
             work_out(params, onboard.guidance.powered.terminal, sharp, nav, state, memory)

@@ -36,6 +36,7 @@ INSTRUMENTS = np.dtype(
         ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
         ("star_lowest", "f8"),  # m: altitude below which it sees no stars
         ("star_rate", "f8"),  # rad/s: largest rate at which it sees them
+        ("star_until", "i8"),  # number of the event after which it sees none, counted from one; zero: of none
         # ground tracking
         (
             "tracking_position_sigma",

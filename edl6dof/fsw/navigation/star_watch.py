@@ -1,4 +1,5 @@
-"""Whether the star tracker has failed: no fix for long, though it is above the air and the body turns slowly.
+"""Whether the star tracker has failed: no fix for long, though it is above the air, the body turns slowly,
+and the event that ends its view is still to come.
 
 It is given back with the next fix.
 """
@@ -30,9 +31,15 @@ STAR_WATCH = np.dtype([("without", "f8")], align=True)  # s: for how long a fix 
 
 
 @kernel
-def watch_stars(params, planet, instruments, stars, motion, solution, health, memory):
-    """Exclude the star tracker, or give it back, after a cycle of ``motion``."""
+def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
+    """Exclude the star tracker, or give it back, after a cycle of ``motion``.
+
+    Args:
+        requested: one flag for each event of the mission that was requested.
+    """
     if params.enabled == 0 or instruments.star_sigma == 0.0:
+        return
+    if instruments.star_until > 0 and requested[instruments.star_until - 1] != 0:
         return
     if stars.valid != 0:
         memory.without, health.star_tracker = 0.0, 1

@@ -116,18 +116,19 @@ def navigate(onboard, state, sensed, memory):
         correct_solution(
             params.filter, params, onboard, memory.health, sensed, motion, solution, memory.filter
         )
-        watch(onboard, sensed, memory)
+        watch(onboard, state, sensed, memory)
 
 
 @kernel
-def watch(onboard, sensed, memory):
+def watch(onboard, state, sensed, memory):
     """Exclude beams and star tracker where they have failed, and note what is out of use."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
     watch_beams(params.beam_watch, instruments.n_beams, sensed.radar, solution, health, memory.beam_watch)
     watch_stars(
         params.star_watch,
-        *(onboard.planet, instruments, sensed.stars, motion, solution, health, memory.star_watch),
+        *(onboard.planet, instruments, state.requested),
+        *(sensed.stars, motion, solution, health, memory.star_watch),
     )
     note_changes(instruments, sensed.t, health, motion, memory.exclusions)
 

@@ -69,7 +69,7 @@ class Landscape:
         around = self._around(self._elevation + self._decoration)
         rise_east = outward * self._cos - around * self._sin
         rise_north = outward * self._sin + around * self._cos
-        colours = self._soil(self._shade, rise_east, rise_north)
+        colours = soil(self._site, self._shade, rise_east, rise_north)
         haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
         colours += (np.array(self._site.appearance.haze) - colours) * haze
         place = np.stack(
@@ -93,7 +93,7 @@ class Landscape:
         tone, _ = _waves(np.random.default_rng(self._seed), east, north, np.full((len(side), 1), SPACING))
         rise_north, rise_east = np.gradient(up, SPACING)
         place = np.stack([east + self._centre[0], north + self._centre[1], up], axis=-1).reshape(-1, 3)
-        colours = self._soil(tone, rise_east, rise_north).reshape(-1, 3)
+        colours = soil(self._site, tone, rise_east, rise_north).reshape(-1, 3)
         return bright(place, open_grid_triangles(len(side), len(side)), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
@@ -167,17 +167,21 @@ class Landscape:
             2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
         )
 
-    def _soil(self, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-        """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north, in the sun."""
-        look = self._site.appearance
-        dark, light = np.array(look.ground_dark), np.array(look.ground_light)
-        towards = SUN / np.linalg.norm(SUN)
-        cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
-            1.0 + rise_east**2 + rise_north**2
-        )
-        lit = np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
-        shown: np.ndarray = (dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]) * lit[..., None]
-        return shown
+
+def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north."""
+    dark, light = np.array(site.appearance.ground_dark), np.array(site.appearance.ground_light)
+    colours: np.ndarray = dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]
+    return colours * sunlight(rise_east, rise_north)[..., None]
+
+
+def sunlight(rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Brightness of ground that rises so per metre towards east and north, 1 where it is level."""
+    towards = SUN / np.linalg.norm(SUN)
+    cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
+        1.0 + rise_east**2 + rise_north**2
+    )
+    return np.clip(0.32 + 0.68 * cosine / towards[2], 0.25, 1.6)
 
 
 def _waves(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.report.document import Table
 from edl6dof.report.figure import BAD, BLUE, GREEN, GREY, VERMILION, Axis, Band, Figure, Heat, Panel
 from edl6dof.report.flight.flows import branch_use
@@ -14,7 +15,6 @@ from edl6dof.runs.run import Run
 
 #: Columns of the activity map.
 BINS = 600
-G0 = 9.80665
 
 
 def figures(run: Run) -> Iterator[Figure | Table]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.report.document import Table
 from edl6dof.report.figure import BLUE, GREY, VERMILION, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.flight.parts import TIME, event_marks, stacked
@@ -11,7 +12,6 @@ from edl6dof.runs.run import Run
 
 #: Time, s, over which a flow is the mean; branches shown at most.
 MEAN_S, MOST = 0.1, 4
-G0 = 9.80665
 
 
 def branch_flows(run: Run, rows: np.ndarray) -> Figure | None:

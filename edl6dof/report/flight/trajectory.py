@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.report.figure import (
     BLUE,
     GREEN,
@@ -39,7 +40,6 @@ from edl6dof.report.flight.parts import (
 )
 from edl6dof.runs.run import Run
 
-G0 = 9.80665
 #: Dynamic pressure (Pa) below which ratios to it say nothing.
 THIN_AIR = 5.0
 #: Time (s) over which lift and drag are averaged for the borders.

@@ -14,6 +14,8 @@ from edl6dof.studies.guidance.tables import TARGET_KM, best_first, misses, names
 
 #: Miss (km) at which the colour of the map ends.
 _WORST_KM = 50.0
+#: Height of the row of a law in a map, and of what stands above and below the rows.
+_ROW_PX, _MARGINS_PX = 28, 84
 
 
 def drawings(rows: Sequence[Row]) -> Iterator[Figure]:
@@ -27,7 +29,8 @@ def drawings(rows: Sequence[Row]) -> Iterator[Figure]:
 def _comparison(rows: Sequence[Row]) -> Figure:
     vehicles = names(rows, "vehicle")
     panels = [_map(vehicle, of(rows, vehicle=vehicle)) for vehicle in vehicles]
-    return Figure("comparison", "", panels, columns=2, height=420)
+    most = max(len(names(of(rows, vehicle=vehicle), "law")) for vehicle in vehicles)
+    return Figure("comparison", "", panels, columns=2, height=_MARGINS_PX + _ROW_PX * most)
 
 
 def _map(vehicle: str, rows: Sequence[Row]) -> Panel:

@@ -115,8 +115,9 @@ def findings(rows: Sequence[Row], calls: Calls) -> Iterator[Finding]:
         share = 100.0 * float(np.mean(kept))
         yield Finding(f"{vehicle}: deployment box kept, best law", "%", share, 100.0, ">=", best)
     failed = unflown(rows)
-    note = f"{failed[0]['vehicle']}, {failed[0]['law']}: {failed[0]['cause']}" if failed else ""
-    yield Finding("flights that did not reach the mortar", "", float(len(failed)), note=note)
+    why = f"{failed[0]['vehicle']}, {failed[0]['law']}: {failed[0]['cause']}" if failed else ""
+    label = "flights that did not reach the mortar"
+    yield Finding(label, "", float(len(failed)), 0.0, "<=", why=why)
     first = rows[0]["vehicle"]  # others may fly reversals that are found by flying ahead
     for label, bound, predicts in (
         (f"{first}: longest guidance call of laws that fly ahead", PREDICTOR_CALL_US, True),

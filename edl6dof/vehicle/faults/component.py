@@ -24,12 +24,15 @@ Component = Literal[
     "beam",
     "star_tracker",
     "flow_meter",
+    "landing_camera",
+    "lidar",
+    "stereo",
 ]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Those that measure.
 INSTRUMENTS: tuple[Component, ...] = (
     *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
-    "flow_meter",
+    *("flow_meter", "landing_camera", "lidar", "stereo"),
 )
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
 Components = Mapping[Component, Sequence[str]]

@@ -59,6 +59,9 @@ class FaultParams(FaultChoice):
     flow_meter: str | None = param(
         None, "name of the branch whose flow meter fails, where one does", record=False
     )
+    landing_camera: str | None = param(None, "name of the landing camera, where it fails", record=False)
+    lidar: str | None = param(None, "name of the lidar, where it fails", record=False)
+    stereo: str | None = param(None, "name of the stereo cameras, where they fail", record=False)
     at: FaultStart = section("when it begins", record=False)
 
     @model_validator(mode="after")

@@ -16,6 +16,7 @@ from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFau
 from edl6dof.vehicle.instruments import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
+CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
 class InstrumentFault(ComponentFault):
@@ -103,6 +104,18 @@ class StarsLostParams(InstrumentFault):
     """The star tracker sees no stars any more."""
 
     components: ClassVar[tuple[Component, ...]] = ("star_tracker",)
+
+
+class ImagesLostParams(InstrumentFault):
+    """An eye makes no images any more; a scan under way ends."""
+
+    components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo")
+
+
+class MirrorStuckParams(InstrumentFault):
+    """The mirror of the lidar stays where it is: all rows of a scan show the same ground."""
+
+    components: ClassVar[tuple[Component, ...]] = ("lidar",)
 
 
 @kernel
@@ -225,6 +238,25 @@ def stars_lost(fault, case, since, command, plant):
     plant.instruments.star_tracker_lost = 1 if on else 0
 
 
+@kernel
+def images_lost(fault, case, since, command, plant):
+    """Lose the images of an eye."""
+    lost = 1 if lasts(fault.params.images_lost.duration, since, plant.t) else 0
+    if fault.of == CAMERA:
+        plant.instruments.camera_lost = lost
+    elif fault.of == LIDAR:
+        plant.instruments.lidar_lost = lost
+    else:
+        plant.instruments.stereo_lost = lost
+
+
+@kernel
+def mirror_stuck(fault, case, since, command, plant):
+    """Hold the mirror."""
+    on = lasts(fault.params.mirror_stuck.duration, since, plant.t)
+    plant.instruments.mirror_stuck = 1 if on else 0
+
+
 MEMBERS = (
     Member("reading_bias", ReadingBiasParams, {"inflict": reading_bias}, "drift of electronics"),
     Member("reading_drift", ReadingDriftParams, {"inflict": reading_drift}, "drift of electronics"),
@@ -241,4 +273,6 @@ MEMBERS = (
     ),
     Member("false_lock", FalseLockParams, {"inflict": false_lock}, "echo of a jettisoned part"),
     Member("stars_lost", StarsLostParams, {"inflict": stars_lost}, "blinded or dead tracker"),
+    Member("images_lost", ImagesLostParams, {"inflict": images_lost}, "lost supply or link"),
+    Member("mirror_stuck", MirrorStuckParams, {"inflict": mirror_stuck}, "jammed drive"),
 )

@@ -11,6 +11,7 @@ from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
+from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
 from edl6dof.vehicle.propulsion.engine_models.registry import (
@@ -20,8 +21,6 @@ from edl6dof.vehicle.propulsion.engine_models.registry import (
     specific_impulse_of_model,
 )
 from edl6dof.vehicle.propulsion.engine_models.throttled import ThrottledParams
-
-G0 = 9.80665
 
 
 class EngineParams(EngineChoice, Hardware):

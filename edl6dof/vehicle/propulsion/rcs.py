@@ -15,6 +15,7 @@ from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Hardware, Key, Vec3, param, unique_names, unit_vector
 from edl6dof.config.dtype import dtype_of
+from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_TANKS, MAX_THRUSTERS
 from edl6dof.interface.thrusters import ThrusterGroup
 from edl6dof.jit import kernel
@@ -22,8 +23,6 @@ from edl6dof.spatial.vector import add, clamp, cross, put3, scale, take3
 from edl6dof.vehicle.propulsion.branches import Branch
 from edl6dof.vehicle.propulsion.line_in_step import line_in_step
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach
-
-G0 = 9.80665
 
 
 class Thruster(Hardware):

@@ -49,6 +49,15 @@ def test_first_bank_turns_towards_the_target(onboard, settings):
         assert Steering(onboard)(1.0, crossrange, 4000.0) == sign * 1.0
 
 
+def test_first_bank_stays_on_the_side_of_the_preset_one(onboard, settings):
+    """What little crossrange the preset bank has made until then is no reason to reverse at once."""
+    for preset in (0.9, -0.9):
+        steer = Steering(onboard)
+        steer.out["bank"] = preset
+        assert np.sign(steer(1.0, np.sign(preset) * 200.0, 4000.0)) == np.sign(preset)
+        assert steer.memory["count"] == 0
+
+
 def test_bank_reverses_only_past_the_corridor_on_the_side_it_turns_to(onboard, settings):
     corridor(settings, 1000.0, 1.0, 5e-4)
     edge = 1000.0 * (1.0 + 3.0 + 0.5 * 9.0)  # at 3 km/s

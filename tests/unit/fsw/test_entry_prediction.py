@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import edl6dof
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.laws.npc import MEMORY as NPC_MEMORY
-from edl6dof.fsw.guidance.entry.laws.npc import miss_of, solve
+from edl6dof.fsw.guidance.entry.laws.npc import PLAN, miss_of, next_turns, solve
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.prediction.airframe import (
     FIRST_MACH,
@@ -24,6 +24,8 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane_shifted, shifted
 from edl6dof.fsw.guidance.entry.prediction.predictor import predict
 from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.scenario.records import build_records
+from edl6dof.scenario.schema import load_scenario
 
 #: Speed (m/s) above any at which something opens.
 FAST = 1e9
@@ -143,9 +145,8 @@ def point(lat, lon):
 def test_prediction_ends_where_vinhs_equations_end(sphere, start, cos_bank, side, drag_ratio, lift_ratio):
     nav = state(*start, bank_deg=degrees(acos(cos_bank)) * (side if side else 1.0))
     shift = cos_bank - cos(sphere["guidance"]["entry"]["reference_bank"]["points"]["bank"][0])
-    down, cross, altitude, time = predict(
-        sphere, nav, out_record(drag_ratio, lift_ratio), shifted(shift, side, 0.0, 0.0)
-    )
+    plan = shifted(shift, side, 0.0, 0.0) if side else in_plane_shifted(shift, 0.0, 0.0)
+    down, cross, altitude, time = predict(sphere, nav, out_record(drag_ratio, lift_ratio), plan)
     lat, lon, expected_altitude, expected_time = vinh(sphere, nav, cos_bank, side, drag_ratio, lift_ratio)
     here, there = point(nav["latitude"], nav["longitude"]), point(lat, lon)
     target = point(sphere["site"]["aim_latitude"], sphere["site"]["aim_longitude"])
@@ -237,7 +238,9 @@ def test_airframe_table_is_exact_at_its_nodes_and_clamped_outside(onboard):
         assert area == pytest.approx(vehicle["drag_area"] * table["drag"][i], rel=1e-9)
         assert lift == pytest.approx(vehicle["lift_to_drag"] * table["lift"][i], rel=1e-9)
     assert believed_aero(vehicle, 0.0, FAST) == believed_aero(vehicle, FIRST_MACH, FAST)
-    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3)
+    assert believed_aero(vehicle, 1e3, FAST) == pytest.approx(
+        believed_aero(vehicle, LAST_MACH, FAST), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("mach", [22.3, 11.7, 5.2])
@@ -253,6 +256,13 @@ def test_no_lift_is_believed_once_the_wing_is_open(onboard):
     assert vehicle["airframe"]["wing_mach"] == 2.8
     assert believed_aero(vehicle, 2.79, FAST)[1] == 0.0
     assert believed_aero(vehicle, 2.81, FAST)[1] > 0.14
+
+
+def test_no_lift_is_believed_below_the_speed_at_which_the_balance_masses_go():
+    vehicle = build_records(load_scenario("msl")).onboard[0]["vehicle"]
+    assert (vehicle["airframe"]["wing_speed"], vehicle["airframe"]["wing_mach"]) == (444.0, 0.0)
+    assert believed_aero(vehicle, 1.9, 443.9)[1] == 0.0
+    assert believed_aero(vehicle, 1.9, 444.1)[1] > 0.2
 
 
 @pytest.fixture(scope="module")
@@ -342,3 +352,44 @@ def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
     assert flight.success
     if law != "bank_profile":
         assert flight.metrics["parachute_miss_m"] < 3000.0
+
+
+# ---- reversals that the prediction foresees ----------------------------------------------------------------
+
+
+def test_reversal_in_the_plane_adds_the_range_of_lift_up_and_no_crossrange(onboard):
+    """More at a slower bank rate, as much in time as it is slower."""
+    record, nav = onboard[0], state(32.2, 110.2, 65e3, 4820.0, -9.3, 180.0, 60.0)
+    record["vehicle"]["bank_deceleration"] = 0.0
+    added = []
+    for rate_deg_s in (20.0, 5.0):
+        record["guidance"]["entry"]["bank_rate"] = radians(rate_deg_s)
+        straight, turned = (
+            predict(record, nav, out_record(), in_plane_shifted(0.0, turn, 0.0))[0] for turn in (0.0, 3500.0)
+        )
+        added.append(turned - straight)
+    assert 0.0 < 2.0 * added[0] < added[1]
+
+
+def test_bank_of_a_reversal_under_way_counts_from_the_side_that_is_left(onboard):
+    """Rolling from 60 deg right to the left, lift up is still to come; past it the range is smaller."""
+    record, out = onboard[0], out_record()
+    record["guidance"]["entry"]["bank_rate"] = radians(5.0)
+    out["side"] = -1.0
+    before, after = (
+        predict(
+            record, state(32.2, 110.2, 65e3, 4820.0, -9.3, 180.0, bank), out, in_plane_shifted(0.0, 0.0, 0.0)
+        )[0]
+        for bank in (60.0, -60.0)
+    )
+    assert before > after + 1e3
+
+
+def test_npc_foresees_the_reversals_of_its_plan_by_the_number_of_those_begun(onboard):
+    memory, plan, out = np.zeros(1, NPC_MEMORY)[0], np.zeros(1, PLAN)[0], out_record()
+    plan["turn"][:3] = 4800.0, 3100.0, 1500.0
+    seen = []
+    for out["side"] in (0.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0):
+        seen.append(next_turns(plan, memory, out))
+    first, second, third = (4800.0, 3100.0), (3100.0, 1500.0), (1500.0, 0.0)
+    assert seen == [first, first, first, second, second, third, (0.0, 0.0)]

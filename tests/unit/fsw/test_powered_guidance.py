@@ -170,7 +170,7 @@ def test_wish_to_fall_faster_than_free_fall_does_not_turn_the_lander_over(up):
 @pytest.mark.parametrize("height, descent", [(100.0, 0.0), (118.0, 0.0), (112.0, -1.0)])
 def test_hover_keeps_the_thrust_axis_near_the_vertical_from_any_start(onboard, height, descent):
     body = PointMass(height, (0.5, 0.0, descent))
-    hover(*terminal(onboard), body.nav, 900.0, STILL, NO_POINT, body.out)
+    hover(*terminal(onboard), body.nav, 900.0, STILL, body.out)
     assert acos(np.clip(-body.out["thrust_direction_N"][2], -1.0, 1.0)) < radians(6.0)
 
 

@@ -13,6 +13,7 @@ from edl6dof.interface.eyes import look
 from edl6dof.sensors.echo import antenna, over_ground
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_axes, from_euler_321, from_frame, multiply
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_LANDER
 from edl6dof.vehicle.plant import ATTITUDE
 
 
@@ -54,6 +55,7 @@ class Hovering(Bench):
         spin = float(planet["rotation_rate"])
         v = np.array(ned_to_fixed(*corners, v_ned)) + spin * np.array([-r[1], r[0], 0.0])
         self.put(t=0.0, r=r, v=v, q=np.array(q), w=w)
+        self.plant["shape"] = CONFIG_LANDER
         self.plant["eyes"]["scan"] = self.plant["eyes"]["expose"] = 1
 
     def scan(self):

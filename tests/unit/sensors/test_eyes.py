@@ -12,6 +12,8 @@ from edl6dof.interface.eyes import look
 from edl6dof.records import first_not_finite
 from edl6dof.scenario.records import build_records, initial_plant
 from edl6dof.vehicle.actuate import actuate
+from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
+from edl6dof.vehicle.faults.fault import inflict
 
 EYES = ("landing_camera", "lidar", "stereo")
 GROUND = area()
@@ -70,3 +72,52 @@ def test_images_are_finite_whatever_the_vehicle_does(name, value):
         bench.plant["y"][place] = value
         for record in (bench.measure(), bench.memory):
             assert first_not_finite(np.array([record], record.dtype)) is None
+
+
+@pytest.mark.parametrize("name, record, image", [
+    ("landing_camera", "camera", "seen"), ("lidar", "lidar", "range"), ("stereo", "stereo", "range"),
+])  # fmt: skip
+def test_eyes_see_nothing_through_the_heat_shield(name, record, image):
+    for shape, sees in ((CONFIG_CAPSULE, False), (CONFIG_BACKSHELL, True)):
+        bench = Hovering(name, GROUND)
+        bench.plant["shape"] = shape
+        assert np.any(bench.measure()[record][image]) == sees
+        assert bench.sensed[record]["fresh"] == 1
+
+
+def with_fault(bench, fault):
+    """Inflict a fault that has begun on the plant of a bench."""
+    loaded = edl6dof.load("tianwen1", [CARRIED, f"faults=[{{{fault}, at: {{time_s: 0}}}}]"])
+    inflict(build_records(loaded).case[0], np.zeros(1, COMMAND)[0], bench.plant)
+    return bench
+
+
+@pytest.mark.parametrize("name, record", [*zip(EYES, ("camera", "lidar", "stereo"), strict=True)])
+def test_an_eye_that_is_lost_makes_no_images_and_the_others_do(name, record):
+    for lost in EYES:
+        bench = with_fault(Hovering(name, GROUND), f"{lost}: {lost}, kind: images_lost")
+        assert bench.measure()[record]["fresh"] == (lost != name)
+
+
+def test_a_scan_under_way_ends_when_the_lidar_is_lost():
+    bench = Hovering("lidar", GROUND)
+    assert bench.measure()["lidar"]["fresh"] == 1
+    bench.plant["eyes"]["scan"], bench.plant["instruments"]["lidar_lost"] = 0, 1
+    assert bench.measure()["lidar"]["fresh"] == 0
+    bench.plant["instruments"]["lidar_lost"] = 0
+    assert bench.measure()["lidar"]["fresh"] == 0
+
+
+def test_a_mirror_that_is_stuck_shows_one_block_of_rows_all_over():
+    exact = {"dropout": 0.0, "range_noise_m": 0.0}
+    sound = Hovering("lidar", GROUND, exact).scan()
+    bench, rows = Hovering("lidar", GROUND, exact), []
+    for k in range(64):
+        bench.plant["eyes"]["scan"] = 1 if k == 0 else 0
+        if k == 20:
+            with_fault(bench, "kind: mirror_stuck")
+        told = bench.measure()["lidar"]
+        assert told["row"] == 4 * k
+        rows.append(told["range"].copy())
+    assert np.array_equal(np.vstack(rows[:20]), sound[:80])
+    assert all(np.array_equal(block, sound[76:80]) for block in rows[20:])

@@ -53,6 +53,18 @@ def test_sees_no_stars_below_the_lowest_altitude_nor_when_it_turns_fast_and_keep
         assert bench.measure(w=[0.0, w, 0.0])["stars"]["valid"] == valid
 
 
+def test_sees_no_stars_once_the_event_that_ends_its_view_has_happened():
+    bench = tracker()
+    bench.unit["until"] = 2
+    seen = []
+    for t, done in ((1.0, np.nan), (2.0, 2.5), (2.5, 2.5), (9.0, 2.5)):
+        bench.plant["done"][1], bench.plant["t"] = done, t
+        seen.append(int(bench.measure()["stars"]["valid"]))
+    assert seen == [1, 1, 0, 0]
+    bench.unit["until"] = 0
+    assert bench.measure()["stars"]["valid"] == 1
+
+
 def test_tracking_arrives_once_with_the_error_of_the_case_along_the_track():
     position, velocity = [], []
     r, v = np.array([3.4e6, 1e6, -5e5]), np.array([500.0, -1000.0, 4500.0])

@@ -17,6 +17,7 @@ from edl6dof.config.units import split_unit
 from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, failed_thrusters
 from edl6dof.metrics.evaluation import LIMITS, checks, peak_figures
 from edl6dof.metrics.figures import FIGURES, figure_of_merit
+from edl6dof.metrics.footing import footing_figures
 from edl6dof.metrics.published import PublishedFigure
 from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.report.document import Cell
@@ -42,24 +43,36 @@ def faulty():
     return edl6dof.fly("tianwen1", [FAULT])
 
 
+@pytest.fixture(scope="module")
+def rough():
+    return edl6dof.fly("tianwen1_hazards")
+
+
 def test_no_figure_is_declared_twice():
     assert len(DECLARED) == len(FIGURES) == len({figure.meaning for figure in FIGURES})
 
 
-def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(nominal, faulty):
-    produced = nominal.metrics.keys() | faulty.metrics.keys() | edl6dof.fly("tianwen1", GYRO).metrics.keys()
+def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(nominal, faulty, rough):
+    produced = (
+        rough.metrics.keys()
+        | nominal.metrics.keys()
+        | faulty.metrics.keys()
+        | edl6dof.fly("tianwen1", GYRO).metrics.keys()
+    )
     for name in ("msl", "wu2013", "yan2016", "zheng2015", "nesc/case06"):
         produced |= edl6dof.fly(name).metrics.keys()
     assert produced == DECLARED
 
 
-def test_figures_come_from_where_the_table_says(nominal, faulty):
+def test_figures_come_from_where_the_table_says(nominal, faulty, rough):
     by_source = {
         source: {figure.name for figure in FIGURES if figure.source == source}
-        for source in ("peaks", "contact", "diagnosis")
+        for source in ("peaks", "contact", "footing", "diagnosis")
     }
     assert peak_figures(nominal.plant[0], nominal.peaks[0], {"mortar": 1.0}).keys() == by_source["peaks"]
     assert touchdown_state(nominal.case, nominal.plant).keys() == by_source["contact"]
+    footing = footing_figures(rough.case, rough.tables, rough.plant, rough.outputs)
+    assert footing.keys() == by_source["footing"] | {"touchdown_slope_deg"}
     truth = faulty.loaded.truth
     figures = diagnosis_figures(
         faulty.isolated_faults, truth.faults, truth.components, truth.branches, faulty.plant[0]
@@ -91,12 +104,12 @@ def test_verdicts_are_right_on_thrusters_that_a_fault_makes_fail_with_its_kind(f
             assert figures.get("time_to_detect_s") == (2.0 if right else None)
 
 
-def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(nominal):
+def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(rough):
     """Limits that end a flight in the compiled loop are no figures."""
     ending = {"skip_out_m", "crash_speed_m_s", "body_rate_deg_s", "total_alpha_deg"}
     assert {figure.limit for figure in LIMITS} == LimitParams.model_fields.keys() - ending
     assert [figure.name for figure in LIMITS if split_unit(figure.limit)[1] != figure.unit] == []
-    assert [check.label for check in checks(nominal.scenario.limits, nominal.metrics)] == [
+    assert [check.label for check in checks(rough.scenario.limits, rough.metrics)] == [
         figure.meaning for figure in LIMITS
     ]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.spatial.lookups import between, cell, cell_among, held_cell, wrapped
+from edl6dof.spatial.lookups import between, cell, cell_among, endless_cell, held_cell, wrapped
 
 CELLS = 7
 VALUES = np.array([3.0, -1.0, 4.0, -1.5, 9.0, -2.0, 6.5, 3.25])
@@ -82,6 +82,16 @@ def test_what_is_not_a_number_stays_none():
 
 def test_one_cell_is_a_table_too():
     assert [held_cell(x, 1) for x in (-1.0, 0.25, 2.0)] == [(0, 0.0), (0, 0.25), (0, 1.0)]
+
+
+@pytest.mark.parametrize("position, index", [(0.0, 0), (-0.1, -1), (-7.0, -7), (1e9 + 0.5, 10**9)])
+def test_cell_of_a_lattice_without_end(position, index):
+    assert endless_cell(position) == index
+
+
+@pytest.mark.parametrize("nowhere", [np.nan, np.inf, -np.inf, 1e300])
+def test_what_is_no_place_on_the_lattice_is_in_cell_0(nowhere):
+    assert endless_cell(nowhere) == 0
 
 
 @pytest.mark.parametrize("angle", [0.0, 359.0, 360.0, 721.5, -0.25, -360.0, 1e6])

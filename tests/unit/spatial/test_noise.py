@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 from scipy.special import ndtri
 
-from edl6dof.spatial.noise import normal_pair, normal_quantile, uniform
+from edl6dof.spatial.noise import normal_pair, normal_quantile, random_bits_at, uniform
 
 N = 40_000
 
@@ -46,3 +46,15 @@ def test_uniform_is_even():
 
 def test_same_key_and_counter_give_the_same_noise():
     assert normal_pair(5, 7) == normal_pair(5, 7) != normal_pair(7, 5)
+
+
+def test_bits_of_a_place_are_even_and_do_not_know_their_neighbours():
+    bits = np.array(
+        [[int(random_bits_at(77, i, j)) for j in range(-100, 100)] for i in range(-100, 100)], float
+    )
+    share = bits / 2.0**64
+    assert stats.kstest(share.ravel(), "uniform").pvalue > 1e-4
+    other = (share[1:, 1:], share[:-1, :-1]), (share[1:], share[:-1]), (share[:, 1:], share[:, :-1])
+    for a, b in other:
+        assert abs(np.mean((a - 0.5) * (b - 0.5))) < 5.0 / 12.0 / np.sqrt(a.size)
+    assert random_bits_at(77, 1, 2) == random_bits_at(77, 1 + 2**32, 2)

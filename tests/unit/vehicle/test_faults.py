@@ -280,9 +280,16 @@ def without_wing(event):
 
 
 INSTRUMENTS = (
-    "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar, flow_meters]"
+    "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar, flow_meters, "
+    "landing_camera, lidar, stereo]"
 )
-NAMED = {"thruster": "thruster: D7, ", "branch": "branch: D47, ", "gyro": "gyro: g2, ", "beam": "beam: b3, "}
+NAMED = {
+    "landing_camera": "stereo: stereo, ",
+    "thruster": "thruster: D7, ",
+    "branch": "branch: D47, ",
+    "gyro": "gyro: g2, ",
+    "beam": "beam: b3, ",
+}
 
 
 def of_kind(tables, kind, time_s):

@@ -24,8 +24,11 @@ def chute(**changes):
     return record
 
 
+USUAL = chute()
+
+
 def model_efficiency(mach):
-    return efficiency_of_model(0, chute(), chute(), mach)
+    return efficiency_of_model(0, USUAL, USUAL, mach)
 
 
 def force(record, angle_deg, fraction=1.0, density=0.01, mach=0.5, t=0.0, speed=120.0, roll=0.7):

@@ -9,6 +9,7 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 from __future__ import annotations
 
 from edl6dof.fsw.guidance.powered import apollo, constant_thrust, e_guidance, gravity_turn, polynomial
+from edl6dof.fsw.guidance.powered.convex import law as convex
 from edl6dof.registry import Family
 
 POWERED_LAWS = Family(
@@ -19,6 +20,7 @@ POWERED_LAWS = Family(
         e_guidance.MEMBER,
         apollo.MEMBER,
         constant_thrust.MEMBER,
+        convex.MEMBER,
     ),
 )
 

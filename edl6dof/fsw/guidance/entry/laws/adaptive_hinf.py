@@ -23,7 +23,7 @@ from pydantic import model_validator
 from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import param
 from edl6dof.fsw.guidance.entry.laws.hinf import adapt, feedback, riccati
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
@@ -176,9 +176,7 @@ def guide(params, plan, onboard, nav, memory, out):
         memory.t = nav.t
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     drag, lift_to_drag = max(nav.drag, 1e-3), onboard.vehicle.lift_to_drag
-    rate, _, _ = drag_dynamics(
-        drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, 0.0, scale_height
-    )
+    rate, _, _ = measured_drag_dynamics(onboard, nav, 0.0)
     out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(plan, onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(onboard, nav, drag, rate, slope, curvature)

@@ -24,11 +24,9 @@ import numpy as np
 
 from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import param
-from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
-from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.registry import Member
@@ -116,18 +114,8 @@ def guide(params, plan, onboard, nav, memory, out):
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     p = params
-    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, authority, _ = drag_dynamics(
-        nav.drag,
-        nav.speed,
-        nav.flight_path_angle,
-        nav.radius,
-        nav.gravity,
-        lift,
-        scale_height,
-        area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
-    )
+    rate, authority, _ = measured_drag_dynamics(onboard, nav, lift)
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, nav.drag, rate, out)
     error, error_rate = nav.drag - goal, rate - goal_rate
     observe(p, memory, nav.t - memory.t, error, error_rate, cos(nav.bank))

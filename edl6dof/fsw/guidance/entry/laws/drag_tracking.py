@@ -15,11 +15,10 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate, believed_aero
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal, tracking
-from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -43,19 +42,9 @@ def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle from measured drag and the range to the aim point."""
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     _, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
     lift = nav.drag * max(lift_to_drag * out.lift_ratio, LEAST_LIFT)
-    rate, a, b = drag_dynamics(
-        nav.drag,
-        nav.speed,
-        nav.flight_path_angle,
-        nav.radius,
-        nav.gravity,
-        lift,
-        scale_height,
-        area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
-    )
+    rate, a, b = measured_drag_dynamics(onboard, nav, lift)
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, nav.drag, rate, out)
     omega = params.frequency
     wanted_acceleration = (

@@ -25,11 +25,10 @@ from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import group, param
 from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.observers.drag_observer import OBSERVER, observe
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
-from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 from edl6dof.spatial.vector import clamp
@@ -68,11 +67,8 @@ def guide(params, plan, onboard, nav, memory, out):
     p, observer = params, memory.observer
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    _, a, b = drag_dynamics(
-        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
-    )
+    _, a, b = measured_drag_dynamics(onboard, nav, lift)
     observe(observer, p.epsilon, p.start_share * nav.drag, nav.t, nav.drag, a, b, cos(nav.bank))
     drag, rate = observer.drag, observer.rate
     out.drag_estimate, out.drag_rate, out.drag_disturbance = drag, rate, observer.phi

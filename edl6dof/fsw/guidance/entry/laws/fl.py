@@ -14,11 +14,10 @@ import numpy as np
 
 from edl6dof.config.as_printed import PrintedParams
 from edl6dof.config.base import group, param
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.profiles.range_update import tracking
-from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.registry import Member
 
@@ -44,11 +43,8 @@ def guide(params, plan, onboard, nav, memory, out):
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     p = params
-    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, a, b = drag_dynamics(
-        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
-    )
+    rate, a, b = measured_drag_dynamics(onboard, nav, lift)
     out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(
         onboard, nav, p.profile, memory.profile, nav.drag, rate, out

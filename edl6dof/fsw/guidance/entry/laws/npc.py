@@ -3,9 +3,9 @@
 Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's
 cos(bank), by Newton's method with a finite-difference slope (Gauss-Newton for one unknown), from the last
 call's solution.  Reversals are foreseen at the speeds of the plan, in order, for the range that rolling
-through lift up adds at the vehicle's bank rate.  Density and lift-to-drag errors enter as measured ratios.  Source: Lu 2014, "Entry guidance:
-a unified method", J. Guidance, Control, and Dynamics 37(3), section IV: one-parameter bank profile, terminal
-range error as a function of it, Gauss-Newton iteration.
+through lift up adds at the vehicle's bank rate.  Density and lift-to-drag errors enter as measured ratios.
+Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV:
+one-parameter bank profile, terminal range error as a function of it, Gauss-Newton iteration.
 
 Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in
 energy; the unknown is added to cos(bank), in which range is nearly linear, instead of to the bank angle; the

@@ -15,7 +15,7 @@ from math import cos, exp
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.prediction.drag_dynamics import measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.profiles.range_update import TRACKING, drag_goal
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
@@ -72,9 +72,7 @@ def disturbed_drag(onboard, nav, p, memory, out):
     """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, authority, free = drag_dynamics(
-        nav.drag, nav.speed, nav.flight_path_angle, nav.radius, nav.gravity, lift, scale_height
-    )
+    rate, authority, free = measured_drag_dynamics(onboard, nav, lift)
     goal, goal_rate, goal_acceleration = drag_goal(onboard, nav, memory.tracking, nav.drag, rate, out)
     disturbance = observe_path(p, memory.observer, nav, lift)
     out.path_disturbance = disturbance

@@ -15,6 +15,8 @@ from __future__ import annotations
 
 from math import acos, cos, sin
 
+from edl6dof.fsw.guidance.entry.prediction.airframe import area_rate
+from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp
 
@@ -42,6 +44,24 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_
     )
     per_u = -(speed * c / scale_height + 2.0 * gravity * c / speed) * lift / speed
     return drag_rate, drag * per_u, drag * def_free + drag_rate * relative
+
+
+@kernel
+def measured_drag_dynamics(onboard, nav, lift):
+    """The same at the navigated state and measured drag, in the believed air, with the believed drag area
+    along the Mach number; ``lift`` in m/s2.
+    """
+    _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
+    return drag_dynamics(
+        nav.drag,
+        nav.speed,
+        nav.flight_path_angle,
+        nav.radius,
+        nav.gravity,
+        lift,
+        scale_height,
+        area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
+    )
 
 
 @kernel

@@ -1,0 +1,1 @@
+"""Powered landings designed on the ground."""

@@ -1,0 +1,146 @@
+"""Time of flight, and how much of it at full thrust.
+
+Full thrust is for the start alone; the rest, ``throttled`` seconds, keeps to the throttle band.  For a given
+``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which the
+multipliers tell (the Hamiltonian at the end, Pontryagin); where the landing cannot be had at all, the cost
+of its errors tells the same.  Then ``throttled`` is lengthened from its least value while that costs less.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from edl6dof.fsw.guidance.powered.convex.grid import copy_plan, full_controls, shift_controls
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
+from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import dot, norm, take3
+
+#: Shortest time of flight (s), longest over its first guess, and shortest start at full thrust (s).
+SHORTEST, LONGEST, LEAST_FULL = 2.0, 4.0, 0.5
+#: Time of flight is known when its bracket is narrower than this share of it.
+CLOSE = 0.01
+#: Divisor of the iterations of a solution on the way to the best time: its growth is all that is asked.
+TRIAL = 3
+#: First step away from a guess of the time of flight, over it.
+REACH = 0.1
+#: Factor from one length of the throttled part to the next, and where it is fine enough.
+LONGER, FINEST = 1.5, 1.08
+
+
+@kernel
+def growth(landing, plan):
+    """Change of the cost with the time of flight (m/s2), the time in the throttle band being kept."""
+    last = CONTROLS - 1
+    thrust = take3(plan.w[last], 0)
+    primer, pull = take3(plan.primer_end, 0), take3(plan.pull, 0)
+    size = max(norm(thrust), landing.low / plan.mass[last])
+    rate = size + dot(primer, thrust) - primer[2] * landing.gravity + dot(pull, take3(plan.end_velocity, 0))
+    first = full_controls(plan)
+    if first > 0:
+        # one more moment at full thrust, and one later in the throttle band
+        to_go = plan.time - plan.full_time
+        primer = primer[0] + pull[0] * to_go, primer[1] + pull[1] * to_go, primer[2] + pull[2] * to_go
+        full, band = take3(plan.w[first - 1], 0), take3(plan.w[first], 0)
+        rate += landing.full / plan.mass[first - 1] + dot(primer, full)
+        rate -= max(norm(band), landing.low / plan.mass[first]) + dot(primer, band)
+    return rate
+
+
+@kernel
+def try_time(landing, time, throttled, most, plan):
+    """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution that
+    stands in ``plan``; the growth of the cost.
+    """
+    shift_controls(plan, 0.0, time, max(time - throttled, 0.0))
+    solve(landing, most, plan)
+    return growth(landing, plan)
+
+
+@kernel
+def search_time(landing, throttled, reach, most, plan):
+    """Best time of flight with ``throttled`` s of it in the throttle band.
+
+    Args:
+        landing: ``LANDING`` record.
+        throttled: s; infinite: all of it.
+        reach: first step away from the time that stands in ``plan``, over it.
+        most: iterations of the solution; those on the way get a share of them.
+        plan: ``PLAN`` record: first guess, then the solution.
+    """
+    few = most // TRIAL
+    longest = LONGEST * plan.time
+    shortest = SHORTEST if throttled == inf else throttled + LEAST_FULL
+    low = high = max(plan.time, shortest)
+    shorter = try_time(landing, low, throttled, few, plan) > 0.0
+    crossed = False
+    while not crossed and (low > shortest if shorter else high < longest):
+        if shorter:
+            low, high = max(low * (1.0 - reach), shortest), low
+        else:
+            low, high = high, min(high * (1.0 + reach), longest)
+        reach *= 2.0
+        beyond = low if shorter else high
+        crossed = (try_time(landing, beyond, throttled, few, plan) > 0.0) != shorter
+    # the upper end is where the landing can be had
+    while high - low > CLOSE * high:
+        middle = 0.5 * (low + high)
+        if try_time(landing, middle, throttled, few, plan) > 0.0:
+            high = middle
+        else:
+            low = middle
+    try_time(landing, high, throttled, most, plan)
+
+
+@kernel
+def try_throttled(landing, throttled, most, plan, other):
+    """Take ``throttled`` s in the throttle band into ``plan`` if that costs less; whether it does."""
+    copy_plan(plan, other)
+    if throttled < inf:
+        shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
+    search_time(landing, throttled, REACH, most, other)
+    if other.cost >= plan.cost:
+        return False
+    copy_plan(other, plan)
+    return True
+
+
+@kernel
+def try_earlier(landing, throttled, share, most, plan, other):
+    """Take an arrival that is earlier by a ``share`` of the time to go into ``plan`` if that costs less."""
+    if growth(landing, plan) <= 0.0:
+        return
+    copy_plan(plan, other)
+    try_time(landing, (1.0 - share) * plan.time, throttled, most, other)
+    if other.cost < plan.cost:
+        copy_plan(other, plan)
+
+
+@kernel
+def refine_throttled(landing, throttled, least, factor, most, plan, other):
+    """Vary ``throttled`` by ever smaller factors as long as that costs less."""
+    while factor > FINEST:
+        factor = sqrt(factor)
+        if try_throttled(landing, factor * throttled, most, plan, other):
+            throttled *= factor
+        elif throttled > factor * least and try_throttled(landing, throttled / factor, most, plan, other):
+            throttled /= factor
+
+
+@kernel
+def search_times(landing, least, most, plan, other):
+    """Best time of flight, and how long of it is throttled: all of it, if that costs less.
+
+    Args:
+        landing: ``LANDING`` record.
+        least: shortest time in the throttle band, s.
+        most: iterations of each solution.
+        plan: ``PLAN`` record: the guess of the time of flight, then the solution.
+        other: a second ``PLAN`` record to work in.
+    """
+    throttled = least
+    search_time(landing, throttled, REACH, most, plan)
+    while try_throttled(landing, LONGER * throttled, most, plan, other):
+        throttled *= LONGER
+    refine_throttled(landing, throttled, least, LONGER, most, plan, other)
+    try_throttled(landing, inf, most, plan, other)

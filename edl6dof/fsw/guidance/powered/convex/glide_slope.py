@@ -1,0 +1,96 @@
+"""The glide slope: where each control ends, the lander is inside a cone that stands on the landing point.
+
+It is asked of the motion whose end is put right, which is the motion itself once the end is right: then its
+multipliers are orthogonal to those of the end, and the largest gain from thrust to position is that of a beam
+clamped at both ends, time^2 / 4.730^2.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.jit import kernel
+
+#: Square of the first root of cos x cosh x = 1.
+CLAMPED = 4.730041**2
+
+
+@kernel
+def gain(plan):
+    """Factor that makes the gain of the rows of the glide slope 1."""
+    return CLAMPED / (plan.time * plan.time) * sqrt(plan.time / CONTROLS)
+
+
+@kernel
+def add_push(landing, flat, plan):
+    """What the multipliers of the glide slope add to the primer at each control."""
+    if landing.slope < 0.0:
+        return
+    factor = gain(plan)
+    push, glide = plan.push, plan.glide
+    for axis in range(3):
+        total = moment = first = second = 0.0
+        end = 0.0
+        for k in range(CONTROLS - 1, -1, -1):
+            if k < CONTROLS - 1:
+                total += factor * glide[k, axis]
+                moment += factor * glide[k, axis] * end
+            # a control moves what ends after it by step * (its own time to go less that of the place)
+            push[k, axis] = total * plan.to_go[k] - moment
+            first += plan.step[k] * flat * push[k, axis]
+            second += plan.step[k] * plan.slant[k] * push[k, axis]
+            end += plan.step[k]
+        for k in range(CONTROLS):
+            push[k, axis] -= flat * first + plan.slant[k] * second
+
+
+@kernel
+def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
+    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies.
+
+    Args:
+        landing: ``LANDING`` record.
+        flat: first basis function of the end.
+        first, second: what the end misses in the two basis functions.
+        sigma: dual step.
+        extrapolation: of the multipliers.
+        plan: ``PLAN`` record.
+    """
+    if landing.slope < 0.0:
+        return
+    factor, slope = gain(plan), landing.slope
+    u, w, glide = plan.u, plan.w, plan.glide
+    x, y, z = landing.position[0], landing.position[1], landing.position[2]
+    vx, vy, vz = landing.velocity[0], landing.velocity[1], landing.velocity[2]
+    for k in range(CONTROLS - 1):
+        step, slant = plan.step[k], plan.slant[k]
+        ax = 2.0 * w[k, 0] - u[k, 0] - flat * first[0] - slant * second[0]
+        ay = 2.0 * w[k, 1] - u[k, 1] - flat * first[1] - slant * second[1]
+        az = 2.0 * w[k, 2] - u[k, 2] - flat * first[2] - slant * second[2] - landing.gravity
+        x, y, z = (
+            x + step * (vx + 0.5 * step * ax),
+            y + step * (vy + 0.5 * step * ay),
+            z + step * (vz + 0.5 * step * az),
+        )
+        vx, vy, vz = vx + step * ax, vy + step * ay, vz + step * az
+        px, py, pz = outside(
+            glide[k, 0] + sigma * factor * x,
+            glide[k, 1] + sigma * factor * y,
+            glide[k, 2] + sigma * factor * z,
+            slope,
+        )
+        glide[k, 0] += extrapolation * (px - glide[k, 0])
+        glide[k, 1] += extrapolation * (py - glide[k, 1])
+        glide[k, 2] += extrapolation * (pz - glide[k, 2])
+
+
+@kernel
+def outside(x, y, z, slope):
+    """From the nearest point of the cone z >= slope sqrt(x^2 + y^2) to (x, y, z)."""
+    side = sqrt(x * x + y * y)
+    if z >= slope * side:
+        return 0.0, 0.0, 0.0
+    along = max((side + slope * z) / (1.0 + slope * slope), 0.0)
+    scale = along / side if side > 0.0 else 0.0
+    return x - x * scale, y - y * scale, z - slope * along

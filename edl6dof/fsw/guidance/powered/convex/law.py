@@ -1,0 +1,201 @@
+"""Convex optimal guidance: the landing of least fuel that the engine can fly, planned when it lights and
+again while it burns; between plans the thrust of the plan, with feedback of what the lander is off it.
+
+A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
+plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.
+"""
+
+from __future__ import annotations
+
+from math import atan, cos, inf, tan
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.config.units import G0
+from edl6dof.fsw.guidance.powered.convex.flight_time import (
+    refine_throttled,
+    search_time,
+    search_times,
+    try_earlier,
+)
+from edl6dof.fsw.guidance.powered.convex.grid import control_at, shift_controls
+from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
+from edl6dof.fsw.guidance.powered.convex.pipg import solve
+from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT
+from edl6dof.registry import Member
+from edl6dof.spatial.vector import norm, take3
+
+#: First guess of the time of flight: least descent rate (m/s), and longest time (s).
+LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
+#: Error of a plan (m) beyond which thrust is no longer held back.
+TOLERATED = 1.0
+#: How much earlier a new plan tries to arrive, over the time to go.
+EARLIER = 0.015
+#: How long thrust that was held back is used, where it is needed, s.
+NOW = 3.0
+#: How far from the old time of arrival a new plan begins to look, over the time to go.
+REACH = 0.02
+#: How far from the old time in the throttle band, over it.
+FACTOR = 1.3
+
+
+class ConvexParams(Params):
+    """Convex optimal powered guidance."""
+
+    tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
+    end_tilt_deg: float = param(3.0, "largest tilt of the thrust where the plan ends", gt=0.0, le=60.0)
+    glide_slope_deg: float = param(
+        10.0, "least angle over the horizon at which the target sees the lander", ge=0.0, lt=80.0
+    )
+    thrust_reserve: float = param(
+        0.1,
+        "share of the largest throttled thrust, and of the tilt limit's tangent, held back for feedback",
+        status="estimate",
+        ge=0.0,
+        le=0.5,
+    )
+    throttled_s: float = param(
+        8.0, "shortest time in the throttle band before the target, after the start at full thrust", gt=0.0
+    )
+    plan_interval_s: float = param(1.0, "time from one plan to the next", gt=0.0)
+    last_plan_s: float = param(6.0, "time to go below which there is no new plan", gt=0.0)
+    miss_price: float = param(
+        1.0, "velocity worth a metre of horizontal miss, where the target cannot be reached, 1/s", gt=0.0
+    )
+    iterations: int = param(300, "most iterations of a solution", ge=50, le=10000)
+    position_gain: float = param(0.05, "acceleration per distance from the plan, 1/s2", ge=0.0)
+    velocity_gain: float = param(0.4, "acceleration per velocity off the plan, 1/s", ge=0.0)
+
+
+MEMORY = np.dtype(
+    [
+        ("plans", COUNT),
+        ("start", "f8"),  # s, flight time of the start of the plan
+        ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
+        ("landing", LANDING),  # the state that the plan begins in
+        ("plan", PLAN),
+        ("other", PLAN),
+    ],
+    align=True,
+)
+
+
+@kernel
+def describe(p, state, nav, target, landing):
+    """Write the landing problem that the present state poses."""
+    landing.mass = state.mass
+    landing.low = state.engine.throttle_min
+    landing.high = state.engine.throttle_max * (1.0 - p.thrust_reserve)
+    landing.low_now = landing.low
+    landing.high_now, landing.now = state.engine.throttle_max, 0.0
+    landing.full = state.engine.full_thrust
+    landing.exhaust_speed = state.engine.specific_impulse * G0
+    landing.gravity = nav.gravity
+    landing.position[0] = nav.site_L[0] - target.point_L[0]
+    landing.position[1] = nav.site_L[1] - target.point_L[1]
+    landing.position[2] = nav.height - target.height
+    landing.velocity[0], landing.velocity[1], landing.velocity[2] = nav.v_N[1], nav.v_N[0], -nav.v_N[2]
+    landing.slope = tan(p.glide_slope)
+    landing.cos_tilt = cos(atan(tan(p.tilt_limit) * (1.0 - p.thrust_reserve)))
+    landing.cos_last_tilt = cos(p.end_tilt)
+    landing.miss_price = p.miss_price
+
+
+@kernel
+def first_plan(p, landing, memory):
+    """Plan from nothing but a guess: the time of a constant deceleration, thrust against gravity."""
+    plan = memory.plan
+    descent = max(-landing.velocity[2], LEAST_DESCENT)
+    plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * p.throttled), LONGEST_GUESS)
+    plan.full_time = 0.0
+    plan.u[:] = 0.0
+    plan.glide[:] = 0.0
+    plan.pull[:] = 0.0
+    for k in range(plan.u.shape[0]):
+        plan.u[k, 2] = landing.gravity
+    plan.primer_end[0] = plan.primer_end[1] = 0.0
+    plan.primer_end[2] = -1.0
+    search_times(landing, p.throttled, p.iterations, plan, memory.other)
+
+
+@kernel
+def throttled_of(plan):
+    """How long a plan throttles, s; without end where all of it does, however long it becomes."""
+    return plan.time - plan.full_time if plan.full_time > 0.0 else inf
+
+
+@kernel
+def next_plan(p, landing, elapsed, plan, other):
+    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
+    little earlier.
+
+    If that cannot be kept, what is held back of the thrust may be used at once, not later; then the time of
+    arrival is searched.  If none will do, the engine gives all of the throttle band now.
+    """
+    time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
+    shift_controls(plan, elapsed, time, full_time)
+    throttled = throttled_of(plan)
+    solve(landing, p.iterations, plan)
+    if error_of(plan) <= TOLERATED:
+        try_earlier(landing, throttled, EARLIER, p.iterations, plan, other)
+        return
+    landing.now = NOW
+    solve(landing, p.iterations, plan)
+    if error_of(plan) <= TOLERATED:
+        return
+    search_time(landing, throttled, REACH, p.iterations, plan)
+    if error_of(plan) > TOLERATED and throttled < inf:
+        refine_throttled(landing, throttled, p.throttled, FACTOR, p.iterations, plan, other)
+    if error_of(plan) > TOLERATED:
+        landing.low_now = landing.high = landing.high_now
+        search_time(landing, throttled_of(plan), REACH, p.iterations, plan)
+
+
+@kernel
+def make_plan(p, state, nav, target, memory):
+    """Plan from the present state."""
+    landing, plan = memory.landing, memory.plan
+    describe(p, state, nav, target, landing)
+    if memory.plans == 0:
+        first_plan(p, landing, memory)
+    else:
+        next_plan(p, landing, nav.t - memory.start, plan, memory.other)
+    memory.plans += 1
+    memory.start = nav.t
+    memory.landing_error = error_of(plan)
+
+
+@kernel
+def error_of(plan):
+    """How far from the target a plan ends, and how far it would go on in a second, m."""
+    return plan.miss + plan.height_error + norm(take3(plan.end_velocity, 0))
+
+
+@kernel
+def guide(params, vehicle, state, nav, target, memory, out):
+    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    p, plan, landing = params, memory.plan, memory.landing
+    elapsed = nav.t - memory.start
+    if memory.plans == 0 or (elapsed >= p.plan_interval and plan.time - elapsed > p.last_plan):
+        make_plan(p, state, nav, target, memory)
+        elapsed = 0.0
+    out.time_to_go = plan.time - elapsed
+    (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, elapsed)
+    k = control_at(plan, elapsed)
+    k_r, k_v = p.position_gain, p.velocity_gain
+    east = plan.w[k, 0] + k_r * (x - nav.site_L[0] + target.point_L[0]) + k_v * (vx - nav.v_N[1])
+    north = plan.w[k, 1] + k_r * (y - nav.site_L[1] + target.point_L[1]) + k_v * (vy - nav.v_N[0])
+    up = plan.w[k, 2] + k_r * (z - nav.height + target.height) + k_v * (vz + nav.v_N[2])
+    return north, east, up, p.tilt_limit
+
+
+MEMBER = Member(
+    "convex",
+    ConvexParams,
+    {"guide": guide},
+    "Acikmese & Ploen 2007 (lossless convexification); Yu, Elango, Acikmese 2021 (PIPG)",
+    MEMORY,
+)

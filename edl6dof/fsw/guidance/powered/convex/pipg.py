@@ -1,0 +1,154 @@
+"""Proportional-integral projected gradient iteration for the landing of a given time.
+
+Each iteration asks the engine for the nearest thrust (a projection in closed form for each control), sums up
+where that ends, and moves the multipliers: of the end, and of the glide slope (a projection onto a cone where
+each control ends).  Velocity and position are eliminated, as they are sums over the controls; what is left is
+preconditioned by :mod:`~edl6dof.fsw.guidance.powered.convex.grid`.  The mass along the plan follows the
+iterates.  Multipliers are bounded: beyond its price a miss costs less than what would avoid it, which is the
+landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be reached.
+
+Sources: Yu, Elango, Acikmese 2021, "Proportional-integral projected gradient method for model predictive
+control", IEEE Control Systems Letters 5(6); Yu, Elango, Topcu, Acikmese 2022, "Proportional-integral
+projected gradient method for conic optimization", Automatica 142 (extrapolated).
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+
+from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope
+from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
+from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
+from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
+from edl6dof.fsw.guidance.powered.convex.thrust_set import nearest_thrust
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp, put3, take3
+
+#: Primal step over the largest thrust acceleration, and extrapolation of each iteration.
+STEP, EXTRAPOLATION = 0.1, 1.7
+#: Iterations from one look at the mass and at convergence to the next.
+BATCH = 10
+#: Largest primer; that of a landing that can be flown is of the order of 1.
+LARGEST_PRIMER = 20.0
+#: Converged when the multipliers ask of all thrust less than this to put the end right (m/s2), and the primer
+#: changes by less than this.
+THRUST_TOLERANCE, PRIMER_TOLERANCE = 5e-4, 1e-3
+
+
+@kernel
+def weigh(landing, plan):
+    """Mass in the middle of each control as the thrust ``w`` leaves it, and the velocity spent (m/s)."""
+    mass, spent, count = landing.mass, 0.0, full_controls(plan)
+    for k in range(CONTROLS):
+        size = sqrt(plan.w[k, 0] ** 2 + plan.w[k, 1] ** 2 + plan.w[k, 2] ** 2)
+        if k < count:
+            size = landing.full / plan.mass[k] if plan.mass[k] > 0.0 else landing.full / mass
+        gain = max(size, landing.low / mass) * plan.step[k]
+        plan.mass[k] = mass * exp(-0.5 * gain / landing.exhaust_speed)
+        mass *= exp(-gain / landing.exhaust_speed)
+        spent += gain
+    plan.fuel = landing.mass - mass
+    return spent
+
+
+@kernel
+def solve(landing, most, plan):
+    """Least fuel for the time of flight and the time at full thrust of ``plan``, from what stands in it.
+
+    Args:
+        landing: ``LANDING`` record.
+        most: iterations.
+        plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
+    """
+    mean, norm = lay_grid(plan)
+    time, u, w = plan.time, plan.u, plan.w
+    flat = 1.0 / sqrt(time)
+    tau = STEP * landing.high / landing.mass
+    sigma = 1.0 / tau
+    count = full_controls(plan)
+    w[:] = u
+    plan.mass[:] = 0.0
+    weigh(landing, plan)
+
+    # what the sums have to be, and their multipliers
+    gx, gy, gz = take3(landing.velocity, 0)
+    rx, ry, rz = take3(landing.position, 0)
+    gz -= landing.gravity * time
+    rz += 0.5 * landing.gravity * time * time  # position without thrust: r + (v - g t) t + g t^2 / 2
+    ax, ay, az = -gx * flat, -gy * flat, -gz * flat
+    bx = (-(rx + gx * time) + mean * gx) / norm
+    by = (-(ry + gy * time) + mean * gy) / norm
+    bz = (-(rz + gz * time) + mean * gz) / norm
+    px, py, pz = take3(plan.primer_end, 0)
+    qx, qy, qz = take3(plan.pull, 0)
+    px, py, pz = (px + mean * qx) / flat, (py + mean * qy) / flat, (pz + mean * qz) / flat
+    qx, qy, qz = qx * norm, qy * norm, qz * norm
+    bound, sideways = LARGEST_PRIMER / flat, landing.miss_price * norm
+
+    plan.converged = 0
+    plan.iterations = 0
+    while plan.iterations < most and plan.converged == 0:
+        plan.iterations += 1
+        add_push(landing, flat, plan)
+        ex, ey, ez, fx, fy, fz = -ax, -ay, -az, -bx, -by, -bz
+        moved = 0.0
+        for k in range(CONTROLS):
+            slant, step = plan.slant[k], plan.step[k]
+            low, high = landing.low, landing.high
+            if k < count:
+                low = high = landing.full
+            elif time - plan.to_go[k] < landing.now:
+                low, high = landing.low_now, landing.high_now
+            cos_tilt = landing.cos_last_tilt if k == CONTROLS - 1 else landing.cos_tilt
+            x, y, z = nearest_thrust(
+                u[k, 0] - tau * (flat * px + slant * qx + plan.push[k, 0]),
+                u[k, 1] - tau * (flat * py + slant * qy + plan.push[k, 1]),
+                u[k, 2] - tau * (flat * pz + slant * qz + plan.push[k, 2]),
+                tau,
+                low / plan.mass[k],
+                high / plan.mass[k],
+                cos_tilt,
+            )
+            dx, dy, dz = x - u[k, 0], y - u[k, 1], z - u[k, 2]
+            w[k, 0], w[k, 1], w[k, 2] = x, y, z
+            moved += step * (dx * dx + dy * dy + dz * dz)
+            x, y, z = x + dx, y + dy, z + dz
+            ex, ey, ez = ex + step * flat * x, ey + step * flat * y, ez + step * flat * z
+            fx, fy, fz = fx + step * slant * x, fy + step * slant * y, fz + step * slant * z
+        follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
+        for k in range(CONTROLS):
+            for axis in range(3):
+                u[k, axis] += EXTRAPOLATION * (w[k, axis] - u[k, axis])
+        # the end
+        ex = clamp(px + sigma * ex, -bound, bound) - px
+        ey = clamp(py + sigma * ey, -bound, bound) - py
+        ez = clamp(pz + sigma * ez, -bound, bound) - pz
+        fx, fy, fz = qx + sigma * fx, qy + sigma * fy, clamp(qz + sigma * fz, -bound, bound) - qz
+        less = min(sideways / max(sqrt(fx * fx + fy * fy), 1e-12), 1.0)
+        fx, fy = less * fx - qx, less * fy - qy
+        px, py, pz = px + EXTRAPOLATION * ex, py + EXTRAPOLATION * ey, pz + EXTRAPOLATION * ez
+        qx, qy, qz = qx + EXTRAPOLATION * fx, qy + EXTRAPOLATION * fy, qz + EXTRAPOLATION * fz
+        if plan.iterations % BATCH == 0:
+            weigh(landing, plan)
+            plan.change = flat * sqrt(moved) * sigma
+            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz)
+            if off < THRUST_TOLERANCE and plan.change < PRIMER_TOLERANCE:
+                plan.converged = 1
+    qx, qy, qz = qx / norm, qy / norm, qz / norm
+    put3(plan.pull, 0, (qx, qy, qz))
+    put3(plan.primer_end, 0, (flat * px - mean * qx, flat * py - mean * qy, flat * pz - mean * qz))
+    judge(landing, plan)
+
+
+@kernel
+def judge(landing, plan):
+    """What the thrust ``w`` of a plan comes to: fuel, cost, and where it misses."""
+    spent = weigh(landing, plan)
+    (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)
+    plan.miss = sqrt(x * x + y * y)
+    plan.height_error = abs(z)
+    put3(plan.end_velocity, 0, (vx, vy, vz))
+    plan.cost = spent + landing.miss_price * plan.miss
+    # as the bounds of the multipliers price it
+    plan.cost += LARGEST_PRIMER * (abs(vx) + abs(vy) + abs(vz))
+    plan.cost += LARGEST_PRIMER * sqrt(12.0) / plan.time * abs(z - 0.5 * plan.time * vz)

@@ -1,0 +1,115 @@
+"""What the lander saw and chose: rays of the lidar while it scans, and from the choice on the map of hazards
+painted on the ground, the spots that were passed over, and the footprint of the chosen one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.hazard.safety import VERDICTS
+from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
+from edl6dof.interface.eyes import look
+from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.landscape import sunlight
+from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
+from edl6dof.spatial import rotations as turns
+from edl6dof.telemetry.landing_map import LandingMap
+
+#: Columns by which a map that was navigated comes to lie where it is.
+NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
+#: Colour of a cell of each verdict, and of what is chosen and passed over.
+PAINT: dict[str, RGB] = {
+    "safe": (70, 170, 120),
+    "edge": (110, 110, 115),
+    "slope": (225, 165, 60),
+    "rock": (200, 75, 50),
+}
+CHOSEN: RGB = (245, 250, 255)
+PASSED_OVER: RGB = (255, 205, 60)
+RAY: RGB = (120, 235, 140)
+LEGEND = "green is safe, amber too steep, red too rough"
+#: How far (m) above the ground the map is drawn, and every how many cells a vertex.
+_ABOVE, _EVERY = 0.04, 2
+#: Rays of a row that are drawn.
+_RAYS = 17
+
+
+class Hazards(Recorder):
+    """Writes ``/site/hazards``; nothing of a flight that chose no spot from a scan."""
+
+    def motions(self) -> None:
+        """Rays, map, spots."""
+        found = self.flight.landing_map
+        if self.number or found is None:
+            return
+        since, chosen = self.when["scan"], self.when["spot"]
+        rows = np.flatnonzero((self.t >= since) & (self.t <= chosen))
+        if not len(rows):
+            return
+        self._rays(rows, since, chosen)
+        # places on the map are off by the error of navigation at the scan
+        off = np.array([self.flight[name][rows].mean() for name in NAVIGATED])
+        self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
+        if len(found.rejected_m):
+            places = self._on_ground(found.rejected_m - off, 0.3)
+            points = self.rr.Points3D(places, colors=PASSED_OVER, radii=self.rr.Radius.ui_points(3.5))
+            self.at(chosen, "site/hazards/passed_over", points)
+        self._chosen(found, off, chosen)
+
+    def _chosen(self, found: LandingMap, off: np.ndarray, t: float) -> None:
+        """The footprint around the chosen spot, as a ring."""
+        radius = self.flight.scenario.flight_software.hazard.footprint_radius_m
+        turn = np.linspace(0.0, 2.0 * np.pi, 49)
+        around = found.spot_m - off + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+        ring = self.rr.LineStrips3D(
+            [self._on_ground(around, 0.15)], colors=CHOSEN, radii=self.rr.Radius.ui_points(2.5)
+        )
+        self.at(t, "site/hazards/chosen", ring)
+        middle = self._on_ground((found.spot_m - off)[None], 0.3)
+        words = f"{'chosen' if found.found else 'least bad'} spot; {LEGEND}"
+        point = self.rr.Points3D(
+            middle, colors=CHOSEN, labels=[words], show_labels=True, radii=self.rr.Radius.ui_points(3.0)
+        )
+        self.at(t, "site/hazards/spot", point)
+
+    def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
+        """The ground in the colours of the verdicts; what was not seen at all is left out."""
+        verdict = found.verdict[::_EVERY, ::_EVERY]
+        seen = np.isfinite(found.elevation_m[::_EVERY, ::_EVERY])
+        side = (np.arange(0, len(found.verdict), _EVERY) + 0.5) * float(found.cell_m)
+        east, north = np.meshgrid(side + found.corner_m[0] - off[0], side + found.corner_m[1] - off[1])
+        up = self.motion.site.ground(east, north)[1]
+        rise_north, rise_east = np.gradient(up, float(found.cell_m) * _EVERY)
+        paint = np.array([PAINT[name] for name in VERDICTS], float)[verdict]
+        colours = paint * sunlight(rise_east, rise_north)[..., None]
+        triangles = open_grid_triangles(*verdict.shape)
+        whole = seen.ravel()[triangles].all(axis=1)
+        places = np.stack([east, north, up + _ABOVE], axis=-1).reshape(-1, 3)
+        return bright(places, triangles[whole], colours.reshape(-1, 3))
+
+    def _rays(self, rows: np.ndarray, since: float, until: float) -> None:
+        """Rays of the row of the scan that is shot, as far as the ground."""
+        lidar = self.flight.scenario.sensors.lidar
+        tangent = np.tan(0.5 * np.radians(lidar.field_of_view_deg))
+        shot = (self.t[rows] - since) / max(until - since, 1e-9) * (SCAN_ROWS - 1)
+        columns = np.linspace(0, SCAN_COLUMNS - 1, _RAYS).astype(int)
+        strips = []
+        for row, line in zip(rows, shot.astype(int), strict=True):
+            turn = self.motion.rotation[row]
+            start = self.motion.nose[row] + turns.rotate(turn, np.array(lidar.position_m))
+            rays = turns.rotate(turn, np.array([look(tangent, SCAN_COLUMNS, line, j) for j in columns]))
+            ends = start + rays * ((self.motion.height[row] / -rays[:, 2])[:, None])
+            # the ground where each ends, not the one straight below
+            ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
+            strips.append(np.stack([np.broadcast_to(start, ends.shape), ends], axis=1))
+        last = self.t[rows[-1]] + 0.02
+        entity = "site/hazards/rays"
+        self.static(entity, self.rr.LineStrips3D.from_fields(colors=RAY, radii=self.rr.Radius.ui_points(0.6)))
+        drawn = self.rr.LineStrips3D.columns(strips=np.concatenate(strips))
+        self.columns(entity, self.t[rows], drawn.partition(np.full(len(rows), _RAYS)))
+        self.gone(last, entity)
+
+    def _on_ground(self, places: np.ndarray, above: float) -> np.ndarray:
+        """Places east and north (m), shape (n, 2), with the height of the ground and a little more."""
+        up = self.motion.site.ground(*places.T)[1]
+        return np.column_stack([places, up + above])

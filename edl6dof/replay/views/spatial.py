@@ -1,0 +1,205 @@
+"""The views of the scene, and where each looks from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from edl6dof.replay.views.panels import RGB
+
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
+
+TIMELINE = "sim_time"
+SPACE: RGB = (10, 9, 12)
+#: What only other views show.
+_NOT_CHASE = (
+    "campaign",
+    "path",
+    "markers",
+    "labels",
+    "drop_line",
+    "ground_track",
+    "arrows",
+    "velocity_frame",
+    "vehicle/attitude_frame",
+)
+_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels")
+_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
+
+
+class Shown(NamedTuple):
+    """What the arrangement depends on.
+
+    Attributes:
+        span: first and last time, s, of the whole flight.
+        when: time, s, of the events.
+        start, end: first and last place, m in L.
+        deploy: place of the parachute deployment, m in L, if any.
+        plots: entities of the plots that have data.
+        groups: thruster groups.
+        jets: names of the thrusters.
+        scanned: place from which the ground was scanned, m in L, if any.
+        instruments: kinds of instruments that navigation has, by which their lanes are sorted.
+        flights: number of flights in the recording.
+        ensemble: whether a campaign's trajectories are in it.
+        globe_eye, globe_target: whence and whither the globe is seen, km in F.
+    """
+
+    span: tuple[float, float]
+    when: dict[str, float]
+    start: np.ndarray
+    end: np.ndarray
+    deploy: np.ndarray | None
+    plots: frozenset[str]
+    groups: tuple[str, ...]
+    jets: tuple[str, ...]
+    instruments: tuple[str, ...]
+    scanned: np.ndarray | None
+    flights: int
+    ensemble: bool
+    globe_eye: np.ndarray
+    globe_target: np.ndarray
+
+
+def window(rrb: ModuleType, seconds: float) -> rrb.VisibleTimeRanges:
+    """Rows of the last seconds before the cursor."""
+    edge = rrb.TimeRangeBoundary.cursor_relative
+    return rrb.VisibleTimeRanges(rrb.VisibleTimeRange(TIMELINE, start=edge(seconds=-seconds), end=edge()))
+
+
+class Views:
+    """Builds the views of the scene of one recording."""
+
+    def __init__(self, flown: Shown) -> None:
+        import rerun.blueprint as rrb
+
+        self.rrb, self.flown = rrb, flown
+
+    def roots(self) -> list[str]:
+        """Entities below which each flight's own things lie."""
+        return ["/site", *(f"/site/flight_{k}" for k in range(1, self.flown.flights))]
+
+    def _view(
+        self,
+        name: str,
+        origin: str,
+        hidden: Sequence[str],
+        place: np.ndarray,
+        target: np.ndarray,
+        labels: Sequence[str] = (),
+    ) -> rrb.Spatial3DView:
+        rrb = self.rrb
+        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden] + [
+            f"/site/labels/{name}" for name in labels
+        ]
+        return rrb.Spatial3DView(
+            origin=origin,
+            contents=["/site/**", *excluded],
+            name=name,
+            background=rrb.Background(color=SPACE),
+            line_grid=False,
+            overrides={f"{root}/trail": window(rrb, 60.0) for root in self.roots()},
+            eye_controls=rrb.EyeControls3D(position=place, look_target=target, eye_up=(0.0, 0.0, 1.0)),
+        )
+
+    def chase(self) -> rrb.Spatial3DView:
+        """The vehicle from beside it, wherever it goes."""
+        return self._view(
+            "Chase", "/site/camera", _NOT_CHASE, np.array([2.6, 9.2, 2.6]), np.array([0.0, 0.0, -0.2])
+        )
+
+    def body(self) -> rrb.Spatial3DView:
+        """The vehicle with its frames and forces."""
+        rrb = self.rrb
+        shown = ["/site/vehicle/**", "/site/arrows/**", "/site/velocity_frame/**"]
+        along, length, side = _beside(self.flown.start, self.flown.end)
+        place = 1.6 * along / length - 4.6 * side + [0.0, 0.0, 1.5]
+        eye = rrb.EyeControls3D(position=place, look_target=(0.0, 0.0, 0.0), eye_up=(0.0, 0.0, 1.0))
+        background = rrb.Background(color=SPACE)
+        return rrb.Spatial3DView(
+            origin="/site/near",
+            contents=shown,
+            name="Body, frames, forces",
+            background=background,
+            line_grid=False,
+            eye_controls=eye,
+        )
+
+    def whole(self) -> rrb.Spatial3DView:
+        """The whole flight from the side, a little from above."""
+        start, end = self.flown.start, self.flown.end
+        along, length, side = _beside(start, end)
+        middle = start + 0.5 * along
+        place, target = (
+            middle - 0.62 * length * side + [0.0, 0.0, 0.20 * length],
+            middle - [0.0, 0.0, 0.02 * length],
+        )
+        return self._view("Whole flight", "/site", _NOT_AFAR, place, target, ["target"])
+
+    def afar(self, name: str) -> rrb.Spatial3DView | None:
+        """From parachute to ground, from the side."""
+        if self.flown.deploy is None:
+            return None
+        along, size, side = _beside(self.flown.deploy, self.flown.end)
+        middle = self.flown.deploy + 0.5 * along
+        place, target = (
+            middle - 1.25 * size * side + [0.0, 0.0, 0.12 * size],
+            middle - [0.0, 0.0, 0.03 * size],
+        )
+        return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
+
+    def landing(self) -> rrb.Spatial3DView:
+        """The last kilometre, from the side."""
+        place, target = self.flown.end + [700.0, 500.0, 420.0], self.flown.end + [0.0, 0.0, 330.0]
+        return self._view("Landing", "/site", _NOT_AFAR, place, target, ["**"])
+
+    def site(self) -> rrb.Spatial3DView:
+        """The vehicle where it stands in the end."""
+        place = self.flown.end + [16.0, -26.0, 9.0]
+        return self._view(
+            "Site",
+            "/site",
+            _NOT_SITE,
+            place,
+            self.flown.end,
+        )
+
+    def above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
+        """The ground below the hover, north up."""
+        place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
+        hidden = (
+            "arrows",
+            "velocity_frame",
+            "vehicle/attitude_frame",
+            "path",
+            "markers",
+            "labels",
+            "drop_line",
+        )
+        return self._view("Hazards from above", "/site", (*hidden, "trail", "sky"), place, target)
+
+    def globe(self) -> rrb.Spatial3DView:
+        """The planet."""
+        rrb = self.rrb
+        eye = rrb.EyeControls3D(
+            position=self.flown.globe_eye, look_target=self.flown.globe_target, eye_up=(0.0, 0.0, 1.0)
+        )
+        return rrb.Spatial3DView(
+            origin="/globe",
+            name="Globe",
+            background=rrb.Background(color=SPACE),
+            line_grid=False,
+            eye_controls=eye,
+        )
+
+
+def _beside(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+    """From start to end, its length, and a level unit vector to its right."""
+    along = end - start
+    length = float(np.linalg.norm(along)) or 1.0
+    side = np.array([along[1], -along[0], 0.0])
+    return along, length, side / (np.linalg.norm(side) or 1.0)

@@ -1,0 +1,174 @@
+"""What the lander saw of the ground and why it went where it went: the map of hazards with the spot that was
+chosen and those that were passed over, and before it the choice on the landing image.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from edl6dof.fsw.hazard.safety import VERDICTS
+from edl6dof.report.figure import (
+    BLACK,
+    BLUE,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SEQUENTIAL,
+    VERMILION,
+    Axis,
+    Figure,
+    Heat,
+    Panel,
+    Trace,
+)
+from edl6dof.runs.run import Run
+from edl6dof.telemetry.landing_map import LandingMap
+
+#: What stands in a legend for each verdict, and its colour: light enough for what is drawn on it.
+SHOWN: dict[str, tuple[str, str]] = {
+    "safe": ("safe to stand on", "#b7e3c8"),
+    "edge": ("not all of it seen", "#c9ccd2"),
+    "slope": ("too steep", "#f7d08a"),
+    "rock": ("too rough", "#e79a7c"),
+}
+#: Cells that a page needs side by side; more would weigh it down and nobody sees them.
+CELLS = 128
+
+
+def figures(run: Run) -> Iterator[Figure]:
+    """Figures of the section; none of a flight that chose no spot from a scan."""
+    found = run.landing_map
+    if found is None:
+        return
+    if len(found.coarse_m):
+        yield _coarse(run, found)
+    yield _fine(run, found)
+
+
+def _fine(run: Run, found: LandingMap) -> Figure:
+    """The map of the scan, judged, and as heights."""
+    east, north = middles(found)
+    every = -(-len(east) // CELLS)
+    e, n = east[::every], north[::every]
+    names = [VERDICTS.index(name) for name in SHOWN]
+    verdict = np.argsort(names)[found.verdict[::every, ::every]].astype(float)
+    kinds = Heat(e, n, verdict, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
+    height = found.elevation_m[::every, ::every]
+    low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
+    heights = Heat(e, n, height, "m", low, max(high, low + 0.1), SEQUENTIAL)
+    entries = [
+        Trace(np.array([np.nan]), np.array([np.nan]), text, "points", colour, symbol="square", width=4.0)
+        for text, colour in SHOWN.values()
+    ]
+    judged = Panel(
+        _axis("east", (e[0], e[-1])),
+        _axis("north", (n[0], n[-1])),
+        [*entries, *_passed_over(found), *_way(run, found)],
+        heat=kinds,
+        equal=True,
+        title="what it judged",
+    )
+    seen = Panel(
+        _axis("east", (e[0], e[-1])),
+        _axis("north", (n[0], n[-1])),
+        [*_way(run, found)],
+        heat=heights,
+        equal=True,
+        title="what it saw: height above the ground below",
+    )
+    return Figure("hazard_map", "Map of hazards from hover", [judged, seen], _words(found), 2, height=480)
+
+
+def _words(found: LandingMap) -> str:
+    """What the map says, in a sentence or two."""
+    safe = 100.0 * np.mean(found.verdict == VERDICTS.index("safe"))
+    away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
+    reasons = Counter(found.reasons())
+    passed = ", ".join(f"{count} for {name}" for name, count in reasons.most_common())
+    text = f"Of the map {safe:.0f} % is safe for the whole footprint. "
+    if passed:
+        text += f"On its way out from the point below, the search passed over {passed}; "
+    else:
+        text += "The search passed over nothing; "
+    if not found.found:
+        return text + f"no spot was safe, and it took the least bad one, {away:.1f} m away."
+    cell = np.floor((found.spot_m - found.corner_m) / found.cell_m).astype(int)
+    clear = float(found.clearance_m[cell[1], cell[0]])
+    return text + f"the chosen spot lies {away:.1f} m away and {clear:.1f} m from the nearest unsafe one."
+
+
+def _coarse(run: Run, found: LandingMap) -> Figure:
+    """The targets that the parts of the landing image offered, and what else comes down there."""
+    labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
+    offered = Trace(
+        found.coarse_m[:, 0],
+        found.coarse_m[:, 1],
+        "parts of the image",
+        "points",
+        GREY,
+        labels=labels,
+        width=4.0,
+    )
+    chosen = found.coarse_m[int(found.coarse_part)]
+    taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
+    drift = Trace(
+        found.drift_m[:, 0], found.drift_m[:, 1], "backshell, as predicted", colour=PURPLE, dash="dot"
+    )
+    east, north = run["truth.backshell_east_m"], run["truth.backshell_north_m"]
+    there = np.isfinite(east)
+    shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
+    last = run.between("backshell")
+    flown = Trace(
+        run["truth.site_east_m"][last], run["truth.site_north_m"][last], "lander", colour=BLUE, width=2.2
+    )
+    panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, flown], equal=True)
+    caption = (
+        "From the landing image the part with the fewest obstacles is taken whose middle keeps clear of the "
+        "predicted way of backshell and canopy."
+    )
+    return Figure("coarse_choice", "Choice on the landing image", [panel], caption, height=420)
+
+
+def _way(run: Run, found: LandingMap) -> Iterator[Trace]:
+    """Hover, the way from there to the ground, the footprint around the chosen spot, and the touchdown."""
+    radius = float(run.scenario["flight_software"]["hazard"]["footprint_radius_m"])
+    turn = np.linspace(0.0, 2.0 * np.pi, 73)
+    spot_e, spot_n = (float(value) for value in found.spot_m)
+    last = run.between("spot", "touchdown")
+    east = run["truth.site_east_m"] + run["nav.error_east_m"]
+    north = run["truth.site_north_m"] + run["nav.error_north_m"]
+    yield Trace(east[last], north[last], "way, as navigated", colour=BLUE, width=2.2)
+    hover = np.asarray(found.hover_m)
+    yield Trace(hover[:1], hover[1:2], "hover", "points", BLACK, symbol="cross", width=3.0)
+    yield Trace(
+        spot_e + radius * np.cos(turn), spot_n + radius * np.sin(turn), "chosen footprint",
+        colour=BLACK, width=2.2,
+    )  # fmt: skip
+    if "touchdown" in run.when:
+        row = int(np.searchsorted(run.t, run.when["touchdown"]).clip(0, len(run.t) - 1))
+        yield Trace(
+            east[row : row + 1], north[row : row + 1], "touchdown", "points", BLUE, symbol="diamond",
+            width=4.0,
+        )  # fmt: skip
+
+
+def _passed_over(found: LandingMap) -> Iterator[Trace]:
+    """The spots that the search passed over."""
+    if len(found.rejected_m):
+        yield Trace(
+            found.rejected_m[:, 0], found.rejected_m[:, 1], "passed over", "points", ORANGE, symbol="x",
+            width=3.0,
+        )  # fmt: skip
+
+
+def middles(found: LandingMap) -> tuple[np.ndarray, np.ndarray]:
+    """East and north (m) of the middles of the columns and rows of the map."""
+    step = (np.arange(len(found.verdict)) + 0.5) * float(found.cell_m)
+    return float(found.corner_m[0]) + step, float(found.corner_m[1]) + step
+
+
+def _axis(way: str, span: tuple[float, float] | None = None) -> Axis:
+    return Axis(f"{way} of the landing site (m)", span)

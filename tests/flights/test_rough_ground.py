@@ -1,0 +1,110 @@
+"""Landings on generated ground: footpads and figures against the ground itself, worked out with numpy."""
+
+from math import atan, degrees, hypot
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import edl6dof
+from edl6dof.environment.areoid import areoid_height
+from edl6dof.environment.landing_area.census import list_within
+from edl6dof.environment.landing_area.plane import place_of
+from edl6dof.environment.terrain import ground
+from edl6dof.sim.outcome import LANDED, TIPPED_OVER
+from edl6dof.spatial.frames import geodetic
+
+#: Seed and share of rocks: ground of many kinds.
+CASES = [(1, 0.04), (3, 0.2), (4, 0.3)]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=[f"seed {seed}, {share:.0%}" for seed, share in CASES])
+def landed(request):
+    seed, share = request.param
+    return edl6dof.fly("tianwen1_hazards", [f"seed={seed}", f"terrain.landing_area.rock_abundance={share}"])
+
+
+def points_F(flight, points):
+    """Points of the body (B, m) in F at the end of the flight."""
+    y, t = flight.plant["y"][0], flight.time_s
+    to_I = Rotation.from_quat([*y[7:10], y[6]])
+    to_F = Rotation.from_euler("z", -flight.scenario.planet.rotation_rate_rad_s * t)
+    return to_F.apply(y[:3] + to_I.apply(np.array(points) - flight.outputs["centre"][0]))
+
+
+def above_ground(flight, point):
+    """Height (m) of a point in F above the ground below it, its place (m north and east of the site), and the
+    elevation (m) of the ground there.
+    """
+    case, planet = flight.case[0], flight.scenario.planet
+    sl, cl, so, co, altitude = geodetic(planet.equatorial_radius_m, planet.flattening, tuple(point))
+    lat, lon = np.arctan2(sl, cl), np.arctan2(so, co)
+    elevation = ground(case["terrain"], flight.tables["terrain"][0], lat, lon)[0]
+    height = altitude - elevation - areoid_height(planet, lat, lon)
+    return height, *place_of(case["terrain"], lat, lon), elevation
+
+
+def test_footpads_stand_on_the_ground_under_each_of_them(landed):
+    """At least three points press on it, by what the weight pushes them in; no other is below it."""
+    assert landed.code == LANDED
+    gear = landed.scenario.vehicle.landing_gear
+    pads = np.array([above_ground(landed, point)[0] for point in points_F(landed, gear.footpads_m)])
+    below = np.array([above_ground(landed, point)[0] for point in points_F(landed, gear.underside_m)])
+    depths = -np.concatenate([pads, below])
+    weight = float(landed.outputs["mass"][0]) * 3.72
+    assert np.sum(depths > 0.0) >= 3 and landed.outputs["pads"][0] == np.sum(pads < 0.0)
+    carried = gear.stiffness_n_m * np.maximum(depths, 0.0)
+    assert np.sum(carried) == pytest.approx(weight, rel=0.25)  # the ground under a point may lean
+
+
+def test_figures_of_the_footing_are_those_of_the_ground(landed):
+    gear, figures = landed.scenario.vehicle.landing_gear, landed.metrics
+    pads = np.array([above_ground(landed, point) for point in points_F(landed, gear.footpads_m)])
+    design = np.column_stack([pads[:, 1:3] - pads[:, 1:3].mean(axis=0), np.ones(4)])
+    rise = np.linalg.lstsq(design, pads[:, 3] - pads[:, 3].mean(), rcond=None)[0]
+    assert figures["touchdown_slope_deg"] == pytest.approx(degrees(atan(hypot(*rise[:2]))), abs=0.02)
+
+    middle = above_ground(landed, points_F(landed, [landed.outputs["centre"][0]])[0])
+    rocks = np.zeros((1000, 4))
+    count = list_within(
+        landed.case["terrain"]["landing_area"]["rocks"][0], middle[1] - 3, middle[2] - 3, 6.0, rocks
+    )
+    inside = rocks[:count][np.hypot(rocks[:count, 0] - middle[1], rocks[:count, 1] - middle[2]) <= 2.0027]
+    assert figures["rocks_under_lander"] == np.sum(inside[:, 2] >= 0.5)
+    assert figures["largest_rock_m"] == pytest.approx(inside[:, 2].max(initial=0.0))
+    assert figures["largest_rock_height_m"] == pytest.approx(0.5 * figures["largest_rock_m"])
+
+    angles, radii = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False), np.linspace(0.0, 0.8485, 30)
+    lowest = max(point[0] for point in gear.underside_m)
+    disc = [(lowest, r * np.cos(a), r * np.sin(a)) for r in radii for a in angles]
+    clearances = [above_ground(landed, point)[0] for point in points_F(landed, disc)]
+    assert figures["belly_clearance_m"] == pytest.approx(min(clearances), abs=0.03)
+
+
+def test_a_rock_under_the_belly_is_the_cause_of_no_success():
+    """Whatever the limits break on: success means no large rock and no ground into the belly."""
+    seen = set()
+    for seed in range(1, 9):
+        flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", "terrain.landing_area.rock_abundance=0.2"])
+        rock, reach = flight.metrics["largest_rock_m"], flight.metrics["ground_under_belly_m"]
+        assert ("largest rock under the lander" in flight.outcome) == (rock > 0.5)
+        assert ("ground under the belly" in flight.outcome) == (reach > 0.28)
+        assert flight.success == (rock <= 0.5 and reach <= 0.28)
+        seen.add((rock > 0.5, reach > 0.28))
+    assert len(seen) >= 2
+
+
+def test_what_stands_on_rough_ground_and_what_tips_over_follows_from_the_motion():
+    """No rule says when: on ground of hills and holes, the steepest footings throw the lander over."""
+    rough = ["terrain.landing_area.rms_slope_deg=20", "terrain.landing_area.slope_baseline_m=3"]
+    tipped = {}
+    for seed in (1, 3, 4, 6):
+        flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", *rough])
+        assert flight.code in (LANDED, TIPPED_OVER)
+        tipped[flight.metrics["touchdown_slope_deg"]] = flight.code == TIPPED_OVER
+    standing = [slope for slope, over in tipped.items() if not over]
+    assert 0 < len(standing) < 4 and max(standing) < min(tipped.keys() - standing)
+
+
+def test_without_a_generated_landing_area_there_are_no_such_figures():
+    assert "rocks_under_lander" not in edl6dof.fly("tianwen1").metrics

@@ -1,0 +1,58 @@
+"""Reversals at slow bank rates: the range that rolling through lift up adds is known before it is flown."""
+
+import json
+
+import pytest
+
+import edl6dof
+
+ENTRY = "flight_software.guidance.entry"
+
+
+def flown(rate_deg_s, law, *overrides):
+    """Figures of the entry of Zheng & Cui with a bank angle that turns at a rate, down to its end."""
+    sets = [
+        "mission.goal=deployment",
+        "point_mass.bank_response=rate_limited",
+        f"point_mass.bank_rate_deg_s={rate_deg_s}",
+        f"{ENTRY}.bank_rate_deg_s={rate_deg_s}",
+        f"{ENTRY}.law={law}",
+    ]
+    return edl6dof.fly("zheng2015", [*sets, *overrides]).metrics
+
+
+def miss_of_one_reversal(rate_deg_s, speed):
+    """Miss (km) at the largest bank angle all the way, with one reversal at ``speed`` (m/s)."""
+    points = [{"at": speed - 1.0, "bank_deg": -90.0}, {"at": speed + 1.0, "bank_deg": 90.0}]
+    sets = [f"{ENTRY}.reversal.logic=own_sign", f"{ENTRY}.bank_profile={json.dumps({'points': points})}"]
+    return flown(rate_deg_s, "bank_profile", *sets)["parachute_miss_m"] / 1e3
+
+
+@pytest.fixture(scope="module")
+def floor():
+    """Least miss (km) of all flights with one reversal at 5 deg/s."""
+    return min(miss_of_one_reversal(5.0, speed) for speed in range(4400, 5801, 100))
+
+
+def test_one_slow_reversal_at_the_largest_bank_ends_beyond_the_aim_point(floor):
+    assert floor > 6.0
+
+
+@pytest.mark.parametrize("law", ["drag_tracking", "npc", "etpc", "fl", "ehgo_fl"])
+def test_a_slow_bank_angle_reverses_once_and_ends_near_what_can_be_reached(law, floor):
+    """Two reversals, as the corridor alone asks for, end 40 km beyond the aim point."""
+    figures = flown(5.0, law)
+    assert figures["bank_reversals"] == 1
+    assert figures["parachute_miss_m"] / 1e3 < 2.0 * floor
+
+
+@pytest.mark.parametrize("law", ["drag_tracking", "npc", "etpc"])
+def test_at_10_deg_s_the_aim_point_is_in_reach(law):
+    assert flown(10.0, law)["parachute_miss_m"] < 4e3
+
+
+def test_fnpeg_plans_no_more_reversals_than_range_allows():
+    """Three at 5 deg/s lead 60 km too far."""
+    own = f"{ENTRY}.reversal.logic=own_sign"
+    assert flown(5.0, "fnpeg", own)["parachute_miss_m"] < 30e3
+    assert flown(10.0, "fnpeg", own)["parachute_miss_m"] < 2e3
