@@ -15,7 +15,7 @@ from math import exp, sin, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.vehicle_state import G0
+from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 
