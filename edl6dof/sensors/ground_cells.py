@@ -24,7 +24,7 @@ from edl6dof.spatial.vector import cross, put3, sub, take3
 CORNERS = CAMERA_CELLS + 1
 #: Looks at the ground on the way to where a corner meets it: each leaves an error smaller than the one before
 #: by the slope of the ground times the tangent of the ray's angle to the vertical.
-_LOOKS = 3
+_LOOKS = 5
 
 GROUND_CELLS = np.dtype(
     [
