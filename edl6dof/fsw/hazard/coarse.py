@@ -42,8 +42,12 @@ class CoarseParams(Params):
         12.0, "time for which the target runs ahead with the drift", status="estimate", ge=0.0, le=60.0
     )
     keep_clear_m: float = param(
-        100.0, "least distance of the target from the predicted drift of backshell and canopy",
+        150.0, "least distance of the target from the predicted drift of backshell and canopy",
         status="estimate", ge=0.0,
+    )  # fmt: skip
+    wind_time_s: float = param(
+        10.0, "time over which the velocity under the parachute is taken for the wind", status="estimate",
+        gt=0.1, le=100.0,
     )  # fmt: skip
     drift_below_m: float = param(400.0, "height below which the drift counts", status="estimate", gt=0.0)
 

@@ -1,8 +1,8 @@
 """Where backshell and canopy drift to once they are let go: the path that the lander has to stay away from.
 
 They fall as a point mass with drag through the believed air.  The wind is the expected one, shifted so that
-it is, at the height of the release, what has carried the vehicle under its parachute: there the vehicle moves
-with it but for a few metres per second.
+it is, at the height of the release, what has carried the vehicle under its parachute: its velocity over
+several swings, as one alone is metres per second off.
 """
 
 from __future__ import annotations
@@ -50,12 +50,23 @@ def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
 
 
 @kernel
-def predict_drift(atmosphere, drifter, nav, out):
+def follow_wind(time_constant, nav, dt, carried):
+    """Bring the velocity that the vehicle is carried with, north and east (m/s), ``dt`` (s) ahead: smoothed
+    over ``time_constant`` (s).
+    """
+    share = min(dt / time_constant, 1.0)
+    carried[0] += share * (nav.v_N[0] - carried[0])
+    carried[1] += share * (nav.v_N[1] - carried[1])
+
+
+@kernel
+def predict_drift(atmosphere, drifter, carried, nav, out):
     """Fly backshell and canopy from the state of the vehicle to the ground.
 
     Args:
         atmosphere: believed air and wind.
         drifter: ``DRIFTER`` record.
+        carried: velocity that the vehicle was carried with, see :func:`follow_wind`.
         nav: ``NAV`` record at their release.
         out: ``DRIFT`` record, written; the last point is where they come to the ground.
     """
@@ -63,7 +74,7 @@ def predict_drift(atmosphere, drifter, nav, out):
     if drifter.mass <= 0.0:
         return
     wind_north, wind_east = expected_wind(atmosphere, nav.altitude)
-    shift = (nav.v_N[0] - wind_north, nav.v_N[1] - wind_east)
+    shift = (carried[0] - wind_north, carried[1] - wind_east)
     north, east, height = nav.site_L[1], nav.site_L[0], nav.height
     v_n, v_e, v_d = nav.v_N[0], nav.v_N[1], nav.v_N[2]
     step, below = 1.0 / STEPS, nav.altitude - nav.height

@@ -12,7 +12,7 @@ from edl6dof.config.units import G0
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
-from edl6dof.fsw.hazard.drift import predict_drift
+from edl6dof.fsw.hazard.drift import follow_wind, predict_drift
 from edl6dof.fsw.hazard.footprint import FOOTPRINT, assess
 from edl6dof.fsw.hazard.point_map import ELEVATION_MAP, add_range, begin_map, fill_holes
 from edl6dof.fsw.hazard.registry import GIVEN, judge
@@ -35,6 +35,7 @@ HAZARD = np.dtype(
         ("spot_t", TIME_IF_EVER),  # s: spot chosen
         ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
         ("way_L", "f8", (3,)),  # m: from there, by the velocity since
+        ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
         ("coarse", COARSE),
         ("chart", ELEVATION_MAP),
         ("footprint", FOOTPRINT),
@@ -159,7 +160,8 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
     """Ask for the image, and make the coarse choice when it is there."""
     if memory.exposed == 0:
         command.expose = memory.exposed = 1
-        predict_drift(onboard.atmosphere, onboard.drifter, nav, memory.coarse.drift)
+        drift = memory.coarse.drift
+        predict_drift(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
     elif sensed.camera.fresh != 0:
         target = choose_part(onboard.hazard.coarse, sensed.camera, nav, memory.coarse)
         point.coarse_L[0], point.coarse_L[1] = target
@@ -214,6 +216,8 @@ def detect_hazards(onboard, kind, elapsed, sensed, nav, state, memory, point, co
     if onboard.hazard.detection == GIVEN:
         return
     eyes = onboard.instruments.eyes
+    if memory.exposed == 0:
+        follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
     if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
         look_ahead(onboard, sensed, nav, memory, point, command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:

@@ -7,7 +7,13 @@ from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.hazard.coarse import COARSE, CoarseParams, choose_part
-from edl6dof.fsw.hazard.drift import DRIFT, DRIFTER, distance_from_drift, predict_drift
+from edl6dof.fsw.hazard.drift import (
+    DRIFT,
+    DRIFTER,
+    distance_from_drift,
+    follow_wind,
+    predict_drift,
+)
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.onboard import NODES, ONBOARD
 from edl6dof.interface.capacities import CAMERA_CELLS
@@ -114,12 +120,12 @@ def air():
 def test_drift_is_that_of_an_integrated_fall():
     nav, drifter, out = navigated((9.0, 3.0, 62.0)), new(DRIFTER), new(DRIFT)
     drifter["mass"], drifter["drag_area"] = 168.0, 139.0
-    predict_drift(air(), drifter, nav, out)
+    predict_drift(air(), drifter, np.array([7.0, 2.0]), nav, out)
 
     def slope(_, y):
         height = y[2]
         # of the expected wind, what blew at the release instead
-        wind = np.array([2e-3 * height + 9.0 - 2.4, -4e-3 * height + 3.0 + 4.8, 0.0])
+        wind = np.array([2e-3 * height + 7.0 - 2.4, -4e-3 * height + 2.0 + 4.8, 0.0])
         v = np.array([y[3], y[4], y[5]]) - wind
         density = 0.018 * np.exp(-height / 11000.0)
         a = -0.5 * density * 139.0 / 168.0 * np.linalg.norm(v) * v + (0.0, 0.0, 3.72)
@@ -135,3 +141,12 @@ def test_drift_is_that_of_an_integrated_fall():
     terminal = np.sqrt(2.0 * 168.0 * 3.72 / (0.018 * 139.0))
     assert path[-3, 2] - path[-2, 2] == pytest.approx(terminal, rel=0.01)
     assert path[-1, 2] == 0.0
+
+
+def test_wind_is_what_is_left_of_the_velocity_without_the_swings():
+    carried, nav = np.zeros(2), navigated()
+    for k in range(3000):
+        swing = 6.0 * np.sin(2.0 * np.pi * k * 0.02 / 4.0)
+        nav["v_N"] = (5.0 + swing, -3.0 - swing, 60.0)
+        follow_wind(10.0, nav, 0.02, carried)
+    assert carried == pytest.approx((5.0, -3.0), abs=0.5)
