@@ -45,7 +45,7 @@ def end_error(plan: np.void) -> float:
 
 
 def compare(landing: Landing, flight: float, seconds: list[float]) -> tuple[str, float]:
-    """Which of the two lands in ``flight`` s, and the fuel of the kernels over Clarabel's, less 1."""
+    """Which of the two lands in ``flight`` s, and the fuel of the kernels over that of Clarabel, less 1."""
     record, plan = landing_record(landing), first_guess(landing, flight)
     begin = time.thread_time()
     pipg.solve(record[0], 3000, plan[0])

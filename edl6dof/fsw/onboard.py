@@ -244,7 +244,6 @@ ONBOARD = np.dtype(
                     ("entry_mass", "f8"),
                     ("drag_area", "f8"),
                     ("lift_to_drag", "f8"),
-                    ("bank_deceleration", "f8"),  # at which a roll comes to its end, rad/s2; 0: at once
                     ("airframe", AIRFRAME),
                     # by the set of the parts that are gone, a bit for each
                     ("configuration", CONFIGURATION, (2**MAX_PARTS,)),

@@ -114,9 +114,6 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     vehicle = scenario.vehicle
     mass = vehicle.mass
     record["entry_mass"] = mass.entry_kg
-    if scenario.dynamics == "six_dof":
-        slowing = scenario.flight_software.control.bank_to_steer.bank.deceleration_deg_s2
-        record["bank_deceleration"] = radians(slowing)
     airframe = record["airframe"]
     for name in ("drag", "lift", "drag_with_wing"):
         airframe[name] = 1.0

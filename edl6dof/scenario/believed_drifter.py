@@ -6,7 +6,6 @@ from math import pi
 
 import numpy as np
 
-from edl6dof.config.base import stated
 from edl6dof.vehicle.vehicle import VehicleParams
 
 
@@ -14,12 +13,11 @@ def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
     """Fill a ``DRIFTER`` record of zeros from the nominal backshell and the parachute that it carries; of a
     vehicle without one it stays zero.
     """
-    parts = {part.name: part for part in vehicle.parts}
+    masses = {part.name: part.mass_kg for part in vehicle.parts}
     shells = [part for part in vehicle.parts if part.shape == "backshell"]
     for chute in vehicle.parachutes:
         if shells and chute.carried_by == shells[0].name:
-            pack = parts[stated(chute.pack)]
-            record["mass"] = shells[0].mass_kg + pack.mass_kg
+            record["mass"] = shells[0].mass_kg + (masses[chute.pack] if chute.pack is not None else 0.0)
             canopy = pi / 4.0 * chute.diameter_m**2 * chute.drag_coefficient
             record["drag_area"] = shells[0].drag_area_m2 + canopy
             record["length"] = chute.line_length_m

@@ -212,9 +212,8 @@ def look(onboard, t, s):
 @kernel
 def advance(onboard, s, dt):
     """Carry the state on by ``dt`` (s) while the vehicle rolls to the commanded bank angle."""
-    r, v = take3(s.r, 0), take3(s.v, 0)
-    rate, deceleration = onboard.guidance.entry.bank_rate, onboard.vehicle.bank_deceleration
-    s.bank, up, right = roll(s.bank, s.guide.bank, rate, deceleration, dt)
+    r, v, rate = take3(s.r, 0), take3(s.v, 0), onboard.guidance.entry.bank_rate
+    s.bank, up, right = roll(s.bank, s.guide.bank, rate, dt)
     a, _, _ = acceleration(onboard, 1.0, 1.0, r, v, up, right)
     r, v = step(onboard, 1.0, 1.0, r, v, a, up, right, dt)
     put3(s.r, 0, r)

@@ -1,8 +1,8 @@
 """The ground that each cell of an image shows: where the looks along its corners meet it, how large and how
 steep it is there.
 
-Looks meet the ground without the landing area, whose relief is small at the heights that images are taken
-from; the relief then gives the heights of the corners.
+Looks meet the ground without what is generated on it, which is low at the heights that images are taken from;
+that then gives the heights of the corners.
 """
 
 from __future__ import annotations
@@ -19,9 +19,12 @@ from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.sensors.patch import LEVEL
 from edl6dof.sensors.sight import along
-from edl6dof.spatial.vector import cross, sub, take3
+from edl6dof.spatial.vector import cross, put3, sub, take3
 
 CORNERS = CAMERA_CELLS + 1
+#: Looks at the ground on the way to where a corner meets it: each leaves an error smaller than the one before
+#: by the slope of the ground times the tangent of the ray's angle to the vertical.
+_LOOKS = 5
 
 GROUND_CELLS = np.dtype(
     [
@@ -33,23 +36,28 @@ GROUND_CELLS = np.dtype(
 
 
 @kernel
-def lay_cells(case, tables, origin, axes, tangent, reach, cells):
-    """Find the ground that the corners show, up to ``reach`` (m)."""
+def lay_cells(case, tables, origin, axes, height, tangent, reach, cells):
+    """Find the ground that the corners show, up to ``reach`` (m); origin, axes and height are those of
+    :func:`~edl6dof.sensors.sight.sight`.
+    """
     terrain = case.terrain
-    lat, lon = geodetic_of(terrain, origin[0], origin[1])
-    elevation, north, east = regional(terrain, tables.terrain, lat, lon)
-    height = origin[2] + terrain.site_elevation - elevation
     for i in range(CORNERS):
         for j in range(CORNERS):
             ray = along(axes, look(tangent, CAMERA_CELLS, i - 0.5, j - 0.5))
-            fall = north * ray[0] + east * ray[1] - ray[2]
-            cells.met[i, j] = 1 if fall > LEVEL and 0.0 < height <= fall * reach else 0
-            if cells.met[i, j] != 0:
-                way = height / fall
+            cells.met[i, j] = 0
+            if not (height > 0.0 and ray[2] < -LEVEL):
+                continue
+            way = -height / ray[2]
+            for _ in range(_LOOKS):
+                lat, lon = geodetic_of(terrain, origin[0] + way * ray[0], origin[1] + way * ray[1])
+                level = regional(terrain, tables.terrain, lat, lon)[0] - terrain.site_elevation
+                way = (level - origin[2]) / ray[2]
+            if 0.0 < way <= reach:
                 y, x = origin[0] + way * ray[0], origin[1] + way * ray[1]
                 lat, lon = geodetic_of(terrain, y, x)
                 level = ground(terrain, tables.terrain, lat, lon)[0] - terrain.site_elevation
-                cells.place[i, j, 0], cells.place[i, j, 1], cells.place[i, j, 2] = y, x, level
+                put3(cells.place[i, j], 0, (y, x, level))
+                cells.met[i, j] = 1
 
 
 @kernel

@@ -86,9 +86,9 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     if camera.fresh == 0:
         return
     position, turn, tangent = take3(params.position, 0), take3(unit.turn, 0), tan(0.5 * params.field_of_view)
-    origin, axes, _ = sight(case, tables, plant, outputs, position, turn)
+    origin, axes, height = sight(case, tables, plant, outputs, position, turn)
     view = (origin, across(axes), tangent)
-    lay_cells(case, tables, origin, axes, tangent, reach_of(params, plant), memory.cells)
+    lay_cells(case, tables, origin, axes, height, tangent, reach_of(params, plant), memory.cells)
     find_discs(case, plant, outputs, position, turn, memory.discs)
     motion = _motion(case, plant, outputs, position)
     pixel, steepest = 2.0 * tangent / params.pixels, tan(params.steepest)

@@ -1,8 +1,7 @@
 """Star tracker: the attitude, in cycles in which it sees stars, with noise and the error of its alignment.
 
 It sees stars above an altitude, until an event of the mission if one is named, while the body turns slowly
-enough.  Noise is larger about the boresight than
-across it.
+enough.  Noise is larger about the boresight than across it.
 
 Source: Liebe, IEEE Transactions on Aerospace and Electronic Systems 38(2), 2002.
 """
@@ -43,6 +42,7 @@ class StarTrackerParams(Hardware):
         "event of the mission after which it sees no stars: it is covered, or leaves with a part",
         status="estimate",
         record=False,
+        max_length=60,
     )
     rate_deg_s: float = param(3.0, "largest rate at which it sees stars", status="estimate", gt=0.0, le=1e4)
 

@@ -13,20 +13,16 @@ from edl6dof.config.document.source import parse_document
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
-from edl6dof.metrics.deployment import deployment_figures
-from edl6dof.metrics.diagnosis import IsolatedFault, diagnosis_figures, isolated_faults
-from edl6dof.metrics.drift import drift_figures
-from edl6dof.metrics.evaluation import Check, checks, metrics, peak_figures
-from edl6dof.metrics.exclusions import Exclusion, exclusion_figures, exclusions
-from edl6dof.metrics.footing import footing_figures
-from edl6dof.metrics.hazard import hazard_figures
-from edl6dof.metrics.navigation import navigation_figures
-from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
+from edl6dof.metrics.evaluation import Check, checks
+from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
+from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
+from edl6dof.sim.happened import happened
 from edl6dof.sim.loop import fly as fly_cycles
 from edl6dof.sim.loop import prepare, take_up
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
@@ -34,8 +30,8 @@ from edl6dof.sim.termination import Termination, goal_code, termination
 from edl6dof.telemetry.channels import BRIEF, TICK
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.landing_map import LandingMap, landing_map
-from edl6dof.telemetry.timeline import Moment, first_times, moment, moments, timeline
-from edl6dof.vehicle.plant import NOT_BEGUN, OUTPUTS, WORKSPACE
+from edl6dof.telemetry.timeline import timeline
+from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
 
 if TYPE_CHECKING:
     import pandas
@@ -125,8 +121,8 @@ class Flight:
     @cached_property
     def events(self) -> list[dict[str, Any]]:
         """Timeline: dicts with t_s, key, name, detail and the state then."""
-        mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, [*self._wing, *self._faults]
-        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
+        mission, vehicle, befell = self.scenario.mission, self.scenario.vehicle, happened(self)
+        return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, befell)
 
     @cached_property
     def isolated_faults(self) -> list[IsolatedFault]:
@@ -138,81 +134,10 @@ class Flight:
         """Instruments that the flight computer took out of use and back."""
         return exclusions(self.fsw[0], self.scenario.components)
 
-    @property
-    def _wing(self) -> list[Moment]:
-        """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
-        truth, plant = self.loaded.truth, self.plant[0]
-        starts = zip(truth.vehicle.surfaces, plant["wing_start"], strict=False)
-        ends = {one.name: float(t) + one.deploy_time_s for one, t in starts if t < NOT_BEGUN}
-        opened = max(ends.values(), default=np.inf)
-        stopped = any(
-            fault.component == "surface" and since < ends.get(fault.acts_on(truth.components), -np.inf)
-            for fault, since in zip(truth.faults, plant["fault_since"], strict=False)
-        )
-        return [] if stopped or opened > self.time_s else [moment(opened, "trim_wing_open", "trim wing open")]
-
-    @property
-    def _faults(self) -> list[Moment]:
-        truth = self.loaded.truth
-        rows = [
-            moment(since, "fault", f"fault: {fault.label(truth.components)}")
-            for fault, since in zip(truth.faults, self.plant["fault_since"][0], strict=False)
-            if since != NOT_BEGUN
-        ]
-        found = [
-            moment(one.t_s, "diagnosis", f"diagnosis: {one.label}", thruster=one.thruster, isolated=one.label)
-            for one in self.isolated_faults
-        ]
-        found += [
-            moment(one.t_s, "exclusion", one.label, component=one.component, instrument=one.instrument,
-                   back=one.back)
-            for one in self.exclusions
-        ]  # fmt: skip
-        return rows + found
-
     @cached_property
     def metrics(self) -> dict[str, float]:
         """Figures of the flight by name with unit suffix."""
-        happened = first_times(
-            moments(self.plant[0], self.fsw[0], self.scenario.mission, self.scenario.vehicle)
-        )
-        # a flight that goes on from a saved state has no telemetry of what happened before
-        when = {key: t for key, t in happened.items() if t >= self.telemetry["t_s"][0] - 1e-9}
-        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
-            figures = metrics(self.telemetry, when, self.scenario.phase_roles)
-            figures |= peak_figures(self.plant[0], self.peaks[0], happened) | touchdown_state(
-                self.case, self.plant
-            )
-            figures |= footing_figures(self.case, self.tables, self.plant, self.outputs)
-            truth = self.loaded.truth
-            figures |= diagnosis_figures(
-                self.isolated_faults, truth.faults, truth.components, truth.branches, self.plant[0]
-            )
-            if self.scenario.navigation_filter != "given":
-                figures |= navigation_figures(self.telemetry, when)
-                figures |= exclusion_figures(self.exclusions, truth.faults, truth.components, self.plant[0])
-            return figures | self._hazard(figures, when) | self._deployment(figures)
-
-    def _hazard(self, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
-        """What hazard detection did and what it kept away from; empty without it."""
-        scenario = self.scenario
-        if scenario.flight_software.hazard.detection == "given":
-            return {}
-        lines = max((chute.line_length_m for chute in scenario.vehicle.parachutes), default=0.0)
-        return drift_figures(self.telemetry, when, lines) | hazard_figures(
-            self.case, self.fsw[0], self.telemetry, figures
-        )
-
-    def _deployment(self, figures: dict[str, float]) -> dict[str, float]:
-        """Miss of the aim point where the parachute opened; empty without a mortar or without entry
-        guidance.
-        """
-        if "parachute_s" not in figures or all(
-            phase.guidance != "entry" for phase in self.scenario.mission.phases
-        ):
-            return {}
-        radius_m = self.scenario.planet.equatorial_radius_m
-        return deployment_figures(self.telemetry, figures["parachute_s"], self.aim_point, radius_m)
+        return figures_of(self)
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
@@ -300,12 +225,8 @@ def resolved_text(loaded: LoadedScenario) -> str:
     """Resolved scenario with the package version on top."""
     from edl6dof import __version__
 
-    header = [
-        (
-            f"resolved by edl6dof {__version__}: every default written out; flying this file repeats the "
-            "flight bit for bit"
-        )
-    ]
+    words = "every default written out; flying this file repeats the flight bit for bit"
+    header = [f"resolved by edl6dof {__version__}: {words}"]
     return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
 
 

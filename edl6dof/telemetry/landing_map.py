@@ -6,7 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.fsw.hazard.safety import VERDICTS
+from edl6dof.fsw.hazard import safety
+
+#: Verdicts on a cell, by their numbers.
+VERDICTS = safety.VERDICTS
 
 
 class LandingMap(NamedTuple):

@@ -46,7 +46,7 @@ from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 
 for law in sys.argv[1:]:
     sets = ["wind.gust.enabled=true", "atmosphere.perturbation.enabled=true",
-    "flight_software.guidance.entry.law=" + law]
+    "terrain.landing_area.model=generated", "flight_software.guidance.entry.law=" + law]
     case, tables, onboard = (record[0] for record in records.build_records(edl6dof.load("tianwen1", sets)))
     capsule, gas = case["vehicle"]["aero"]["capsule"], case["planet"]["gas"]
     for x in (np.nan, np.inf, -np.inf, 1e300, -1e300, 9.3e18, -9.3e18, 5e-324, -1.0, 0.0):

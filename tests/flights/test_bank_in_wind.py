@@ -93,6 +93,21 @@ def test_rigid_body_on_instruments_banks_no_more_in_a_strong_wind_but_for_one_re
         assert bank_travel("tianwen1", law, f"truth={wind}") <= MORE * mean + reversal, name
 
 
+@pytest.mark.parametrize("law", ["npc", "fnpeg"])
+@pytest.mark.parametrize("mission, wind", [("wu2013", steady(0)), ("yan2016", steady(90))])
+def test_unexpected_tail_wind_carries_laws_that_fly_ahead_out_of_reach(mission, wind, law):
+    """Where bank travel exceeds its bound: the largest bank angle is held for long, reversals are made at it,
+    and the flight still ends beyond the aim point.
+    """
+    sets = [f"{ENTRY}.law={law}", "mission.goal=deployment", "simulation.log_every=1", *BANKS["ideal"]]
+    flight = edl6dof.fly(mission, [*sets, f"truth={wind}"])
+    bank = np.abs(flight.telemetry["guide.bank_deg"])
+    slow = flight.during(LIFT) & (flight.telemetry["truth.speed_m_s"] < 1000.0)
+    largest = flight.scenario.flight_software.guidance.entry.bank_max_deg
+    assert np.mean(bank[slow] > largest - 0.5) > 0.3
+    assert flight.metrics["parachute_downrange_m"] > 500.0
+
+
 # ---- drag in calm air --------------------------------------------------------------------------------------
 
 

@@ -124,7 +124,7 @@ def test_fault_of_an_instrument_is_an_event_and_breaks_no_more_than_its_reading(
 
 
 def test_stars_are_seen_until_the_event_that_is_named_and_not_missed_after_it(nominal):
-    """Through the air down to the trim wing: the attitude is known better until then, and drifts after."""
+    """All the way down to the trim wing: the attitude is known better until then, and drifts after."""
     stars = "sensors.star_tracker={until: trim_wing, lowest_m: -1.0e+4, rate_deg_s: 10}"
     flight = edl6dof.fly("tianwen1", [stars])
     wing = flight.metrics["trim_wing_s"]

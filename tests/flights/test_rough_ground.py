@@ -11,6 +11,7 @@ from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.plane import place_of
 from edl6dof.environment.terrain import ground
+from edl6dof.scenario.relief import Relief
 from edl6dof.sim.outcome import LANDED, TIPPED_OVER
 from edl6dof.spatial.frames import geodetic
 
@@ -108,3 +109,17 @@ def test_what_stands_on_rough_ground_and_what_tips_over_follows_from_the_motion(
 
 def test_without_a_generated_landing_area_there_are_no_such_figures():
     assert "rocks_under_lander" not in edl6dof.fly("tianwen1").metrics
+
+
+def test_viewers_see_the_ground_of_the_flight(landed):
+    scenario, case = landed.scenario, landed.case[0]
+    relief = Relief(scenario.terrain, scenario.planet, scenario.seed, scenario.profile)
+    lat, lon = (
+        np.radians(25.066 + np.linspace(-0.01, 0.01, 40)),
+        np.radians(109.925 + np.linspace(-0.02, 0.03, 40)),
+    )
+    own = [
+        ground(case["terrain"], landed.tables["terrain"][0], *place)[0]
+        for place in zip(lat, lon, strict=True)
+    ]
+    assert np.array_equal(relief.heights(lat, lon)[0], own)

@@ -35,7 +35,7 @@ def floor():
 
 
 def test_one_slow_reversal_at_the_largest_bank_ends_beyond_the_aim_point(floor):
-    assert floor > 6.0
+    assert floor > 10.0
 
 
 @pytest.mark.parametrize("law", ["drag_tracking", "npc", "etpc", "fl", "ehgo_fl"])
@@ -43,7 +43,7 @@ def test_a_slow_bank_angle_reverses_once_and_ends_near_what_can_be_reached(law, 
     """Two reversals, as the corridor alone asks for, end 40 km beyond the aim point."""
     figures = flown(5.0, law)
     assert figures["bank_reversals"] == 1
-    assert figures["parachute_miss_m"] / 1e3 < 2.0 * floor
+    assert figures["parachute_miss_m"] / 1e3 < 1.2 * floor
 
 
 @pytest.mark.parametrize("law", ["drag_tracking", "npc", "etpc"])

@@ -104,7 +104,7 @@ class _Program:
     """A conic program, gathered: ``rows x + constant`` in cones, shapes (n, unknowns) and (n,)."""
 
     def __init__(self, unknowns: int) -> None:
-        import clarabel
+        import clarabel  # the optional extra "design"
 
         self.unknowns = unknowns
         self._clarabel = clarabel

@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.fsw.hazard.safety import VERDICTS
 from edl6dof.interface.capacities import SCAN_COLUMNS, SCAN_ROWS
 from edl6dof.interface.eyes import look
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.landscape import sunlight
 from edl6dof.replay.scene.mesh import RGB, Mesh, bright, open_grid_triangles
 from edl6dof.spatial import rotations as turns
-from edl6dof.telemetry.landing_map import LandingMap
+from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
 
 #: Columns by which a map that was navigated comes to lie where it is.
 NAVIGATED = ("nav.error_east_m", "nav.error_north_m")

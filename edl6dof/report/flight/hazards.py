@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from edl6dof.fsw.hazard.safety import VERDICTS
 from edl6dof.report.figure import (
     BLACK,
     BLUE,
@@ -25,7 +24,7 @@ from edl6dof.report.figure import (
     Trace,
 )
 from edl6dof.runs.run import Run
-from edl6dof.telemetry.landing_map import LandingMap
+from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
 
 #: What stands in a legend for each verdict, and its colour: light enough for what is drawn on it.
 SHOWN: dict[str, tuple[str, str]] = {
@@ -103,7 +102,15 @@ def _words(found: LandingMap) -> str:
 def _coarse(run: Run, found: LandingMap) -> Figure:
     """The targets that the parts of the landing image offered, and what else comes down there."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    offered = Trace(*found.coarse_m.T, "parts of the image", "points", GREY, labels=labels, width=4.0)
+    offered = Trace(
+        found.coarse_m[:, 0],
+        found.coarse_m[:, 1],
+        "parts of the image",
+        "points",
+        GREY,
+        labels=labels,
+        width=4.0,
+    )
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
     drift = Trace(

@@ -18,7 +18,7 @@ from edl6dof.vehicle.landing_gear import contact, contact_point, contacts
 from edl6dof.vehicle.plant import POSITION, VELOCITY
 
 #: Height (m) of the centre of mass above the ground below which each point has its own plane.
-NEAR = 20.0
+NEAR = 5.0
 
 
 @kernel

@@ -7,7 +7,7 @@ from math import atan, degrees, exp, pi, radians, sqrt, tan
 
 import numpy as np
 import pytest
-from scipy import integrate
+from scipy import integrate, stats
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.environment.landing_area.census import list_within, within
@@ -36,14 +36,14 @@ BARE = {"crater_density_per_km2": 0.0, "rock_abundance": 0.0}
 SMOOTH = {"rms_slope_deg": 0.0}
 
 
-def build(seed=1, given=None, **area):
+def build(seed=1, given=None, case=0, **area):
     params = TerrainParams(
         **{"site_elevation_m": ELEVATION, "site_latitude_deg": 25.066, "site_longitude_deg": 109.925},
         **(given or {}),
         landing_area=LandingAreaParams(**{"model": "generated", **area}),
     )
     terrain, grid = np.zeros(1, TERRAIN)[0], ground_arrays(ground_inputs(params, PLANET))
-    fill_terrain(terrain, params, grid, PLANET, seed)
+    fill_terrain(terrain, params, grid, PLANET, seed, case)
     return terrain, grid
 
 
@@ -176,6 +176,19 @@ def test_rocks_are_as_many_as_golombek_says(abundance, diameter, per_m2):
     assert abs(found - expected) < 3.5 * sqrt(expected)
 
 
+@pytest.mark.parametrize("abundance, share", [(0.1, 0.467), (0.04, 0.094)])
+def test_a_place_taken_blindly_has_a_rock_under_the_lander_as_often_as_it_must(abundance, share):
+    """Rocks of half a metre and more in a disc of 12.6 m2, at places of many cases."""
+    assert 1.0 - exp(-12.6 * golombek(abundance, 0.5)) == pytest.approx(share, abs=0.0005)
+    hit, count = 0, 8000
+    for seed in range(20):
+        rocks = build(seed, rock_abundance=abundance)[0]["landing_area"]["rocks"]
+        for north, east in np.random.default_rng(seed).uniform(-15e3, 15e3, (count // 20, 2)):
+            hit += within(rocks, north, east, sqrt(12.6 / pi), 0.5)[0] > 0
+    low, high = stats.binom.interval(0.999, count, share)
+    assert low <= hit <= high
+
+
 @pytest.mark.parametrize("abundance", [0.04, 0.1, 0.2])
 def test_rocks_cover_the_share_of_the_ground_that_golombek_says(abundance):
     terrain, _ = build(3, rock_abundance=abundance)
@@ -236,6 +249,7 @@ def test_every_case_and_every_seed_has_its_own_ground_and_always_the_same():
     (one, grid), (two, _), (again, _) = build(1), build(2), build(1)
     z = laid(one, grid, 0.0, 0.0, 64)[0]
     assert np.mean(z == laid(two, grid, 0.0, 0.0, 64)[0]) < 0.01
+    assert np.mean(z == laid(build(1, case=1)[0], grid, 0.0, 0.0, 64)[0]) < 0.01
     with ThreadPoolExecutor(4) as pool:
         places = [(0.0, 0.0), (3.2, -1.6), (-5.0, 2.0), (0.0, 0.0)]
         parts = list(pool.map(lambda place: laid(again, grid, *place, 64)[0], places))

@@ -2,13 +2,14 @@
 
 import numpy as np
 
+from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
 from edl6dof.fsw.guidance.powered.terminal import command_thrust, start_or_throttle
 from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.vehicle_state import G0, VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 #: Nothing chosen by hazard detection.
 NO_POINT = np.zeros(1, LANDING_POINT)[0]

@@ -360,7 +360,6 @@ def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
 def test_reversal_in_the_plane_adds_the_range_of_lift_up_and_no_crossrange(onboard):
     """More at a slower bank rate, as much in time as it is slower."""
     record, nav = onboard[0], state(32.2, 110.2, 65e3, 4820.0, -9.3, 180.0, 60.0)
-    record["vehicle"]["bank_deceleration"] = 0.0
     added = []
     for rate_deg_s in (20.0, 5.0):
         record["guidance"]["entry"]["bank_rate"] = radians(rate_deg_s)

@@ -8,12 +8,12 @@ from powered_flight import MASS, G, Guided, PointMass, fly_on_the_engine
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import minimize_scalar
 
+from edl6dof.config.units import G0
 from edl6dof.fsw.guidance.powered.apollo import quadratic
 from edl6dof.fsw.guidance.powered.constant_thrust import against_velocity, burn_time
 from edl6dof.fsw.guidance.powered.e_guidance import optimal_time, zem_zev
 from edl6dof.fsw.guidance.powered.planning import root
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
-from edl6dof.fsw.vehicle_state import G0
 
 WITH_A_POINT = [name for name in POWERED_LAWS.names if name != "gravity_turn"]  # which has none
 PLANNING = ("e_guidance", "apollo")

@@ -5,8 +5,11 @@ import pytest
 from hovering import Hovering, area, bare
 
 from edl6dof.environment.landing_area.census import list_within
+from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.interface.capacities import CAMERA_CELLS
+from edl6dof.interface.eyes import look
 from edl6dof.sensors.landing_camera import smeared
+from edl6dof.spatial.frames import from_geodetic
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.vehicle.debris import FALLING, LOOSE
 from edl6dof.vehicle.parachutes.parachute import RELEASED
@@ -93,6 +96,26 @@ def test_steep_craters_count_and_worn_ones_do_not():
     assert density.sum() > 0.5 * every.sum()
     steeper = Hovering("landing_camera", CRATERS, STILL | {"steepest_deg": 25.0}, height=700.0)
     assert 0.0 < image(steeper)[0].sum() < 0.7 * density.sum()
+
+
+@pytest.mark.parametrize("slope", [0.0, 12.0])
+def test_corners_of_the_cells_lie_on_the_ground_where_they_look(slope):
+    bench = Hovering("landing_camera", bare(slope), STILL, height=800.0, turns=(30.0, 12.0, -8.0))
+    image(bench)
+    planet, terrain, eye = bench.case["planet"], bench.case["terrain"], bench.eye()
+    areoid, q = bench.plant["inputs"]["areoid"], tuple(bench.plant["y"][ATTITUDE : ATTITUDE + 4])
+    shape = float(planet["equatorial_radius"]), float(planet["flattening"])
+    for i in range(0, CAMERA_CELLS + 1, 8):
+        for j in range(0, CAMERA_CELLS + 1, 8):
+            north, east, level = map(float, bench.memory["cells"]["place"][i, j])
+            lat, lon = geodetic_of(terrain, north, east)
+            at_areoid = areoid[:3] @ from_geodetic(*shape, lat, lon, 0.0) + areoid[3]
+            altitude = float(at_areoid + terrain["site_elevation"] + level)
+            point = np.array(from_geodetic(*shape, lat, lon, altitude))
+            assert abs(bench.clearance(point)) < 1e-2
+            way = point - eye
+            direction = from_frame(q, look(TANGENT, CAMERA_CELLS, i - 0.5, j - 0.5))
+            assert np.linalg.norm(np.cross(way / np.linalg.norm(way), direction)) < 1e-3
 
 
 @pytest.mark.parametrize("slope, expected", [(7.5, 0.0), (8.5, 1.0)])

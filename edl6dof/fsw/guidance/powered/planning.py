@@ -15,7 +15,7 @@ from math import exp, sin, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.vehicle_state import G0
+from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 
@@ -71,10 +71,10 @@ def root(a, s, d):
 
 @kernel
 def planned_sideways(reserve, tilt_limit, state):
-    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at the full level of the
-    start.
+    """Lateral acceleration (m/s2) within the tilt limit (rad) at the upper end of the throttle band, less the
+    reserve.
     """
-    return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
+    return (1.0 - reserve) * sin(tilt_limit) * state.engine.throttle_max / state.mass
 
 
 @kernel

@@ -9,7 +9,7 @@ Mechanics", chapter 2, here without a singular heading and with wind; the mean l
 
 from __future__ import annotations
 
-from math import copysign, cos, sin, sqrt
+from math import cos, sin, sqrt
 
 from edl6dof.fsw.guidance.entry.prediction.airframe import believed_aero
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
@@ -91,39 +91,16 @@ def step(onboard, drag_ratio, lift_ratio, r, v, a, lift_up, lift_right, dt):
 
 
 @kernel
-def roll(bank, goal, rate, deceleration, dt):
+def roll(bank, goal, rate, dt):
     """Bank angle (rad) after ``dt`` (s) of rolling to ``goal`` through zero at no more than ``rate`` (rad/s),
     and the mean cosine and sine of it over that time: the lift that a step of the motion sees.
-
-    Near the goal the rate falls as ``deceleration`` (rad/s2) allows, as in the parabolic zone of the attitude
-    loop; 0 for a roll that stops at once.
     """
-    left, side = abs(goal - bank), copysign(1.0, goal - bank)
-    braking = 0.5 * rate * rate / deceleration if deceleration > 0.0 else 0.0
-    swift = clamp((left - braking) / rate, 0.0, dt)
-    at = bank + side * rate * swift
-    up, right = swift * mean_cosine(bank, at), swift * mean_sine(bank, at)
-    slow = 0.0
-    if braking > 0.0 and swift < dt:
-        # the square root of what is left falls evenly
-        root, fall = sqrt(abs(goal - at)), sqrt(0.5 * deceleration)
-        slow = min(dt - swift, root / fall)
-        middle = goal - side * (root - 0.5 * fall * slow) ** 2
-        after = goal - side * (root - fall * slow) ** 2
-        up += slow / 6.0 * (cos(at) + 4.0 * cos(middle) + cos(after))
-        right += slow / 6.0 * (sin(at) + 4.0 * sin(middle) + sin(after))
-        at = after
-    held = dt - swift - slow
-    return at, (up + held * cos(at)) / dt, (right + held * sin(at)) / dt
-
-
-@kernel
-def mean_cosine(start, end):
-    """Mean cosine of an angle (rad) that turns evenly."""
-    return cos(end) if abs(end - start) < 1e-6 else (sin(end) - sin(start)) / (end - start)
-
-
-@kernel
-def mean_sine(start, end):
-    """Mean sine of an angle (rad) that turns evenly."""
-    return sin(end) if abs(end - start) < 1e-6 else (cos(start) - cos(end)) / (end - start)
+    most = rate * dt
+    after = clamp(goal, bank - most, bank + most)
+    turned = after - bank
+    if abs(turned) < 1e-6:
+        return after, cos(after), sin(after)
+    share = abs(turned) / most
+    up = (sin(after) - sin(bank)) / turned
+    right = (cos(bank) - cos(after)) / turned
+    return after, share * up + (1.0 - share) * cos(after), share * right + (1.0 - share) * sin(after)

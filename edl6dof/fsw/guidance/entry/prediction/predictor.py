@@ -72,7 +72,7 @@ def predict(onboard, nav, out, plan):
             goal = heading_bank(entry.heading, range_to_go, crossrange)
             if not aligning:
                 aligning, at_handover = True, crossrange
-        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, onboard.vehicle.bank_deceleration, dt)
+        bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
         if in_plane(plan):
             lift_right = 0.0
         a, _, _ = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
 from edl6dof.jit import kernel
+from edl6dof.spatial.lookups import cell
 
 
 @kernel
@@ -20,7 +19,8 @@ def full_controls(plan):
     """How many controls fill the start at full thrust."""
     if plan.full_time <= 0.0:
         return 0
-    return min(max(int(np.floor(CONTROLS * plan.full_time / plan.time + 0.5)), 1), CONTROLS - 2)
+    nearest, _ = cell(CONTROLS * plan.full_time / plan.time + 0.5, CONTROLS - 1)
+    return max(nearest, 1)
 
 
 @kernel
@@ -76,10 +76,11 @@ def shift_controls(plan, elapsed, time, full_time):
     for k in range(CONTROLS):
         at = old_time - plan.to_go[k] * share
         if at < old_full and old_count > 0:
-            j = int(at / (old_full / old_count))
+            j, _ = cell(at / old_full * old_count, old_count)
         else:
-            j = old_count + int((at - old_full) / (old_time - old_full) * (CONTROLS - old_count))
-        j = min(max(j, 0), CONTROLS - 1)
+            rest = CONTROLS - old_count
+            j, _ = cell((at - old_full) / (old_time - old_full) * rest, rest)
+            j += old_count
         for axis in range(3):
             plan.u[k, axis] = plan.w[j, axis]
             plan.glide[k, axis] = push[j, axis]

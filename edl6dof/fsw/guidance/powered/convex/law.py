@@ -3,6 +3,10 @@ again while it burns; between plans the thrust of the plan, with feedback of wha
 
 A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
 plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.
+
+Sources: Acikmese & Ploen 2007, "Convex programming approach to powered descent guidance for Mars landing", J.
+Guidance 30(5): the problem; Yu, Elango, Acikmese 2021, IEEE Control Systems Letters 5(6): the method (PIPG);
+Blackmore, Acikmese, Scharf 2010, J. Guidance 33(4): the least landing error.
 """
 
 from __future__ import annotations
@@ -196,6 +200,6 @@ MEMBER = Member(
     "convex",
     ConvexParams,
     {"guide": guide},
-    "Acikmese & Ploen 2007 (lossless convexification); Yu, Elango, Acikmese 2021 (PIPG)",
+    "Acikmese & Ploen 2007; Yu, Elango, Acikmese 2021 (PIPG)",
     MEMORY,
 )

@@ -32,7 +32,7 @@ BATCH = 10
 LARGEST_PRIMER = 20.0
 #: Converged when the multipliers ask of all thrust less than this to put the end right (m/s2), and the primer
 #: changes by less than this.
-THRUST_TOLERANCE, PRIMER_TOLERANCE = 5e-4, 1e-3
+THRUST_TOLERANCE, PRIMER_TOLERANCE = 1e-4, 5e-4
 
 
 @kernel

@@ -1,0 +1,60 @@
+"""The figures of a finished flight, put together from all that makes some."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from edl6dof.metrics.deployment import deployment_figures
+from edl6dof.metrics.diagnosis import diagnosis_figures
+from edl6dof.metrics.drift import drift_figures
+from edl6dof.metrics.evaluation import metrics, peak_figures
+from edl6dof.metrics.exclusions import exclusion_figures
+from edl6dof.metrics.footing import footing_figures
+from edl6dof.metrics.hazard import hazard_figures
+from edl6dof.metrics.navigation import navigation_figures
+from edl6dof.metrics.touchdown import touchdown_state
+from edl6dof.telemetry.timeline import first_times, moments
+
+if TYPE_CHECKING:
+    from edl6dof.sim.flight import Flight
+
+
+def figures_of(flight: Flight) -> dict[str, float]:
+    """Figures by name with unit suffix."""
+    scenario, truth, plant = flight.scenario, flight.loaded.truth, flight.plant[0]
+    happened = first_times(moments(plant, flight.fsw[0], scenario.mission, scenario.vehicle))
+    # a flight that goes on from a saved state has no telemetry of what happened before
+    when = {key: t for key, t in happened.items() if t >= flight.telemetry["t_s"][0] - 1e-9}
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
+        figures = metrics(flight.telemetry, when, scenario.phase_roles)
+        figures |= peak_figures(plant, flight.peaks[0], happened)
+        figures |= touchdown_state(flight.case, flight.plant)
+        figures |= footing_figures(flight.case, flight.tables, flight.plant, flight.outputs)
+        figures |= diagnosis_figures(
+            flight.isolated_faults, truth.faults, truth.components, truth.branches, plant
+        )
+        if scenario.navigation_filter != "given":
+            figures |= navigation_figures(flight.telemetry, when)
+            figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, plant)
+        return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
+
+
+def _hazard(flight: Flight, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+    """What hazard detection did and what it kept away from; empty without it."""
+    if flight.scenario.flight_software.hazard.detection == "given":
+        return {}
+    lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
+    return drift_figures(flight.telemetry, when, lines) | hazard_figures(
+        flight.case, flight.fsw[0], flight.telemetry, figures
+    )
+
+
+def _deployment(flight: Flight, figures: dict[str, float]) -> dict[str, float]:
+    """Miss of the aim point where the parachute opened; empty without a mortar or without entry guidance."""
+    phases = flight.scenario.mission.phases
+    if "parachute_s" not in figures or all(phase.guidance != "entry" for phase in phases):
+        return {}
+    radius_m = flight.scenario.planet.equatorial_radius_m
+    return deployment_figures(flight.telemetry, figures["parachute_s"], flight.aim_point, radius_m)
