@@ -94,6 +94,7 @@ def synthetic_flight(overrides: tuple[str, ...] = ("sensors.set=perfect",)) -> S
     return SimpleNamespace(
         telemetry=tm,
         events=events,
+        landing_map=None,
         phase_names=names,
         scenario=scenario,
         outcome="landed within limits",

@@ -46,8 +46,8 @@ class Hazards(Recorder):
         if not len(rows):
             return
         self._rays(rows, since, chosen)
-        # places on the map are off by the error of navigation at the scan
-        off = np.array([self.flight[name][rows].mean() for name in NAVIGATED])
+        # places on the map are off by the error of navigation where the scan began
+        off = np.array([np.interp(since, self.t, self.flight[name]) for name in NAVIGATED])
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
             places = self._on_ground(found.rejected_m - off, 0.3)
