@@ -89,7 +89,10 @@ def _words(found: LandingMap) -> str:
     passed = ", ".join(f"{count} for {name}" for name, count in reasons.most_common())
     text = f"Of the map {safe:.0f} % is safe for the whole footprint. "
     if passed:
-        text += f"On its way out from the point below, the search passed over {passed}; "
+        text += (
+            f"On its way out from the point below, the search passed over {passed} (of those that lie a "
+            f"footprint apart, the first {len(found.rejected_m)}); "
+        )
     else:
         text += "The search passed over nothing; "
     if not found.found:
@@ -116,12 +119,18 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
     drift = Trace(
         found.drift_m[:, 0], found.drift_m[:, 1], "backshell, as predicted", colour=PURPLE, dash="dot"
     )
-    east, north = run["truth.backshell_east_m"], run["truth.backshell_north_m"]
+    # all as navigated: off the ground by the error of navigation
+    off_e, off_n = run["nav.error_east_m"], run["nav.error_north_m"]
+    east, north = run["truth.backshell_east_m"] + off_e, run["truth.backshell_north_m"] + off_n
     there = np.isfinite(east)
     shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
     last = run.between("backshell")
     flown = Trace(
-        run["truth.site_east_m"][last], run["truth.site_north_m"][last], "lander", colour=BLUE, width=2.2
+        (run["truth.site_east_m"] + off_e)[last],
+        (run["truth.site_north_m"] + off_n)[last],
+        "lander",
+        colour=BLUE,
+        width=2.2,
     )
     panel = Panel(_axis("east"), _axis("north"), [offered, taken, drift, shell, flown], equal=True)
     caption = (
