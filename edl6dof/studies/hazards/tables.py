@@ -57,14 +57,14 @@ _HEADS = (
 
 def _figures(rows: Sequence[Row]) -> tuple[float, ...]:
     miss = values(rows, "spot_miss_m")
-    known = miss[np.isfinite(miss)]
+    known, past = miss[np.isfinite(miss)], values(rows, "min_drift_distance_m")
     return (
         on_a_rock(rows),
         100.0 * float(np.mean([row["success"] for row in rows])),
         100.0 * _mean(values(rows, "spot_found")),
         100.0 * _mean(values(rows, "spot_false_safe")),
         *(_quantile(known, share) for share in (0.5, 0.95)),
-        float(np.min(values(rows, "min_drift_distance_m", inf))),
+        float(np.nanmin(past)) if np.isfinite(past).any() else nan,
         _mean(values(rows, "propellant_used_kg")),
         100.0 * _mean(values(rows, "map_safe_share")),
     )
