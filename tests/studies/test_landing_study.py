@@ -108,7 +108,7 @@ def test_small_run_comes_out_whole(monkeypatch):
     monkeypatch.setattr(tables, "DIVERTS", (0.0, 600.0))
     for module in (conditions, tables):
         monkeypatch.setattr(module, "ENGINE_FAULTS", {"dead 20 s": (20.0, {"kind": "engine_dead"})})
-    monkeypatch.setattr(timing, "SAVED_AT", (460.0,))
+    monkeypatch.setattr(timing, "SAVED_AFTER_S", (9.0,))
     seen = []
     report = landing.run(("polynomial", "apollo"), 2, lambda done, total: seen.append((done, total)))
     assert report.runs == len(report.table) == 10 and seen[-1] == (10, 10)

@@ -19,8 +19,8 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import fly
 
-#: Flight times (s) of the states, those of the calls that follow them later than a law takes to plan again.
-SAVED_AT, LATER_S = (452.0, 460.0, 468.0, 476.0), 1.0
+#: Times (s) of the states after backshell release; the calls come later by what a law takes to plan again.
+SAVED_AFTER_S, LATER_S = (3.0, 11.0, 19.0, 27.0), 1.0
 REPEATS, BLOCKS = 20, 10
 
 
@@ -39,7 +39,8 @@ def call_time(loaded: LoadedScenario) -> float:
     """
     law = POWERED_LAWS.names.index(loaded.scenario.flight_software.guidance.powered.law)
     onboard = build_records(loaded).onboard
-    return max(_timed(loaded, onboard, law, t) for t in SAVED_AT)
+    released = fly(loaded).metrics["backshell_s"]
+    return max(_timed(loaded, onboard, law, released + after) for after in SAVED_AFTER_S)
 
 
 def _timed(loaded: LoadedScenario, onboard: np.ndarray, law: int, t: float) -> float:

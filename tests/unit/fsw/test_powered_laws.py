@@ -210,3 +210,18 @@ def test_law_brings_the_lander_to_rest_at_the_target_on_the_engine_it_has(
     upwards = velocity[2] - body.v[2] + G * body.t
     spent = MASS - guided.state["mass"]
     assert spent > MASS * (1.0 - exp(-upwards / (G0 * engine["specific_impulse"])))
+
+
+@pytest.mark.parametrize("law", POWERED_LAWS.names)
+@pytest.mark.parametrize("wrong", ["mass", "engine", "velocity"])
+def test_a_call_ends_even_where_what_it_is_given_is_not_finite_or_not_there(onboard, law, wrong):
+    """What comes out is looked at in every cycle of a flight; a call that never returned would not be."""
+    body = PointMass(1200.0, (5.0, 3.0, 62.0))
+    guided = Guided(onboard[0], law, body)
+    if wrong == "mass":
+        guided.state["mass"] = np.nan
+    elif wrong == "engine":
+        guided.state["engine"] = np.zeros(1, guided.state["engine"].dtype)[0]
+    else:
+        body.nav["v_N"] = np.nan
+    guided(body)

@@ -71,10 +71,10 @@ def root(a, s, d):
 
 @kernel
 def planned_sideways(reserve, tilt_limit, state):
-    """Lateral acceleration (m/s2) within the tilt limit (rad) at the upper end of the throttle band, less the
-    reserve.
+    """Lateral acceleration (m/s2) within the tilt limit (rad), less the reserve, at the full level of the
+    start.
     """
-    return (1.0 - reserve) * sin(tilt_limit) * state.engine.throttle_max / state.mass
+    return (1.0 - reserve) * sin(tilt_limit) * state.engine.full_thrust / state.mass
 
 
 @kernel

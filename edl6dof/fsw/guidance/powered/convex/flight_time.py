@@ -140,7 +140,8 @@ def search_times(landing, least, most, plan, other):
     """
     throttled = least
     search_time(landing, throttled, REACH, most, plan)
-    while try_throttled(landing, LONGER * throttled, most, plan, other):
+    # what is longer than any flight cannot cost less; nor can what is not finite
+    while throttled < LONGEST * plan.time and try_throttled(landing, LONGER * throttled, most, plan, other):
         throttled *= LONGER
     refine_throttled(landing, throttled, least, LONGER, most, plan, other)
     try_throttled(landing, inf, most, plan, other)
