@@ -53,9 +53,7 @@ class Step:
     change: float
 
 
-def solve_step(
-    landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float
-) -> Step | None:
+def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float) -> Step | None:
     """The flight of least cost near ``nodes``: fuel and virtual control, and ``trust`` times the mean square of
     what changes.
 
@@ -123,7 +121,9 @@ class _Sparse:
         weight = np.zeros(self.unknowns)
         weight[: self.at_virtual] = 2.0 * trust / (self.n + 1)
         priced = np.zeros(self.unknowns)
-        priced[self.u(np.arange(self.n + 1)[:, None], np.arange(1, CONTROLS))] = 2.0 * torque_price / (self.n + 1)
+        priced[self.u(np.arange(self.n + 1)[:, None], np.arange(1, CONTROLS))] = (
+            2.0 * torque_price / (self.n + 1)
+        )
         cost = np.zeros(self.unknowns)
         cost[self.at_virtual :] = PRICE
         cost[self.x(self.n, 0)] = -1.0
@@ -131,7 +131,9 @@ class _Sparse:
         settings.verbose = False
         quadratic = sparse.diags(weight + priced, format="csc")
         right = np.concatenate([part[3] for part in parts])
-        answer = clarabel.DefaultSolver(quadratic, cost - weight * old, matrix, right, cones, settings).solve()
+        answer = clarabel.DefaultSolver(
+            quadratic, cost - weight * old, matrix, right, cones, settings
+        ).solve()
         if str(answer.status) not in ("Solved", "AlmostSolved"):
             return None
         new = np.array(answer.x)
@@ -157,7 +159,9 @@ def _start_and_end(program: _Sparse, landing: RigidLanding) -> None:
     program.add("zero", program.x(program.n, rest)[:, None], np.ones((len(rest), 1)), np.zeros(len(rest)))
 
 
-def _reached(program: _Sparse, linear: Linear, k: int, point: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _reached(
+    program: _Sparse, linear: Linear, k: int, point: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The state at a point of interval ``k``: columns, shape (23,), their values, (14, 23), and constant, (14,),
     all in units of the problem.
     """

@@ -70,7 +70,9 @@ class RigidLanding:
 
 def tilt_of(x: np.ndarray) -> np.ndarray:
     """Angle of the thrust axis from the vertical, rad, of states of shape (..., 14)."""
-    return 2.0 * np.arcsin(np.minimum(np.hypot(x[..., 8], x[..., 9]) / np.linalg.norm(x[..., 7:11], axis=-1), 1.0))
+    return 2.0 * np.arcsin(
+        np.minimum(np.hypot(x[..., 8], x[..., 9]) / np.linalg.norm(x[..., 7:11], axis=-1), 1.0)
+    )
 
 
 def thrust_axis(q: np.ndarray) -> np.ndarray:

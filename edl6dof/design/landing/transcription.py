@@ -40,7 +40,11 @@ class Nodes:
     @property
     def parts(self) -> np.ndarray:
         """Index of the duration that each interval belongs to, shape (n,)."""
-        return (np.arange(len(self.x) - 1) >= self.full).astype(int) if self.full else np.zeros(len(self.x) - 1, int)
+        return (
+            (np.arange(len(self.x) - 1) >= self.full).astype(int)
+            if self.full
+            else np.zeros(len(self.x) - 1, int)
+        )
 
     @property
     def shares(self) -> np.ndarray:
@@ -90,7 +94,8 @@ def linearise(landing: RigidLanding, nodes: Nodes) -> Linear:
         change = motion(landing, x, u)
         by_state, by_control = derivatives(landing, x, u)
         own = np.concatenate(
-            [np.zeros_like(by_state), (1.0 - at) * by_control, at * by_control, change[..., None] / lengths], -1
+            [np.zeros_like(by_state), (1.0 - at) * by_control, at * by_control, change[..., None] / lengths],
+            -1,
         )
         return lengths[:, 0] * change, lengths * (by_state @ by + own)
 
