@@ -84,10 +84,11 @@ def design_landing(
 ) -> None:
     """Powered landing of least propellant of the rigid lander, beside what the scenario's own law flies.
 
-    Successive convexification, from the true state of the scenario's own flight where the engine lights to rest
-    at its powered target.  Needs clarabel: pip install 'edl6dof[design]'.
+    Successive convexification, from the true state of the scenario's own flight where the engine lights to
+    rest at its powered target.  Needs clarabel: pip install 'edl6dof[design]'.
 
-    Exit status: 0 designed, 1 no landing within the limits, 2 bad input, 69 clarabel is missing, 130 interrupted.
+    Exit status: 0 designed, 1 no landing within the limits, 2 bad input, 69 clarabel is missing, 130
+    interrupted.
     """
     load_plugins(scenario, trust=trust)
     from edl6dof.app.design_landing import LandingOptions, run_design_landing

@@ -1,7 +1,7 @@
 """One step of successive convexification: the landing linearised about a flight, as a conic program.
 
-Virtual control lets the linearised motion be feasible, at a price of each unit of it; a trust region is a price
-on the square of what changes.  All unknowns are in units of the problem's own size.
+Virtual control lets the linearised motion be feasible, at a price of each unit of it; a trust region is a
+price on the square of what changes.  All unknowns are in units of the problem's own size.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ class Step:
 
 
 def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float) -> Step | None:
-    """The flight of least cost near ``nodes``: fuel and virtual control, and ``trust`` times the mean square of
-    what changes.
+    """The flight of least cost near ``nodes``: fuel, virtual control, and ``trust`` times the mean square
+    of what changes.
 
     Args:
         landing: the problem.
@@ -97,8 +97,8 @@ class _Sparse:
         return np.asarray(self.at_u + CONTROLS * np.asarray(node) + component)
 
     def add(self, cone: str, columns: np.ndarray, values: np.ndarray, constant: np.ndarray) -> None:
-        """Rows ``sum(values * unknowns[columns]) + constant``, shapes (m, j), (m, j), (m,), in a cone: ``zero``,
-        ``positive``, or one second-order cone of all of them.
+        """Rows ``sum(values * unknowns[columns]) + constant``, shapes (m, j), (m, j), (m,), in a cone:
+        ``zero``, ``positive``, or one second-order cone of all of them.
         """
         rows = np.repeat(np.arange(len(constant)), np.shape(columns)[1])
         part = (rows, np.ravel(columns), np.ravel(values), np.asarray(constant, float))
@@ -152,18 +152,20 @@ class _Sparse:
 
 
 def _start_and_end(program: _Sparse, landing: RigidLanding) -> None:
-    """From the given state to rest at the origin, upright, without rates."""
+    """From the given state to rest at the origin, upright, heading as at the start, without rates."""
     held = np.arange(STATES)
     program.add("zero", program.x(0, held)[:, None], np.ones((STATES, 1)), -landing.start / program.scales.x)
     rest = np.array([1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13])
     program.add("zero", program.x(program.n, rest)[:, None], np.ones((len(rest), 1)), np.zeros(len(rest)))
+    heading = np.array([[landing.start[10], -landing.start[7]]])
+    program.add("zero", program.x(program.n, np.array([[7, 10]])), heading, np.zeros(1))
 
 
 def _reached(
     program: _Sparse, linear: Linear, k: int, point: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The state at a point of interval ``k``: columns, shape (23,), their values, (14, 23), and constant, (14,),
-    all in units of the problem.
+    """The state at a point of interval ``k``: columns, shape (23,), their values, (14, 23), and constant,
+    (14,), all in units of the problem.
     """
     scales, nodes, by = program.scales, program.nodes, linear.by[point, k]
     at = np.concatenate([nodes.x[k], nodes.u[k], nodes.u[k + 1], [nodes.durations[nodes.parts[k]]]])

@@ -1,8 +1,9 @@
 """The powered landing of a rigid body: its limits, its equations of motion, and their derivatives.
 
-Position and velocity are east, north and up from the landing point.  The attitude turns the axes S into these;
-S are the body axes of a lander that stands: their third is the thrust axis.  State of a vehicle: mass,
-position (3), velocity (3), quaternion (4, scalar first), body rates in S (3); its controls: thrust, torque (3).
+Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into these;
+those of a lander that stands are east, north and up but for its heading, and the third is the thrust axis.
+State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S (3); its
+controls: thrust, torque (3).
 All functions take many at once, in the last axis but one.
 
 Gravity is constant, there is no air, and torque costs no propellant.
@@ -42,8 +43,8 @@ class RigidLanding:
         rate: largest body rate, rad/s.
         glide_slope: least angle of the line from the landing point to the vehicle over the horizon, rad;
             -pi / 2: none.
-        torque_price: mass at the start that the mean square of torque over its bounds is worth, as a share: it
-            decides between histories of torque that need the same fuel.
+        torque_price: mass at the start that the mean square of torque over its bounds is worth, as a share:
+            it decides between histories of torque that need the same fuel.
     """
 
     start: np.ndarray

@@ -1,9 +1,8 @@
 """Successive convexification: convex programs about the flight of the one before, until nothing changes.
 
-The price of change is adapted by how much of the promised gain the true motion keeps.  Without a solution in
-the limits virtual control is left over, and the landing is refused.
-Sources: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; Mao, Szmuk, Acikmese 2016, "Successive
-convexification of non-convex optimal control problems and its convergence properties", CDC: the ratio test.
+The price of change grows while changes do not become smaller; where it has brought them to rest, it begins
+anew, until that gains nothing.  Without a landing within the limits virtual control is left over.
+Source: Szmuk & Acikmese 2018, AIAA 2018-0617, algorithm 1; how the price changes is this project's own.
 """
 
 from __future__ import annotations
@@ -20,12 +19,15 @@ from edl6dof.design.landing.transcription import Linear, Nodes, linearise
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4
 #: Programs at most.
-PROGRAMS = 60
-#: Price of change at first, and what it is multiplied by where a change is not less than the one before.
-FIRST_TRUST, FACTOR = 0.02, 1.5
-#: Largest defect (units of the problem), and difference between the costs that two programs promise (masses at
-#: the start), at which it has converged.
-DEFECT, GAIN = 2e-6, 3e-6
+PROGRAMS = 150
+#: Price of change at first, and what it is multiplied by where a change is not less than the one before, and
+#: where a step is refused, whose true motion misses the next node by more than the size of the problem.
+FIRST_TRUST, FACTOR, REFUSED, WILD = 0.02, 1.5, 4.0, 1.0
+#: Largest defect (units of the problem), and difference between the costs that two programs promise (masses
+#: at the start), at which it has converged.
+DEFECT, GAIN = 5e-7, 2e-6
+#: What the first price of change has to gain once more for it to go on, masses at the start.
+AGAIN = 1e-4
 
 
 @dataclass(frozen=True)
@@ -54,19 +56,22 @@ def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
     began = time.perf_counter()
     nodes = first_guess(landing, intervals)
     linear, trust, settled, programs = linearise(landing, nodes), FIRST_TRUST, False, 0
-    promised, change = np.inf, np.inf
+    promised, change, best = np.inf, np.inf, np.inf
     while programs < PROGRAMS and not settled:
         programs += 1
         step = solve_step(landing, nodes, linear, trust)
-        if step is None:
-            trust *= FACTOR
+        tried = None if step is None else linearise(landing, step.nodes)
+        if step is None or tried is None or not _defect(landing, step.nodes, tried) < WILD:
+            trust *= REFUSED
             continue
         gain, larger = abs(promised - step.promised), step.change >= change
-        nodes, promised, change = step.nodes, step.promised, step.change
-        linear = linearise(landing, nodes)
-        settled = gain < GAIN and _defect(landing, nodes, linear) < DEFECT
+        nodes, promised, change, linear = step.nodes, step.promised, step.change, tried
         if larger:
             trust *= FACTOR
+        if gain < GAIN and _defect(landing, nodes, linear) < DEFECT:
+            # a price of change that has grown may hold it where it is
+            settled = promised > best - AGAIN
+            best, trust, change = promised, FIRST_TRUST, np.inf
     return Converged(
         nodes=nodes,
         fuel=float(landing.start[0] - nodes.x[-1, 0]),

@@ -2,8 +2,8 @@
 hold), and what the end of each interval is by its beginning.
 
 The intervals of the start at full level have one length, those of the throttle band another; both are free.
-Source: Szmuk, Reynolds, Acikmese 2020, "Successive convexification for real-time six-degree-of-freedom powered
-descent guidance with state-triggered constraints", J. Guidance 43(8), section III: the variational equations.
+Source: Szmuk, Reynolds, Acikmese 2020, "Successive convexification for real-time six-degree-of-freedom
+powered descent guidance with state-triggered constraints", J. Guidance 43(8), section III: the variational equations.
 """
 
 from __future__ import annotations
@@ -74,8 +74,8 @@ class Linear:
 
     Attributes:
         x: shape (points, n, 14).
-        by: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the end
-            (4), and the duration of the part.
+        by: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the
+            end (4), and the duration of the part.
     """
 
     x: np.ndarray
