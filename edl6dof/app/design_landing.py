@@ -104,8 +104,8 @@ def _refused(flight: Flight, landing: RigidLanding, found: Converged) -> str:
     height, away = landing.start[3], (landing.start[1] ** 2 + landing.start[2] ** 2) ** 0.5
     return (
         f"{flight.name}: no landing found within the limits from {height:.0f} m above and {away:.0f} m "
-        f"beside the target at {-landing.start[6]:.1f} m/s down: {found.programs} convex programs leave {found.defect:.1e} "
-        "of virtual control; start higher, divert less, or widen the limits"
+        f"beside the target at {-landing.start[6]:.1f} m/s down: {found.programs} convex programs leave "
+        f"{found.defect:.1e} of virtual control; start higher, divert less, or widen the limits"
     )
 
 

@@ -19,7 +19,7 @@ from edl6dof.design.landing.transcription import Linear, Nodes, linearise
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4
 #: Programs at most.
-PROGRAMS = 150
+PROGRAMS = 100
 #: Price of change at first, and what it is multiplied by where a change is not less than the one before, and
 #: where a step is refused, whose true motion misses the next node by more than the size of the problem.
 FIRST_TRUST, FACTOR, REFUSED, WILD = 0.02, 1.5, 4.0, 1.0
@@ -56,7 +56,7 @@ def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
     began = time.perf_counter()
     nodes = first_guess(landing, intervals)
     linear, trust, settled, programs = linearise(landing, nodes), FIRST_TRUST, False, 0
-    promised, change, best = np.inf, np.inf, np.inf
+    promised, change, best, landed = np.inf, np.inf, np.inf, None
     while programs < PROGRAMS and not settled:
         programs += 1
         step = solve_step(landing, nodes, linear, trust)
@@ -71,14 +71,17 @@ def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
         if gain < GAIN and _defect(landing, nodes, linear) < DEFECT:
             # a price of change that has grown may hold it where it is
             settled = promised > best - AGAIN
-            best, trust, change = promised, FIRST_TRUST, np.inf
+            if promised < best:
+                best, landed = promised, (nodes, linear)
+            trust, change = FIRST_TRUST, np.inf
+    nodes, linear = landed or (nodes, linear)
     return Converged(
         nodes=nodes,
         fuel=float(landing.start[0] - nodes.x[-1, 0]),
         defect=_defect(landing, nodes, linear),
         programs=programs,
         seconds=time.perf_counter() - began,
-        landed=settled,
+        landed=landed is not None,
     )
 
 

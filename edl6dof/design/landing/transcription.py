@@ -3,7 +3,8 @@ hold), and what the end of each interval is by its beginning.
 
 The intervals of the start at full level have one length, those of the throttle band another; both are free.
 Source: Szmuk, Reynolds, Acikmese 2020, "Successive convexification for real-time six-degree-of-freedom
-powered descent guidance with state-triggered constraints", J. Guidance 43(8), section III: the variational equations.
+powered descent guidance with state-triggered constraints", J. Guidance 43(8), section III: the
+variational equations.
 """
 
 from __future__ import annotations
