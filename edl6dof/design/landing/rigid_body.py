@@ -2,8 +2,8 @@
 
 Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into
 these; those of a lander that stands are east, north and up but for its heading, and the third is the thrust
-axis.  State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S (3);
-its controls: thrust, torque (3).
+axis.  State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S
+(3); its controls: thrust, torque (3).
 All functions take many at once, in the last axis but one.
 
 Gravity is constant, there is no air, and torque costs no propellant.
