@@ -19,6 +19,7 @@ from edl6dof.design.landing.powered_start import landing_of, powered_rows, state
 from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.successive import Converged, land
 from edl6dof.design.landing.transcription import propagate
+from edl6dof.fsw.mission.roles import POWERED_DECELERATION
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.scenario.schema import Scenario, load_scenario
@@ -94,8 +95,8 @@ def _refuse_files(options: LandingOptions) -> None:
 def _refuse_without_powered(name: str, scenario: Scenario) -> None:
     """Refuse a scenario that brakes by no engine."""
     phases = scenario.mission.phases
-    if all(phase.guidance != "powered" or phase.role != "powered_deceleration" for phase in phases):
-        words = "guidance: powered and role: powered_deceleration"
+    if all(phase.guidance != "powered" or phase.role != POWERED_DECELERATION for phase in phases):
+        words = f"guidance: powered and role: {POWERED_DECELERATION}"
         raise refusal(name, f"has no phase with {words}, so there is no powered landing to design")
 
 

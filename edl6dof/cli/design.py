@@ -11,7 +11,7 @@ from edl6dof.cli.options import Sets, Trust, load_plugins
 
 design = typer.Typer(
     no_args_is_help=True,
-    help="Design a part of a mission: entry, its bank profile; landing, its powered flight.",
+    help="Design a part of a mission: its entry or landing.",
 )
 
 

@@ -15,7 +15,6 @@ from edl6dof.design.landing.landing_figures import figures_of
 from edl6dof.design.landing.problem import Landing, held_controls
 from edl6dof.design.landing.rigid_body import RigidLanding
 from edl6dof.design.landing.transcription import Nodes, linearise, propagate
-from tests.unit.cli.cli_run import run
 
 pytest.importorskip("clarabel")
 from edl6dof.design.landing.conic import best_time
@@ -171,21 +170,3 @@ def test_a_start_that_cannot_be_landed_is_told():
 def test_parts_share_the_nodes():
     nodes = Nodes(np.zeros((11, 14)), np.zeros((11, 4)), np.array([2.0, 12.0]), 4)
     assert nodes.times == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0])
-
-
-def test_command_refuses_what_it_cannot_design(capsys, monkeypatch, tmp_path):
-    status, _, said = run(capsys, monkeypatch, "design", "landing", "msl")
-    assert status == 2
-    assert "guidance: powered" in said
-    status, _, said = run(
-        capsys, monkeypatch, "design", "landing", "tianwen1", "--out", str(tmp_path / "x.txt")
-    )
-    assert status == 2
-    assert ".csv" in said
-
-
-def test_command_says_how_to_get_clarabel(capsys, monkeypatch):
-    monkeypatch.setattr("edl6dof.app.design_landing.find_spec", lambda name: None)
-    status, _, said = run(capsys, monkeypatch, "design", "landing", "tianwen1")
-    assert status == 69
-    assert "edl6dof[design]" in said

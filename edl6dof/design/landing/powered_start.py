@@ -64,8 +64,7 @@ def _attitude(flight: Flight, rows: np.ndarray) -> np.ndarray:
     # from east, north, up to I: the vertical goes down to the equator, then round the axis
     turns = np.column_stack([90.0 + east_of_I, 90.0 - of["truth.latitude_deg"][rows]])
     local = Rotation.from_euler("ZX", turns, degrees=True)
-    found = (local.inv() * Rotation.from_quat(q) * Rotation.from_matrix(B_OF_S)).as_quat()[:, [3, 0, 1, 2]]
-    return found * np.where(found[:, :1] < 0.0, -1.0, 1.0)
+    return (local.inv() * Rotation.from_quat(q) * Rotation.from_matrix(B_OF_S)).as_quat()[:, [3, 0, 1, 2]]
 
 
 def landing_of(flight: Flight, rows: np.ndarray) -> RigidLanding:

@@ -19,7 +19,7 @@ from edl6dof.design.landing.transcription import Linear, Nodes, linearise
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4
 #: Programs at most.
-PROGRAMS = 100
+PROGRAMS = 150
 #: Price of change at first, and what it is multiplied by where a change is not less than the one before, and
 #: where a step is refused, whose true motion misses the next node by more than the size of the problem.
 FIRST_TRUST, FACTOR, REFUSED, WILD = 0.02, 1.5, 4.0, 1.0
