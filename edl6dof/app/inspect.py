@@ -62,4 +62,20 @@ def scenario_schema() -> dict[str, Any]:
         schema["properties"].update(section["properties"])
         schema["$defs"].update(section["$defs"])
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
+    _ask_for_nothing_in_sections(schema)
     return schema
+
+
+def _ask_for_nothing_in_sections(schema: dict[str, Any]) -> None:
+    """A file that extends another has of a section only what it changes; what is missing for good, ``check``
+    says.
+    """
+    definitions, met, waiting = schema["$defs"], set[str](), [schema]
+    while waiting:
+        for field in waiting.pop().get("properties", {}).values():
+            for option in (field, *field.get("anyOf", ())):
+                name = option.get("$ref", "").rsplit("/", 1)[-1]
+                if name in definitions and name not in met:
+                    met.add(name)
+                    definitions[name].pop("required", None)
+                    waiting.append(definitions[name])

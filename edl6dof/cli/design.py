@@ -9,7 +9,10 @@ import typer
 
 from edl6dof.cli.options import Sets, Trust, load_plugins
 
-design = typer.Typer(no_args_is_help=True, help="Design a part of a mission: entry, its bank profile.")
+design = typer.Typer(
+    no_args_is_help=True,
+    help="Design a part of a mission: its entry or landing.",
+)
 
 
 @design.command("entry")
@@ -53,3 +56,42 @@ def design_entry(
 
     options = DesignOptions(scenario, tuple(sets or ()), maximise, minimise, points, reserve, out, force)
     raise typer.Exit(run_design_entry(options))
+
+
+@design.command("landing")
+def design_landing(
+    scenario: Annotated[
+        str, typer.Argument(metavar="SCENARIO", help="Scenario file, or the name of a shipped one.")
+    ],
+    sets: Sets = None,
+    divert_m: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            min=0.0,
+            help="Divert against the drift, in the place of the scenario's target.divert_m.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write states and controls (.csv).")
+    ] = None,
+    figure: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw them beside the scenario's own (.png, .pdf, .svg)."),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Powered landing of least propellant of the rigid lander, beside what the scenario's own law flies.
+
+    Successive convexification, from the true state of the scenario's own flight where the engine lights to
+    rest at its powered target.  Needs clarabel: pip install 'edl6dof[design]'.
+
+    Exit status: 0 designed, 1 no landing within the limits, 2 bad input, 69 clarabel is missing, 130
+    interrupted.
+    """
+    load_plugins(scenario, trust=trust)
+    from edl6dof.app.design_landing import LandingOptions, run_design_landing
+
+    options = LandingOptions(scenario, tuple(sets or ()), divert_m, out, figure, force)
+    raise typer.Exit(run_design_landing(options))

@@ -7,6 +7,7 @@ import numpy as np
 from edl6dof.environment.areoid import areoid_file, areoid_map
 from edl6dof.environment.landing_area.census import list_within
 from edl6dof.environment.landing_area.params import NO_RELIEF
+from edl6dof.environment.landing_area.plane import geodetic_of, place_of
 from edl6dof.environment.planet import PlanetParams
 from edl6dof.environment.terrain import (
     TERRAIN,
@@ -48,15 +49,19 @@ class Relief:
         """Whether the ground has relief that is finer than the map."""
         return int(self._terrain["landing_area"]["model"][0]) != NO_RELIEF
 
-    def rocks(self, north: float, east: float, side: float, smallest: float) -> np.ndarray:
-        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place (m north and east
-        of the site): their places north and east (m) and diameters (m), shape (n, 3).
+    def rocks(self, latitude: float, longitude: float, side: float, smallest: float) -> np.ndarray:
+        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place (rad): their
+        latitudes and longitudes (rad) and diameters (m), shape (n, 3).
         """
-        population = self._terrain[0]["landing_area"]["rocks"]
+        terrain = self._terrain[0]
+        population = terrain["landing_area"]["rocks"]
+        north, east = place_of(terrain, latitude, longitude)
         south, west = north - 0.5 * side, east - 0.5 * side
         found = np.empty((list_within(population, south, west, side, np.empty((0, 4))), 4))
         list_within(population, south, west, side, found)
-        return found[found[:, 2] >= smallest, :3]
+        found = found[found[:, 2] >= smallest]
+        places = [geodetic_of(terrain, *place) for place in found[:, :2]]
+        return np.column_stack([np.array(places).reshape(-1, 2), found[:, 2]])
 
     @property
     def map(self) -> np.ndarray:

@@ -24,6 +24,11 @@ WHOLE = (-(2**63), -(10**6), -2, -1, 0, 1, 2, 3, 4, 7, 8, 15, 16, 31, 32, 33, 10
 FLOATS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e-300, -1e300, 1e300, 1e9, 1e99, 5e-324)
 
 
+def fits(dtype, value):
+    """Whether a field of this type can hold a whole number."""
+    return bool(np.iinfo(dtype).min <= value <= np.iinfo(dtype).max)
+
+
 def change_values(rng, state, path):
     """Some fields of the records, each to a value that is hardly ever right."""
     fields = [
@@ -34,7 +39,8 @@ def change_values(rng, state, path):
     chosen.append(whole[rng.integers(0, len(whole))])
     for field in chosen:
         values = field.values.flat
-        values[rng.integers(0, len(values))] = rng.choice(WHOLE if field.is_whole else FLOATS)
+        choice = [one for one in WHOLE if fits(field.values.dtype, one)] if field.is_whole else FLOATS
+        values[rng.integers(0, len(values))] = rng.choice(choice)
     state.save(path)
     return ", ".join(field.path for field in chosen)
 

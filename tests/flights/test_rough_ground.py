@@ -17,12 +17,16 @@ from edl6dof.spatial.frames import geodetic
 
 #: Seed and share of rocks: ground of many kinds.
 CASES = [(1, 0.04), (3, 0.2), (4, 0.3)]
+#: As it comes down where it comes down.
+BLIND = "flight_software.hazard.detection=given"
 
 
 @pytest.fixture(scope="module", params=CASES, ids=[f"seed {seed}, {share:.0%}" for seed, share in CASES])
 def landed(request):
     seed, share = request.param
-    return edl6dof.fly("tianwen1_hazards", [f"seed={seed}", f"terrain.landing_area.rock_abundance={share}"])
+    return edl6dof.fly(
+        "tianwen1_hazards", [f"seed={seed}", f"terrain.landing_area.rock_abundance={share}", BLIND]
+    )
 
 
 def points_F(flight, points):
@@ -86,7 +90,9 @@ def test_a_rock_under_the_belly_is_the_cause_of_no_success():
     """Whatever the limits break on: success means no large rock and no ground into the belly."""
     seen = set()
     for seed in range(1, 9):
-        flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", "terrain.landing_area.rock_abundance=0.2"])
+        flight = edl6dof.fly(
+            "tianwen1_hazards", [f"seed={seed}", "terrain.landing_area.rock_abundance=0.2", BLIND]
+        )
         rock, reach = flight.metrics["largest_rock_m"], flight.metrics["ground_under_belly_m"]
         assert ("largest rock under the lander" in flight.outcome) == (rock > 0.5)
         assert ("ground under the belly" in flight.outcome) == (reach > 0.28)
@@ -99,12 +105,12 @@ def test_what_stands_on_rough_ground_and_what_tips_over_follows_from_the_motion(
     """No rule says when: on ground of hills and holes, the steepest footings throw the lander over."""
     rough = ["terrain.landing_area.rms_slope_deg=20", "terrain.landing_area.slope_baseline_m=3"]
     tipped = {}
-    for seed in (1, 3, 4, 6):
-        flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", *rough])
+    for seed in (1, 7, 9):
+        flight = edl6dof.fly("tianwen1_hazards", [f"seed={seed}", *rough, BLIND])
         assert flight.code in (LANDED, TIPPED_OVER)
         tipped[flight.metrics["touchdown_slope_deg"]] = flight.code == TIPPED_OVER
     standing = [slope for slope, over in tipped.items() if not over]
-    assert 0 < len(standing) < 4 and max(standing) < min(tipped.keys() - standing)
+    assert 0 < len(standing) < 3 and max(standing) < min(tipped.keys() - standing)
 
 
 def test_without_a_generated_landing_area_there_are_no_such_figures():

@@ -114,8 +114,9 @@ class Landscape:
 
     def _true_rocks(self) -> Rocks:
         """Those of the landing area, in their places and sizes."""
-        place = self._site.relief.rocks(self._centre[1], self._centre[0], 4.0 * NEAR, _SMALLEST_ROCK)
-        north, east, diameter = place.T
+        middle_east, middle_north = self._centre.tolist()
+        place = self._site.rocks(middle_east, middle_north, 4.0 * NEAR, _SMALLEST_ROCK)
+        east, north, diameter = place.T
         up = self._site.ground(east, north)[1] - 0.5 * diameter
         sizes = diameter[:, None] * [1.1, 1.1, 1.5]
         heading = self._random.uniform(0.0, 2.0 * pi, len(place))

@@ -62,10 +62,34 @@ class Site:
     def ground(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Elevation (m above the areoid) of the simulation's own ground, and its up coordinate in L (m)."""
         east, north = np.broadcast_arrays(np.asarray(east, float), np.asarray(north, float))
+        elevation, altitude = self.relief.heights(*self._geodetic(east, north))
+        return elevation, self.surface(east, north, altitude)
+
+    def rocks(self, east: float, north: float, side: float, smallest: float) -> np.ndarray:
+        """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place: east and north
+        in L and diameter (m), shape (n, 3).
+        """
+        here = self._geodetic(np.array([east]), np.array([north]))
+        latitude, longitude, diameter = self.relief.rocks(
+            float(here[0][0]), float(here[1][0]), side, smallest
+        ).T
+        e2 = self.flattening * (2.0 - self.flattening)
+        prime = self.radius / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
+        level = (prime + self.altitude) * np.cos(latitude)
+        upward = ((1.0 - e2) * prime + self.altitude) * np.sin(latitude)
+        in_F = np.column_stack([level * np.cos(longitude), level * np.sin(longitude), upward])
+        return np.column_stack([((in_F - self.origin) @ self.axes.T)[:, :2], diameter])
+
+    def _geodetic(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Latitude and longitude (rad) of places in L at the altitude of its origin, to less than 1e-9 rad.
+
+        Source: Bowring, Survey Review 23(181) (1976).
+        """
         level = np.stack([east, north, self.surface(east, north, self.altitude)], axis=-1)
         x, y, z = np.moveaxis(self.in_F(level), -1, 0)
-        # exact on the ellipsoid; 5 km off it, to 1e-5 rad
-        lat = np.arctan2(z, (1.0 - self.flattening) ** 2 * np.hypot(x, y))
-        lon = np.arctan2(y, x)
-        elevation, altitude = self.relief.heights(lat, lon)
-        return elevation, self.surface(east, north, altitude)
+        polar = (1.0 - self.flattening) * self.radius
+        e2 = self.flattening * (2.0 - self.flattening)
+        across = np.hypot(x, y)
+        reduced = np.arctan2(self.radius * z, polar * across)
+        upward = z + e2 / (1.0 - e2) * polar * np.sin(reduced) ** 3
+        return np.arctan2(upward, across - e2 * self.radius * np.cos(reduced) ** 3), np.arctan2(y, x)

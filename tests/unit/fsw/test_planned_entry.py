@@ -55,7 +55,7 @@ def flown(record, start, rows):
         u = relative - wind
         speed = np.linalg.norm(u)
         mach = np.linalg.norm(relative) / np.interp(height, nodes, air["speed_of_sound"])
-        closed = mach >= table["wing_mach"]
+        closed = mach >= table["wing_mach"] and np.linalg.norm(relative) >= table["wing_speed"]
         area = vehicle["drag_area"] * np.interp(
             np.log(mach), logs, table["drag" if closed else "drag_with_wing"]
         )

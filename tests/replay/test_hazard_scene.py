@@ -36,7 +36,7 @@ def test_drawn_ground_is_that_of_the_simulation_and_its_rocks_lie_on_it(flight):
     assert np.allclose(site.ground(some[:, 0], some[:, 1])[1], some[:, 2], atol=1e-9)
     rocks = landscape.rocks()
     # half as high as wide, and nothing else but the ground below: off their middles it falls by that much
-    north, east, diameter = site.relief.rocks(touchdown[1], touchdown[0], 4.0 * NEAR, 0.4).T
+    east, north, diameter = site.rocks(*touchdown[:2], 4.0 * NEAR, 0.4).T
     assert len(rocks.places) == len(diameter) > 100
     top = site.ground(east, north)[1]
     beside = np.array(
@@ -61,7 +61,7 @@ def test_map_is_painted_where_it_was_seen_from_the_choice_on(flight, replay):
     places = np.array(columns["Mesh3D:vertex_positions"][0])
     error = np.array(
         [
-            np.interp(when["scan"], flight["t_s"], flight[f"nav.error_{way}_m"])
+            np.interp(when["scan"], flight.telemetry["t_s"], flight.telemetry[f"nav.error_{way}_m"])
             for way in ("east", "north")
         ]
     )  # fmt: skip

@@ -1,0 +1,147 @@
+"""The powered landing of a rigid body: its limits, its equations of motion, and their derivatives.
+
+Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into
+these; those of a lander that stands are east, north and up but for its heading, and the third is the thrust
+axis.  State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S
+(3); its controls: thrust, torque (3).
+All functions take many at once, in the last axis but one.
+
+Gravity is constant, there is no air, and torque costs no propellant.
+Source: Szmuk & Acikmese 2018, "Successive convexification for 6-DoF Mars rocket powered landing with free
+final time", AIAA 2018-0617, section II.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+STATES, CONTROLS = 14, 4
+MASS, POSITION, VELOCITY, ATTITUDE, RATE = 0, slice(1, 4), slice(4, 7), slice(7, 11), slice(11, 14)
+THRUST, TORQUE = 0, slice(1, 4)
+
+
+@dataclass(frozen=True)
+class RigidLanding:
+    """A powered landing to rest at the origin, upright.
+
+    Attributes:
+        start: state, shape (14,).
+        dry_mass: least mass at the end, kg.
+        thrust: least and largest throttled thrust, N.
+        full_thrust: of the start, N.
+        full_time: shortest time of it, s; 0: the engine is throttled from the start.
+        throttled_time: shortest time in the throttle band, s.
+        torque: largest of the thrusters about each axis of S, shape (3,), N m.
+        exhaust_speed: thrust over mass flow, m/s.
+        gravity: downwards, m/s2.
+        inertia: about the axes of S, shape (3,), kg m2.
+        arm: torque over thrust of the main engine, in S, shape (3,), m.
+        tilt: largest angle of the thrust axis from the vertical, rad.
+        rate: largest body rate, rad/s.
+        glide_slope: least angle of the line from the landing point to the vehicle over the horizon, rad;
+            -pi / 2: none.
+        torque_price: mass at the start that the mean square of torque over its bounds is worth, as a share:
+            it decides between histories of torque that need the same fuel.
+    """
+
+    start: np.ndarray
+    dry_mass: float
+    thrust: tuple[float, float]
+    full_thrust: float
+    full_time: float
+    throttled_time: float
+    torque: np.ndarray
+    exhaust_speed: float
+    gravity: float
+    inertia: np.ndarray
+    arm: np.ndarray
+    tilt: float
+    rate: float
+    glide_slope: float = -pi / 2.0
+    torque_price: float = 1e-3
+
+    @property
+    def starts_full(self) -> bool:
+        """Whether the engine begins at full level."""
+        return self.full_time > 0.0
+
+
+def tilt_of(x: np.ndarray) -> np.ndarray:
+    """Angle of the thrust axis from the vertical, rad, of states of shape (..., 14)."""
+    return 2.0 * np.arcsin(
+        np.minimum(np.hypot(x[..., 8], x[..., 9]) / np.linalg.norm(x[..., 7:11], axis=-1), 1.0)
+    )
+
+
+def thrust_axis(q: np.ndarray) -> np.ndarray:
+    """East, north and up parts of the thrust axis, shape (..., 3), of quaternions of shape (..., 4)."""
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    return np.stack([2.0 * (x * z + w * y), 2.0 * (y * z - w * x), w * w - x * x - y * y + z * z], axis=-1)
+
+
+def motion(landing: RigidLanding, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Time derivatives of states, shape (..., 14), under controls of shape (..., 4)."""
+    change = np.empty_like(x)
+    rate, spin = x[..., RATE], landing.inertia * x[..., RATE]
+    change[..., MASS] = -u[..., THRUST] / landing.exhaust_speed
+    change[..., POSITION] = x[..., VELOCITY]
+    change[..., VELOCITY] = (u[..., THRUST] / x[..., MASS])[..., None] * thrust_axis(x[..., ATTITUDE])
+    change[..., 6] -= landing.gravity
+    change[..., ATTITUDE] = (_turning(rate) @ x[..., ATTITUDE, None])[..., 0]
+    torque = u[..., TORQUE] + u[..., THRUST, None] * landing.arm
+    change[..., RATE] = (torque - np.cross(rate, spin)) / landing.inertia
+    return change
+
+
+def derivatives(landing: RigidLanding, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives of :func:`motion` by the state, shape (..., 14, 14), and by the controls, (..., 14, 4)."""
+    by_state, by_control = np.zeros((*x.shape, STATES)), np.zeros((*x.shape, CONTROLS))
+    mass, thrust = x[..., MASS, None], u[..., THRUST, None]
+    axis = thrust_axis(x[..., ATTITUDE])
+    by_state[..., range(1, 4), range(4, 7)] = 1.0
+    by_state[..., VELOCITY, MASS] = -thrust / mass**2 * axis
+    by_state[..., VELOCITY, ATTITUDE] = (thrust / mass)[..., None] * _axis_by_attitude(x[..., ATTITUDE])
+    by_state[..., ATTITUDE, ATTITUDE] = _turning(x[..., RATE])
+    by_state[..., ATTITUDE, RATE] = _attitude_by_rate(x[..., ATTITUDE])
+    spin = landing.inertia * x[..., RATE]
+    gyroscopic = _cross(spin) - _cross(x[..., RATE]) * landing.inertia
+    by_state[..., RATE, RATE] = gyroscopic / landing.inertia[:, None]
+    by_control[..., MASS, THRUST] = -1.0 / landing.exhaust_speed
+    by_control[..., VELOCITY, THRUST] = axis / mass
+    by_control[..., RATE, THRUST] = landing.arm / landing.inertia
+    by_control[..., range(11, 14), range(1, 4)] = 1.0 / landing.inertia
+    return by_state, by_control
+
+
+def _cross(v: np.ndarray) -> np.ndarray:
+    """The matrix, shape (..., 3, 3), of the cross product of vectors with what it is applied to."""
+    x, y, z = np.moveaxis(v, -1, 0)
+    nil = np.zeros_like(x)
+    return _matrix([[nil, -z, y], [z, nil, -x], [-y, x, nil]])
+
+
+def _turning(rate: np.ndarray) -> np.ndarray:
+    """Time derivative of a quaternion as a matrix, shape (..., 4, 4), that is applied to it."""
+    x, y, z = 0.5 * np.moveaxis(rate, -1, 0)
+    nil = np.zeros_like(x)
+    return _matrix([[nil, -x, -y, -z], [x, nil, z, -y], [y, -z, nil, x], [z, y, -x, nil]])
+
+
+def _attitude_by_rate(q: np.ndarray) -> np.ndarray:
+    """Derivative of the same by the rate, shape (..., 4, 3)."""
+    w, x, y, z = 0.5 * np.moveaxis(q, -1, 0)
+    return _matrix([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])
+
+
+def _axis_by_attitude(q: np.ndarray) -> np.ndarray:
+    """Derivative of :func:`thrust_axis` by the quaternion, shape (..., 3, 4)."""
+    w, x, y, z = 2.0 * np.moveaxis(q, -1, 0)
+    return _matrix([[y, z, w, x], [-x, -w, z, y], [w, -x, -y, z]])
+
+
+def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
+    """Matrices of their elements."""
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
