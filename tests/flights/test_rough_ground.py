@@ -102,7 +102,9 @@ def test_a_rock_under_the_belly_is_the_cause_of_no_success():
 
 
 def test_what_stands_on_rough_ground_and_what_tips_over_follows_from_the_motion():
-    """No rule says when: on ground of hills and holes, the steepest footings throw the lander over."""
+    """No rule says when: on ground of hills and holes, the steepest footing throws the lander over; of seeds
+    1 to 12 the 7th alone does, and the 9th stands on the steepest but one.
+    """
     rough = ["terrain.landing_area.rms_slope_deg=20", "terrain.landing_area.slope_baseline_m=3"]
     tipped = {}
     for seed in (1, 7, 9):
