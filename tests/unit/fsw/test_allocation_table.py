@@ -22,7 +22,7 @@ TABLE = ALLOCATORS.names.index("table")
 
 @pytest.fixture(scope="module")
 def solve():
-    """Of a mission without entry: there is nothing to plan, or to compile for it (with the bounds check too)."""
+    """Of a mission without entry: there is nothing to plan, nor to compile for it with the bounds check."""
     onboard = build_onboard(load_scenario("tianwen1", ["mission.phases=[{name: descent}]"]).scenario)
     vehicle, params = onboard[0]["vehicle"], onboard[0]["allocation"]
     count, effectiveness = int(vehicle["n_thrusters"]), np.zeros(1, EFFECTIVENESS)[0]
