@@ -39,11 +39,15 @@ HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
 
 def modules(*folders: str) -> list[tuple[str, str]]:
     """Dotted name and source of every module, of the whole package or of some folders."""
+    return [(name, source) for name, source in _everything() if not folders or name.split(".")[1] in folders]
+
+
+@cache
+def _everything() -> list[tuple[str, str]]:
     found = []
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if not folders or parts[0] in folders:
-            found.append((".".join(("edl6dof", *parts)), path.read_text(encoding="utf-8")))
+        found.append((".".join(("edl6dof", *parts)), path.read_text(encoding="utf-8")))
     return found
 
 
