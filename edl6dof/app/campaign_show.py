@@ -14,8 +14,8 @@ from rich.table import Table
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.campaign.compare import Comparison
 from edl6dof.campaign.quantiles import SHARES, flights_needed, percent, quantile
-from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.store import Store
+from edl6dof.metrics.evaluation import LIMITS
 from edl6dof.report.campaign.margins import bounded, refused, shown_shares
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant
@@ -29,12 +29,12 @@ def show(store: Store, options: CampaignOptions) -> None:
         ConfigError: its table or its summary is not as it was written.
     """
     summary = store.summary
-    results = Results(store.folder)
+    results = Results(store.folder, [figure.name for figure in LIMITS])
     if options.as_json:
         print(json.dumps({**summary.model_dump(mode="json"), "figures": figures(results)}, indent=1))
         return
     console = Console(highlight=False, soft_wrap=True)
-    success = Proportion(summary.successes, summary.cases)
+    success = results.success
     style = "bold green" if success.value >= 0.99 else "bold yellow"
     console.print(
         f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed, {success}[/]"
@@ -45,7 +45,10 @@ def show(store: Store, options: CampaignOptions) -> None:
         console.print(f"  {cause.cases:>6}  {cause.cause}", markup=False)
     if results.limits:
         console.print(limits_table(results))
-        console.print(refused(summary.cases), style="dim")
+        console.print(refused(success.trials), style="dim")
+    if results.has_design:
+        told = f"{success.trials} of {summary.cases} flights are independent of each other and count above"
+        console.print(f"{told}; the report tells the Sobol indices", markup=False)
     if summary.cases < summary.cases_planned:
         console.print(
             f"stopped after {summary.cases} of {summary.cases_planned} cases: the interval is narrow enough"

@@ -24,7 +24,7 @@ def campaign_report(folder: Path) -> Report:
         Section("footprint", "Footprint and deployment", list(landing.blocks(results))),
         Section("propellant", "Propellant", list(margins.propellant(results))),
         Section("worst", "Worst cases", list(margins.worst(results))),
-        Section("drivers", "What drives what", list(drivers.blocks(results))),
+        Section("drivers", "What drives what", [*drivers.indices(results), *drivers.blocks(results)]),
         Section(
             "configuration",
             "Configuration",
