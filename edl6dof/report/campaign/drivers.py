@@ -37,7 +37,7 @@ class Told:
 
 def blocks(results: Results) -> Iterator[Block]:
     """A map of who drives what, and the shares with their intervals."""
-    if not results.groups:
+    if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")

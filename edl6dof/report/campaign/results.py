@@ -74,6 +74,13 @@ class Results:
         """Whether the cases are the cells of a fault matrix."""
         return self.document.get("fault_matrix") is not None
 
+    @property
+    def is_sample(self) -> bool:
+        """Whether the flights are drawn at random from what may happen, and not the points of a grid or the
+        cells of a fault matrix: only of a sample have quantiles bounds.
+        """
+        return not (self.has_faults or self.document.get("sweep"))
+
     @cached_property
     def cases(self) -> np.ndarray:
         """Numbers of the cases, shape (n,)."""
