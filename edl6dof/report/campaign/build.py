@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from edl6dof.campaign.quantiles import percent, quantile
 from edl6dof.report.campaign import drivers, faults, grid, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Fact, Listing, Mood, Report, Section
@@ -64,8 +65,8 @@ def _facts(results: Results) -> list[Fact]:
         Fact("success", f"{results.success.value:.2%}", _mood(results)),
         Fact("95 % interval", f"{low:.2%} .. {high:.2%}"),
     ]
-    if results.has("landing_distance_m") and np.isfinite(results["landing_distance_m"]).any():
-        facts.append(
-            Fact("99 % land within", f"{np.nanquantile(results['landing_distance_m'], 0.99) / 1e3:.2f} km")
-        )
+    if results.has("landing_distance_m"):
+        shares = margins.shown_shares(int(np.isfinite(results["landing_distance_m"]).sum()))
+        if shares and (far := quantile(results["landing_distance_m"] / 1e3, shares[-1])):
+            facts.append(Fact(f"{percent(far.share)} land within", f"{margins.bounded(far, far.share)} km"))
     return facts

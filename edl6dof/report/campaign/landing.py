@@ -6,9 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from edl6dof.campaign.quantiles import percent, quantile
 from edl6dof.campaign.statistics import ellipse
+from edl6dof.report.campaign.margins import BOUNDS, bounded, refused, shown_shares
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Table
+from edl6dof.report.document import Block, Row, Table
 from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
 
 #: Points of each kind that carry the number of their case.
@@ -64,15 +66,19 @@ def ellipse_table(results: Results) -> Table:
     minor, major = np.sqrt(np.maximum(values, 0.0)) / 1e3
     heading = np.degrees(np.arctan2(vectors[0, 1], vectors[1, 1])) % 180.0
     distance = np.hypot(east[down], north[down]) / 1e3
-    rows = [
+    rows: list[Row] = [
         ("centre east, north", f"{east[down].mean() / 1e3:+.2f}, {north[down].mean() / 1e3:+.2f}", "km"),
         ("half axes of the 3 sigma ellipse", f"{3 * major:.2f} x {3 * minor:.2f}", "km"),
         ("direction of the long axis", f"{heading:.0f}", "deg from north through east"),
-        ("distance from the target: median", f"{np.median(distance):.2f}", "km"),
-        ("distance from the target: 99 %", f"{np.quantile(distance, 0.99):.2f}", "km"),
+        *(
+            (f"distance from the target: {percent(share)}", bounded(quantile(distance, share), share), "km")
+            for share in shown_shares(len(distance))
+            if share >= 0.5
+        ),
         ("distance from the target: largest", f"{distance.max():.2f}", "km"),
     ]
-    return Table(["", "value>", "unit"], rows)
+    caption = f"{BOUNDS} {refused(len(distance))}"
+    return Table(["", "value>", "unit"], rows, caption)
 
 
 def deployment(results: Results) -> Figure:

@@ -2,60 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from edl6dof.campaign.statistics import Proportion, quantiles
+from edl6dof.campaign.quantiles import SHARES, Quantile, bounded_shares, flights_needed, percent, quantile
+from edl6dof.campaign.statistics import Proportion
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
 from edl6dof.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import significant
+from edl6dof.report.numbers import aligned, significant
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-_HEADS = ("0.13 %>", "1 %>", "50 %>", "99 %>", "99.87 %>")
+#: What stands in brackets.
+BOUNDS = "In brackets the 95 % bounds of each quantile, by order statistics."
 
 
 def limit_quantiles(results: Results) -> Table:
     """Quantiles of every figure that has a limit, beside it."""
+    shares = shown_shares(len(results.cases))
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         missed = int(np.sum(values > limit))
-        spread = quantiles(values)
+        worst = next(filter(None, (quantile(values, share) for share in reversed(shares))), None)
         mood: Mood = "bad" if missed else "good"
-        cells = [significant(value) for value in spread]
-        rows.append(
-            [
-                label,
-                unit,
-                *cells,
-                significant(limit),
-                Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit),
-                str(missed),
-            ]
-        )
-    caption = "The last bar is the 99.87 % quantile (3 sigma) over the limit."
-    return Table(["figure", "unit", *_HEADS, "limit>", "used", "missed>"], rows, caption)
+        used = Cell(f"{worst.high / limit:.0%}", mood, worst.high / limit) if worst else "-"
+        rows.append([label, unit, *_cells(values, shares), significant(limit), used, str(missed)])
+    caption = (
+        f"{BOUNDS} Used is the upper bound of the last quantile over the limit. {refused(len(results.cases))}"
+    )
+    return Table(["figure", "unit", *_heads(shares), "limit>", "used", "missed>"], rows, caption)
 
 
 def other_quantiles(results: Results) -> Table:
     """Quantiles of other figures."""
+    shares = shown_shares(len(results.cases))
     rows: list[Row] = [
-        [
-            figure.meaning,
-            figure.unit.label,
-            *(significant(value) for value in quantiles(results[figure.name])),
-        ]
+        [figure.meaning, figure.unit.label, *_cells(results[figure.name], shares)]
         for figure in map(figure_of_merit, _OTHERS)
         if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
     ]
-    return Table(["figure", "unit", *_HEADS], rows)
+    caption = f"{BOUNDS} {refused(len(results.cases))}"
+    return Table(["figure", "unit", *_heads(shares)], rows, caption)
+
+
+def shown_shares(flights: int) -> tuple[float, ...]:
+    """The median and the outermost pair of quantiles that a number of flights can bound."""
+    bounded = bounded_shares(flights)
+    return tuple(dict.fromkeys((bounded[0], 0.5, bounded[-1]))) if bounded else ()
+
+
+def refused(flights: int) -> str:
+    """Which quantiles a number of flights cannot bound, and how many it would take."""
+    too_far = [share for share in SHARES if share > 0.5 and flights_needed(share) > flights]
+    takes = " and ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
+    return f"Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
+
+
+def _heads(shares: Sequence[float]) -> list[str]:
+    return [f"{percent(share)}>" for share in shares]
+
+
+def _cells(values: np.ndarray, shares: Sequence[float]) -> list[str]:
+    return [bounded(quantile(values, share), share) for share in shares]
+
+
+def bounded(found: Quantile | None, share: float) -> str:
+    """A quantile with its bounds in words, or how many flights it takes."""
+    if found is None:
+        return f"takes {flights_needed(share):,} flights"
+    value, low, high = aligned(found.value, found.low, found.high)
+    return f"{value} ({low} .. {high})"
 
 
 def causes(results: Results) -> Block:
@@ -103,17 +126,19 @@ def propellant(results: Results) -> Iterator[Block]:
         return
     left = loaded - results["propellant_used_kg"]
     left = left[np.isfinite(left)]
+    if not len(left):
+        return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
+    share = shown_shares(len(left))[0] if shown_shares(len(left)) else 0.5
+    low = quantile(left, share)
     panel = Panel(
         Axis("propellant left (kg)"),
-        Axis("flights"),
+        Axis("flights", range=(0.0, 1.1 * float(counts.max()))),
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
-        marks=[Mark("x", float(np.quantile(left, 0.0013)), "0.13 %")] if len(left) > 1 else [],
+        marks=[Mark("x", low.value, percent(share))] if low else [],
     )
-    caption = (
-        f"Of {loaded:g} kg loaded; least {left.min():.1f} kg, 0.13 % quantile "
-        f"{np.quantile(left, 0.0013):.1f} kg."
-    )
+    told = f", {percent(share)} quantile {bounded(low, share)} kg" if low else ""
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}. {refused(len(left))}"
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
+from fnmatch import fnmatchcase
 from functools import cached_property
+from os.path import commonprefix
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pyarrow as pa
 
+from edl6dof.campaign.design.case import BELIEF, TRUTH
+from edl6dof.campaign.design.params import Of
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.document.source import parse_document
@@ -72,11 +76,30 @@ class Results:
     def inputs(self) -> dict[str, np.ndarray]:
         """Dispersed quantities by dotted path; beliefs are marked."""
         names = [
-            name
-            for name in self.table.column_names
-            if name.startswith(("truth.", "belief.")) and self.has(name)
+            name for name in self.table.column_names if name.startswith((TRUTH, BELIEF)) and self.has(name)
         ]
-        return {name.removeprefix("truth."): self[name] for name in names}
+        return {name.removeprefix(TRUTH): self[name] for name in names}
+
+    @cached_property
+    def groups(self) -> dict[str, np.ndarray]:
+        """Values of dispersed quantities, shape (n, quantities), those together that the plan draws together:
+        by one path with a wildcard, or as correlated.
+        """
+        found: dict[str, list[np.ndarray]] = {}
+        for name, values in self.inputs.items():
+            found.setdefault(self._group(name), []).append(values)
+        return {name: np.stack(columns, axis=1) for name, columns in found.items()}
+
+    def _group(self, name: str) -> str:
+        """Name of the group of a dispersed quantity: that of a lone one is its own."""
+        campaign = self.document.get("campaign") or {}
+        prefix = BELIEF if name.startswith(BELIEF) else ""
+        path = name.removeprefix(BELIEF)
+        for group in campaign.get("correlated", ()):
+            if path in group["paths"]:
+                return f"{prefix}{commonprefix(group['paths'])}*"
+        patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
+        return prefix + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)
 
     @cached_property
     def limits(self) -> list[tuple[str, str, float, str]]:
