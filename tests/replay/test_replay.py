@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_up import DIAGNOSIS, FAILURE, NOT_ENTERED, SHELL, SHIELD, read, synthetic_flight
+from made_up import DIAGNOSIS, FAILURE, NOT_ENTERED, SHELL, SHIELD, entities, read, synthetic_flight
 from pyquaternion import Quaternion
 
 from edl6dof.replay.history import thin
@@ -170,14 +170,29 @@ def test_duty_is_the_mean_between_rows(flight, replay):
     assert len(values) == len(times) == 126
 
 
-def test_silent_thrusters_show_no_flame(replay):
+def test_no_flame_before_ignition_and_none_of_an_engine_that_never_burns(flight, replay, tmp_path):
     times, columns = read(replay, "/site/vehicle/engine_plume/core")
-    scales = [np.array(cell) for cell in columns["InstancePoses3D:scales"]]
-    assert times[0] == 0.0
-    assert np.all(scales[0] < 1e-3)
-    assert all(len(scale) == 1 for scale in scales)
-    assert times[1] > SHELL - 0.05
-    assert np.all(scales[1] > 0.3)
+    shapes = [t for t, cell in zip(times, columns["Mesh3D:vertex_positions"], strict=True) if cell]
+    assert shapes == [times[0]] and times[0] > SHELL - 0.05
+    scales = [np.array(cell) for cell in columns["InstancePoses3D:scales"] if cell]
+    assert np.all(scales[0] > 0.3) and all(len(scale) == 1 for scale in scales)
+    silent = SimpleNamespace(**vars(flight))
+    fired = ("truth.engine_thrust_n", *(f"rcs.{jet}" for jet in flight.scenario.thruster_names))
+    silent.telemetry = {
+        **flight.telemetry,
+        **{name: np.zeros(len(flight.telemetry["t_s"])) for name in fired},
+    }
+    write_replay([history(silent)], tmp_path / "silent.rrd")
+    assert not [path for path in entities(tmp_path / "silent.rrd") if "plume" in path or "spark" in path]
+
+
+def test_sparks_are_at_the_nozzles_that_fire(flight, replay):
+    times, columns = read(replay, "/site/vehicle/thruster_sparks")
+    duty = history(flight).duty
+    jets = np.array([jet.position_m for jet in flight.scenario.vehicle.rcs.thrusters])
+    for k in (0, 40, len(times) - 1):
+        row = int(round(times[k] * 25.0))
+        assert np.allclose(columns["Points3D:positions"][k], jets[duty[row] > 0.02], atol=1e-6)
 
 
 def test_phases_events_and_units(flight, replay):
