@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import asdict
+from typing import Any
+
 from rich import box
 from rich.console import Console
 from rich.markup import escape
@@ -9,9 +13,13 @@ from rich.table import Table
 
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.campaign.compare import Comparison
+from edl6dof.campaign.quantiles import SHARES, flights_needed, percent, quantile
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.store import Store
+from edl6dof.report.campaign.margins import bounded, refused, shown_shares
+from edl6dof.report.campaign.results import Results
 from edl6dof.report.numbers import significant
+from edl6dof.report.terminal import open_table
 
 
 def show(store: Store, options: CampaignOptions) -> None:
@@ -21,8 +29,9 @@ def show(store: Store, options: CampaignOptions) -> None:
         ConfigError: its table or its summary is not as it was written.
     """
     summary = store.summary
+    results = Results(store.folder)
     if options.as_json:
-        print(summary.model_dump_json(indent=1))
+        print(json.dumps({**summary.model_dump(mode="json"), "figures": figures(results)}, indent=1))
         return
     console = Console(highlight=False, soft_wrap=True)
     success = Proportion(summary.successes, summary.cases)
@@ -34,6 +43,9 @@ def show(store: Store, options: CampaignOptions) -> None:
         return
     for cause in summary.causes:
         console.print(f"  {cause.cases:>6}  {cause.cause}", markup=False)
+    if results.limits:
+        console.print(limits_table(results))
+        console.print(refused(summary.cases), style="dim")
     if summary.cases < summary.cases_planned:
         console.print(
             f"stopped after {summary.cases} of {summary.cases_planned} cases: the interval is narrow enough"
@@ -43,6 +55,39 @@ def show(store: Store, options: CampaignOptions) -> None:
             f"{summary.flights_per_second:.1f} flights per second on {summary.engine}", markup=False
         )
     console.print(f"next: edl6dof report {store.folder}, edl6dof refly {store.folder} CASE", markup=False)
+
+
+def limits_table(results: Results) -> Table:
+    """The outermost quantile of every figure that has a limit, with its bounds, beside it."""
+    shares = shown_shares(len(results.cases))[-1:]
+    heads = [f"{percent(share)} (bounds at 95 %)>" for share in shares]
+    table = open_table("Limits", "figure", "unit", *heads, "limit>", "missed>")
+    for figure, label, limit, unit in results.limits:
+        values = results[figure]
+        cells = [bounded(quantile(values, share), share) for share in shares]
+        table.add_row(label, unit, *cells, significant(limit), str(int((values > limit).sum())))
+    return table
+
+
+def figures(results: Results) -> dict[str, Any]:
+    """Every figure that has a limit, ready for JSON: quantiles with their 95 % bounds; in the place of one
+    that the flights cannot bound, how many it takes.
+    """
+    found = {}
+    for figure, label, limit, unit in results.limits:
+        values = results[figure]
+        known = {share: quantile(values, share) for share in SHARES}
+        found[figure] = {
+            "meaning": label,
+            "unit": unit,
+            "limit": limit,
+            "missed": int((values > limit).sum()),
+            "quantiles": [asdict(one) for one in known.values() if one is not None],
+            "flights_needed": {
+                f"{share:g}": flights_needed(share) for share, one in known.items() if one is None
+            },
+        }
+    return found
 
 
 def show_comparison(result: Comparison) -> None:

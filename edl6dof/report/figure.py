@@ -42,6 +42,18 @@ class Axis:
     log: bool = False
     names: Sequence[str] = ()
 
+    def decades(self, span: tuple[float, float]) -> list[float]:
+        """Numbers written along a logarithmic axis: 1, 2, 5 of each decade, of many decades 1 alone; none
+        where fewer than two of them lie in the span.
+        """
+        low, high = (int(np.floor(np.log10(bound))) for bound in span)
+        steps = (1, 2, 5) if high - low <= 3 else (1,)
+        found = [step * 10.0**power for power in range(low, high + 1) for step in steps]
+        found = [
+            value for value in found if span[0] <= value * (1.0 + 1e-9) and value <= span[1] * (1.0 + 1e-9)
+        ]
+        return found if len(found) > 1 else []
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -169,8 +181,8 @@ class Panel:
         every = [
             np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))
         ]
-        if axis == "x":
-            every += [trace.edges() for trace in self.traces if trace.kind == "bars"]
+        bars = [trace for trace in self.traces if trace.kind == "bars"]
+        every += [trace.edges() if axis == "x" else np.zeros(1) for trace in bars]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
         values = np.concatenate([np.empty(0), *every])
         values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]
@@ -187,7 +199,7 @@ class Panel:
             room = 0.0
         else:
             room = (0.12 if any(trace.labels for trace in self.traces) else 0.05) * (high - low)
-        return low - room, high + room
+        return low - room * (axis == "x" or not bars or low < 0.0), high + room
 
     def coloured(self) -> list[Trace]:
         """The traces, those without a colour given the next one of the palette."""

@@ -127,7 +127,7 @@ def _panel(
             edgecolor=edge,
             alpha=band.opacity,
             linewidth=0.8,
-            zorder=0.5 if panel.heat is None else 2.0,
+            zorder=2.0 if band.opacity == 1.0 or panel.heat is not None else 0.5,
         )
         if band.label:
             axes.annotate(
@@ -166,6 +166,10 @@ def _panel(
 def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
     if axis.log:
         axes.set(**{f"{which}scale": "log"})
+        written = axis.decades(span)
+        if written and written[0] >= 1e-3 and written[-1] < 1e5:
+            words = [f"{value:,.10g}" for value in written]
+            axes.set(**{f"{which}ticks": written, f"{which}ticklabels": words})
     axes.set(**{f"{which}lim": span})
     if axis.names:
         axes.set(**{f"{which}ticks": range(len(axis.names)), f"{which}ticklabels": axis.names})

@@ -12,13 +12,14 @@ def significant(value: float, digits: int = 4) -> str:
 
 
 def aligned(*values: float) -> list[str]:
-    """Numbers with the same decimals: two digits of the span between them, none beyond the sixth.
+    """Numbers with the same decimals: two digits of the span between them, and four at most in all.
 
     >>> aligned(86.12345, 86.0, 86.9)
     ['86.12', '86.00', '86.90']
     >>> aligned(12345.6, 12000.0, 13000.0)
     ['12346', '12000', '13000']
     """
-    span = max(values) - min(values) or abs(values[0]) / 100.0 or 1.0
-    places = min(max(1 - floor(log10(span)), 0), 6)
+    largest = max(map(abs, values)) or 1.0
+    span = max(values) - min(values) or largest
+    places = max(min(1 - floor(log10(span)), 3 - floor(log10(largest))), 0)
     return [f"{value:.{places}f}" for value in values]

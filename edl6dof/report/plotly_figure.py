@@ -38,9 +38,9 @@ def plotly_figure(figure: Figure) -> dict[str, Any]:
             )
         if panel.equal:
             layout[f"yaxis{number}"].update(scaleanchor=f"x{number}", scaleratio=1)
-        layout["shapes"] += [_band(band, number, spans, panel.heat is not None) for band in panel.bands] + [
-            _mark(mark, number) for mark in panel.marks
-        ]
+        layout["shapes"] += [
+            _band(band, number, spans, band.opacity == 1.0 or panel.heat is not None) for band in panel.bands
+        ] + [_mark(mark, number) for mark in panel.marks]
         layout["annotations"] += _words(panel, number)
         if panel.heat is not None:
             data.append(_heat(panel.heat, number, ys))
@@ -131,12 +131,26 @@ def _axis(
         found["showticklabels"] = False
     if axis.log:
         found["type"] = "log"
+        if written := axis.decades(span):
+            found.update(tickmode="array", tickvals=written, ticktext=[_power(value) for value in written])
     found["range"] = [float(np.log10(bound)) if axis.log else float(bound) for bound in span]
     if axis.names:
         found.update(
-            tickmode="array", tickvals=list(range(len(axis.names))), ticktext=list(axis.names), zeroline=False
+            tickmode="array",
+            tickvals=list(range(len(axis.names))),
+            ticktext=[name.replace("\n", "<br>") for name in axis.names],
+            zeroline=False,
         )
     return found
+
+
+def _power(value: float) -> str:
+    """A number of a logarithmic axis: as it is, or as a power of ten where it is long."""
+    if 1e-3 <= value < 1e5:
+        return f"{value:,.10g}"
+    exponent = int(np.floor(np.log10(value) + 1e-9))
+    step = round(value / 10.0**exponent)
+    return f"{step} x 10<sup>{exponent}</sup>" if step > 1 else f"10<sup>{exponent}</sup>"
 
 
 def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from textwrap import fill
 
 import numpy as np
 
@@ -11,13 +12,15 @@ from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
-from edl6dof.report.figure import Axis, Figure, Heat, Panel
+from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, Trace
 
 #: Figures to explain; those with limits come first by themselves.
 _FIGURES = (
     *("landing_east_m", "landing_north_m", "landing_distance_m"),
     *("parachute_height_m", "propellant_used_kg", "touchdown_s"),
 )
+#: Letters of a line of a figure's name beside the bars.
+_LETTERS = 24
 
 
 @dataclass(frozen=True)
@@ -68,33 +71,40 @@ def _rows(told: list[Told]) -> Iterator[Row]:
             interval = f"{driver.low:.0%} .. {driver.high:.0%}"
             share = Cell(f"{driver.share:.0%}", bar=driver.share)
             yield [label if k == 0 else "", driver.name, share, interval, driver.effect]
-        least = f"shares below {one.drivers.least:.0%} cannot be told with {one.drivers.flights} flights"
-        remains = max(1.0 - one.drivers.explained, 0.0)
-        words = f"remains; {least}" if found else f"none: {least}"
-        yield ["" if found else label, words, f"{remains:.0%}", "", ""]
+        flights = f"cannot be told with {one.drivers.flights} flights"
+        if found:
+            remains = max(1.0 - one.drivers.explained, 0.0)
+            yield ["", f"remains; shares below {one.drivers.least:.0%} {flights}", f"{remains:.0%}", "", ""]
+        else:
+            yield [label, f"{flights}: no share above {one.drivers.least:.0%}", "", "", ""]
 
 
 def chart(told: list[Told]) -> Figure:
-    """Shares as a map, the inputs that drive most on top."""
-    columns = [{driver.name: driver.share for driver in one.drivers.found} for one in told]
-    names = sorted(set().union(*columns), key=lambda name: sum(column.get(name, 0.0) for column in columns))
-    shares = np.array([[column.get(name, np.nan) for column in columns] for name in names])
-    heat = Heat(
-        np.arange(float(len(told))),
-        np.arange(float(len(names))),
-        100.0 * shares,
-        "share of the variance (%)",
-        0.0,
-        100.0,
-        labels=[["" if np.isnan(share) else f"{share:.0%}" for share in line] for line in shares],
-        written=True,
-    )
+    """Each figure's variance as a bar, cut into the shares of its drivers."""
+    every = sorted((driver for one in told for driver in one.drivers.found), key=lambda found: -found.share)
+    ranked = list(dict.fromkeys(driver.name for driver in every))
+    colours = dict(zip(ranked, SERIES, strict=False))
+    bands = [band for row, one in enumerate(reversed(told)) for band in _bar(one, row, colours)]
+    nothing = np.full(1, np.nan)
+    legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
+    if len(ranked) > len(colours):
+        legend.append(("others", GREY))
+    traces = [Trace(nothing, nothing, name, "points", colour, symbol="square") for name, colour in legend]
     panel = Panel(
-        Axis("", names=[one.figure.meaning for one in told]),
-        Axis("", names=[name.removeprefix("vehicle.") for name in names]),
-        heat=heat,
+        Axis("share of the variance (%)", range=(0.0, 100.0)),
+        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(told)]),
+        traces,
+        bands=bands,
     )
-    caption = (
-        "Of each figure, below, what share of its variance an input explains; empty: not told from chance."
+    caption = "What no colour covers cannot be told from chance. Figures without a driver are left out."
+    return Figure(
+        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(told)
     )
-    return Figure("drivers", "What drives what", [panel], caption, height=120 + 26 * len(names))
+
+
+def _bar(one: Told, row: int, colours: dict[str, str]) -> Iterator[Band]:
+    start = 0.0
+    for driver in one.drivers.found:
+        end = min(start + 100.0 * driver.share, 100.0)
+        yield Band(colours.get(driver.name, GREY), (start, end), (row - 0.36, row + 0.36), opacity=1.0)
+        start = end

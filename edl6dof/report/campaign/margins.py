@@ -11,7 +11,7 @@ from edl6dof.campaign.statistics import Proportion
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
-from edl6dof.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import BLUE, GREEN, Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.numbers import aligned, significant
 
 #: Figures without a limit whose quantiles are of interest.
@@ -19,13 +19,17 @@ _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-#: What stands in brackets.
-BOUNDS = "In brackets the 95 % bounds of each quantile, by order statistics."
+#: Cases that are named beside each limit.
+_NEAREST = 3
+#: What stands beside a quantile.
+BOUNDS = "Quantiles with their 95 % bounds, by order statistics."
 
 
-def limit_quantiles(results: Results) -> Table:
-    """Quantiles of every figure that has a limit, beside it."""
-    shares = shown_shares(len(results.cases))
+def limits(results: Results) -> Iterator[Block]:
+    """Median and outermost quantile of every figure that has a limit, beside it."""
+    if not results.limits:
+        return
+    shares = shown_shares(len(results.cases))[-2:]
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
@@ -34,13 +38,12 @@ def limit_quantiles(results: Results) -> Table:
         mood: Mood = "bad" if missed else "good"
         used = Cell(f"{worst.high / limit:.0%}", mood, worst.high / limit) if worst else "-"
         rows.append([label, unit, *_cells(values, shares), significant(limit), used, str(missed)])
-    caption = (
-        f"{BOUNDS} Used is the upper bound of the last quantile over the limit. {refused(len(results.cases))}"
-    )
-    return Table(["figure", "unit", *_heads(shares), "limit>", "used", "missed>"], rows, caption)
+    used_is = "Used is the upper bound of the last one over the limit."
+    yield Text(f"{BOUNDS} {used_is} {refused(len(results.cases))}")
+    yield Table(["figure", "unit", *_heads(shares), "limit>", "used>", "missed>"], rows)
 
 
-def other_quantiles(results: Results) -> Table:
+def other_figures(results: Results) -> Iterator[Block]:
     """Quantiles of other figures."""
     shares = shown_shares(len(results.cases))
     rows: list[Row] = [
@@ -48,8 +51,9 @@ def other_quantiles(results: Results) -> Table:
         for figure in map(figure_of_merit, _OTHERS)
         if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
     ]
-    caption = f"{BOUNDS} {refused(len(results.cases))}"
-    return Table(["figure", "unit", *_heads(shares)], rows, caption)
+    if rows:
+        yield Text(f"{BOUNDS} {refused(len(results.cases))}")
+        yield Table(["figure", "unit", *_heads(shares)], rows)
 
 
 def shown_shares(flights: int) -> tuple[float, ...]:
@@ -105,12 +109,13 @@ def convergence(results: Results) -> Figure:
     low, high = (np.array([100.0 * share.interval[end] for share in found]) for end in (0, 1))
     value = np.array([100.0 * share.value for share in found])
     x = number[shown].astype(float)
+    around = np.append(x, x[::-1]), np.append(low, high[::-1])
     traces = [
-        Trace(x, low, "95 % interval (Wilson)", colour=GREY, dash="dash"),
-        Trace(x, high, "95 % interval (Wilson)", colour=GREY, dash="dash", legend=False),
+        Trace(*around, "95 % interval (Wilson)", "region", BLUE),
         Trace(x, value, "success so far", colour=BLUE, width=2.2),
     ]
-    panel = Panel(Axis("flights", log=True), Axis("success (%)"), traces)
+    flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
+    panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
     return Figure(
         "convergence",
         "Success probability",
@@ -133,7 +138,7 @@ def propellant(results: Results) -> Iterator[Block]:
     low = quantile(left, share)
     panel = Panel(
         Axis("propellant left (kg)"),
-        Axis("flights", range=(0.0, 1.1 * float(counts.max()))),
+        Axis("flights"),
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
         marks=[Mark("x", low.value, percent(share))] if low else [],
     )
@@ -142,15 +147,18 @@ def propellant(results: Results) -> Iterator[Block]:
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 
-def worst(results: Results, count: int = 3) -> Table:
-    """The cases nearest to each limit, or furthest beyond it, with the command that flies them again."""
+def worst(results: Results) -> Iterator[Block]:
+    """The cases nearest to each limit, or furthest beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         finite = np.flatnonzero(np.isfinite(values))
-        for index in finite[np.argsort(-values[finite])][:count]:
-            share = values[index] / limit
-            case = int(results.cases[index])
-            shown = Cell(significant(values[index]), "bad" if share > 1.0 else "plain", float(share))
-            rows.append([label, unit, shown, significant(limit), f"edl6dof refly {results.folder} {case}"])
-    return Table(["figure", "unit", "value", "limit>", "fly it again"], rows)
+        nearest = finite[np.argsort(-values[finite], kind="stable")][:_NEAREST]
+        if len(nearest):
+            share = float(values[nearest[0]]) / limit
+            shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
+            cases = ", ".join(str(results.cases[index]) for index in nearest)
+            rows.append([label, unit, shown, significant(limit), cases])
+    if rows:
+        yield Text(f"The worst of each first; one of them again: edl6dof refly {results.folder} CASE")
+        yield Table(["figure", "unit", "worst>", "limit>", "cases"], rows)
