@@ -23,6 +23,7 @@ def results(flights: int, **columns: np.ndarray) -> Results:
         ok=np.ones(flights, bool),
         limits=LIMITS,
         folder="runs/mc",
+        is_sample=True,
         groups={},
         has=columns.__contains__,
     )
@@ -60,6 +61,14 @@ def test_a_figure_that_few_flights_reach_says_how_many_it_takes():
         block for block in margins.limits(results(100, parachute_mach=mach)) if isinstance(block, Table)
     )
     assert table.rows[0][3] == "takes 72 flights" and ".." in table.rows[0][2]
+
+
+def test_a_grid_is_no_sample():
+    known = results(100, parachute_mach=np.linspace(1.8, 1.9, 100))
+    known.is_sample = False
+    table = next(block for block in margins.limits(known) if isinstance(block, Table))
+    assert table.columns[2:4] == ["50 %>", "largest>"] and table.rows[0][2:4] == ["1.85", "1.9"]
+    assert "no random sample" in words(margins.limits(known))
 
 
 @pytest.mark.parametrize("height", [14_000.0, 9_000.0])

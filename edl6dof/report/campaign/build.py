@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from edl6dof.campaign.quantiles import percent, quantile
 from edl6dof.report.campaign import drivers, faults, grid, landing, margins
 from edl6dof.report.campaign.results import Results
@@ -17,14 +15,14 @@ def campaign_report(folder: Path) -> Report:
     results = Results(folder)
     sections = [
         Section("faults", "Faults", list(faults.blocks(results))),
-        Section("success", "Success and causes", [margins.causes(results), margins.convergence(results)]),
+        Section("success", "Success and causes", [margins.causes(results), *margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
         Section("limits", "Limits", list(margins.limits(results))),
         Section("figures", "Other figures", list(margins.other_figures(results))),
         Section("footprint", "Footprint and deployment", list(landing.blocks(results))),
         Section("propellant", "Propellant", list(margins.propellant(results))),
         Section("worst", "Worst cases", list(margins.worst(results))),
-        Section("drivers", "What drives what", list(drivers.blocks(results))),
+        Section("drivers", "What drives what", [*drivers.indices(results), *drivers.blocks(results)]),
         Section(
             "configuration",
             "Configuration",
@@ -59,14 +57,19 @@ def _mood(results: Results) -> Mood:
 
 
 def _facts(results: Results) -> list[Fact]:
-    low, high = results.success.interval
     facts = [
         Fact("flights", f"{len(results.cases):,}"),
         Fact("success", f"{results.success.value:.2%}", _mood(results)),
-        Fact("95 % interval", f"{low:.2%} .. {high:.2%}"),
     ]
+    if not results.is_sample:
+        return facts
+    low, high = results.success.interval
+    facts.append(Fact("95 % interval", f"{low:.2%} .. {high:.2%}"))
     if results.has("landing_distance_m"):
-        shares = margins.shown_shares(int(np.isfinite(results["landing_distance_m"]).sum()))
-        if shares and (far := quantile(results["landing_distance_m"] / 1e3, shares[-1])):
-            facts.append(Fact(f"{percent(far.share)} land within", f"{margins.bounded(far, far.share)} km"))
+        distance = results["landing_distance_m"] / 1e3
+        facts += [
+            Fact(f"{percent(share)} land within", f"{margins.in_words(results, distance, share)} km")
+            for share in margins.shown_shares(results)[-1:]
+            if quantile(distance, share)
+        ]
     return facts

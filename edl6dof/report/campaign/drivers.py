@@ -8,7 +8,9 @@ from textwrap import fill
 
 import numpy as np
 
+from edl6dof.campaign.design.swaps import A, B
 from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
+from edl6dof.campaign.indices import sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
@@ -19,6 +21,8 @@ _FIGURES = (
     *("landing_east_m", "landing_north_m", "landing_distance_m"),
     *("parachute_height_m", "propellant_used_kg", "touchdown_s"),
 )
+#: Inputs of each figure whose Sobol indices are told.
+_SHOWN = 5
 #: Letters of a line of a figure's name beside the bars.
 _LETTERS = 24
 
@@ -33,7 +37,7 @@ class Told:
 
 def blocks(results: Results) -> Iterator[Block]:
     """A map of who drives what, and the shares with their intervals."""
-    if not results.groups:
+    if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
         yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
@@ -51,12 +55,40 @@ def blocks(results: Results) -> Iterator[Block]:
     yield Table(["figure", "input", "share>", "95 % interval>", "effect"], list(_rows(told)))
 
 
+def indices(results: Results) -> Iterator[Block]:
+    """Sobol indices of each figure, of a campaign that flew their design."""
+    if not results.has_design:
+        return
+    rows: list[Row] = []
+    for name in _figures(results):
+        matrices = results.swapped(name)
+        found = sobol_indices(matrices.pop(A), matrices.pop(B), matrices)
+        for k, index in enumerate(found[:_SHOWN]):
+            label = figure_of_merit(name).meaning if k == 0 else ""
+            rows.append([label, index.name, *_shares(index.first), *_shares(index.total)])
+    yield Text(
+        "Sobol indices: the share of a figure's variance that goes when an input is known (alone), and that "
+        f"stays when all others are known (in all), with 95 % intervals; the {_SHOWN} largest of each figure."
+    )
+    yield Table(["figure", "input", "alone>", "95 %>", "in all>", "95 %>"], rows)
+
+
 def _told(results: Results) -> Iterator[Told]:
-    names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
-    moving = {name: results[name] for name in names if results.has(name) and _moves(results[name])}
+    moving = {name: results[name] for name in _figures(results)}
     for name, values in moving.items():
         level = -np.expm1(np.log1p(-CHANCE) / len(moving))  # Sidak: for each figure
         yield Told(figure_of_merit(name), drivers(results.groups, values, level))
+
+
+def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
+    value, low, high = index
+    return Cell(f"{value:.0%}", bar=value), f"{low:.0%} .. {high:.0%}"
+
+
+def _figures(results: Results) -> list[str]:
+    """Figures with limits and others to explain, those that move."""
+    names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
+    return [name for name in names if results.has(name) and _moves(results[name])]
 
 
 def _moves(values: np.ndarray) -> bool:

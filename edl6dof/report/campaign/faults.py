@@ -31,7 +31,7 @@ _LOST = "not within limits"
 _LONGEST_S = 15.0
 _SCALE = ("#d3eecd", "#a8ddb5", "#4eb3d3", "#1a6fb0", "#08306b")
 #: Moments named along an axis, and lines of a table.
-_NAMED, _LINES = 9, 200
+_NAMED, _LINES = 7, 200
 _ROW_PX = 15
 
 

@@ -7,9 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import percent, quantile
+from edl6dof.campaign.quantiles import percent
 from edl6dof.campaign.statistics import ellipse
-from edl6dof.report.campaign.margins import BOUNDS, bounded, refused, shown_shares
+from edl6dof.report.campaign.margins import in_words, note, shown_shares
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Row, Table, Text
 from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
@@ -92,14 +92,14 @@ def ellipse_table(results: Results) -> Iterator[Block]:
         ("half axes of the 3 sigma ellipse", f"{3 * major:.2f} x {3 * minor:.2f}", "km"),
         ("direction of the long axis", f"{heading:.0f}", "deg from north through east"),
         *(
-            (f"distance from the target: {percent(share)}", bounded(quantile(distance, share), share), "km")
-            for share in shown_shares(len(distance))
-            if share >= 0.5
+            (f"distance from the target: {percent(share)}", in_words(results, distance, share), "km")
+            for share in shown_shares(results)
+            if 0.5 <= share < 1.0
         ),
         ("distance from the target: largest", f"{distance.max():.2f}", "km"),
     ]
     yield Table(["", "value>", "unit"], rows)
-    yield Text(f"{BOUNDS} {refused(len(distance))}")
+    yield Text(note(results))
 
 
 def deployment(results: Results) -> Figure:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from edl6dof.campaign.quantiles import SHARES, Quantile, bounded_shares, flights_needed, percent, quantile
+from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, percent, quantile
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
@@ -21,73 +21,97 @@ _OTHERS = (
 )
 #: Cases that are named beside each limit.
 _NEAREST = 3
-#: What stands beside a quantile.
-BOUNDS = "Quantiles with their 95 % bounds, by order statistics."
 
 
 def limits(results: Results) -> Iterator[Block]:
     """Median and outermost quantile of every figure that has a limit, beside it."""
     if not results.limits:
         return
-    shares = shown_shares(len(results.cases))[-2:]
+    shares = shown_shares(results)[-2:]
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         missed = int(np.sum(values > limit))
-        worst = next(filter(None, (quantile(values, share) for share in reversed(shares))), None)
+        largest = _upper(results, values, shares)
         mood: Mood = "bad" if missed else "good"
-        used = Cell(f"{worst.high / limit:.0%}", mood, worst.high / limit) if worst else "-"
-        rows.append([label, unit, *_cells(values, shares), significant(limit), used, str(missed)])
-    used_is = "Used is the upper bound of the last one over the limit."
-    yield Text(f"{BOUNDS} {used_is} {refused(len(results.cases))}")
-    yield Table(["figure", "unit", *_heads(shares), "limit>", "used>", "missed>"], rows)
+        used = Cell(f"{largest / limit:.0%}", mood, largest / limit) if largest is not None else "-"
+        cells = [in_words(results, values, share) for share in shares]
+        rows.append([label, unit, *cells, significant(limit), used, str(missed)])
+    end = "upper bound of the last quantile" if results.is_sample else "largest value"
+    yield Text(f"{note(results)} Used is the {end} over the limit.")
+    heads = [f"{head(share)}>" for share in shares]
+    yield Table(["figure", "unit", *heads, "limit>", "used>", "missed>"], rows)
+
+
+def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
+    """Upper bound of the outermost quantile that there is; the largest value of what is no sample."""
+    if not results.is_sample:
+        return float(np.nanmax(values)) if np.isfinite(values).any() else None
+    found = (quantile(values, share) for share in reversed(shares))
+    return next((one.high for one in found if one is not None), None)
 
 
 def other_figures(results: Results) -> Iterator[Block]:
     """Quantiles of other figures."""
-    shares = shown_shares(len(results.cases))
+    shares = shown_shares(results)
+    limited = {name for name, *_ in results.limits}
     rows: list[Row] = [
-        [figure.meaning, figure.unit.label, *_cells(results[figure.name], shares)]
+        [
+            figure.meaning,
+            figure.unit.label,
+            *(in_words(results, results[figure.name], share) for share in shares),
+        ]
         for figure in map(figure_of_merit, _OTHERS)
-        if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
+        if results.has(figure.name) and figure.name not in limited
     ]
     if rows:
-        yield Text(f"{BOUNDS} {refused(len(results.cases))}")
-        yield Table(["figure", "unit", *_heads(shares)], rows)
+        yield Text(note(results))
+        yield Table(["figure", "unit", *(f"{head(share)}>" for share in shares)], rows)
 
 
-def shown_shares(flights: int) -> tuple[float, ...]:
-    """The median and the outermost pair of quantiles that a number of flights can bound."""
-    bounded = bounded_shares(flights)
+def shown_shares(results: Results) -> tuple[float, ...]:
+    """The median and the outermost pair of quantiles that a sample can bound; the ends of what is none."""
+    if not results.is_sample:
+        return 0.0, 0.5, 1.0
+    bounded = bounded_shares(len(results.cases))
     return tuple(dict.fromkeys((bounded[0], 0.5, bounded[-1]))) if bounded else ()
 
 
-def refused(flights: int) -> str:
-    """Which quantiles a number of flights cannot bound, and how many it would take."""
-    too_far = [share for share in SHARES if share > 0.5 and flights_needed(share) > flights]
-    takes = " and ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
-    return f"Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
+def head(share: float) -> str:
+    """What a quantile is called."""
+    return {0.0: "least", 1.0: "largest"}.get(share, percent(share))
 
 
-def _heads(shares: Sequence[float]) -> list[str]:
-    return [f"{percent(share)}>" for share in shares]
-
-
-def _cells(values: np.ndarray, shares: Sequence[float]) -> list[str]:
-    return [bounded(quantile(values, share), share) for share in shares]
-
-
-def bounded(found: Quantile | None, share: float) -> str:
-    """A quantile with its bounds in words, or how many flights it takes."""
+def in_words(results: Results, values: np.ndarray, share: float) -> str:
+    """A quantile with its bounds, or how many flights it takes; as flown in what is no sample."""
+    if not results.is_sample:
+        finite = values[np.isfinite(values)]
+        return significant(float(np.quantile(finite, share))) if len(finite) else "-"
+    found = quantile(values, share)
     if found is None:
         return f"takes {flights_needed(share):,} flights"
     value, low, high = aligned(found.value, found.low, found.high)
     return f"{value} ({low} .. {high})"
 
 
+def note(results: Results) -> str:
+    """What stands beside quantiles: whose bounds they are, and how many flights those take that are not
+    told.
+    """
+    if not results.is_sample:
+        return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
+    flights = len(results.cases)
+    too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
+    takes = " and ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
+    refused = f" Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
+    return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
+
+
 def causes(results: Results) -> Block:
     """Why flights failed."""
     if not results.causes:
+        if not results.is_sample:
+            return Text("No flight failed.")
         low, _ = results.success.interval
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low:.2%}.")
     rows: list[Row] = []
@@ -99,8 +123,10 @@ def causes(results: Results) -> Block:
     return Table(["cause", "flights>", "share", "cases"], rows)
 
 
-def convergence(results: Results) -> Figure:
+def convergence(results: Results) -> Iterator[Figure]:
     """Success probability so far, with its interval."""
+    if not results.is_sample:
+        return
     order = np.argsort(results.cases)
     successes = np.cumsum(results.ok[order])
     number = np.arange(1, len(successes) + 1)
@@ -116,7 +142,7 @@ def convergence(results: Results) -> Figure:
     ]
     flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
     panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
-    return Figure(
+    yield Figure(
         "convergence",
         "Success probability",
         [panel],
@@ -134,16 +160,16 @@ def propellant(results: Results) -> Iterator[Block]:
     if not len(left):
         return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
-    share = shown_shares(len(left))[0] if shown_shares(len(left)) else 0.5
-    low = quantile(left, share)
+    shares = shown_shares(results)[:1]
+    lowest = [(head(share), float(np.quantile(left, share))) for share in shares]
     panel = Panel(
         Axis("propellant left (kg)"),
         Axis("flights"),
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
-        marks=[Mark("x", low.value, percent(share))] if low else [],
+        marks=[Mark("x", at, words) for words, at in lowest],
     )
-    told = f", {percent(share)} quantile {bounded(low, share)} kg" if low else ""
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}. {refused(len(left))}"
+    told = "".join(f", {head(share)} {in_words(results, left, share)} kg" for share in shares if share > 0.0)
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}. {note(results)}"
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 
