@@ -29,7 +29,7 @@ from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes
+from edl6dof.replay.views import charts, lanes, phase_plane
 from edl6dof.replay.views.layout import Layout
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
@@ -55,7 +55,8 @@ PARTS: tuple[type[Recorder], ...] = (
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation, *NAVIGATED))
+    shown = (*phase_plane.COLUMNS, *lanes.READOUT, *NAVIGATED)
+    return History(flight, shown, (*charts.COLUMNS, *navigation))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -120,7 +121,7 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.columns)),
+        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.series)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),

@@ -17,6 +17,8 @@ from typing import Literal
 
 import numpy as np
 
+from edl6dof.telemetry.thinning import bends, rows_to_draw
+
 Kind = Literal["line", "points", "steps", "bars", "region"]
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 
@@ -241,25 +243,20 @@ class Figure:
         return (min(low for low, _ in x), max(high for _, high in x)), panel.span("y")
 
 
-def thinned(trace: Trace, buckets: int = 1000) -> Trace:
-    """The trace without points that no one would see: of each bucket of rows the first and the extremes of x
-    and y stay, and all gaps.
+def thinned(trace: Trace, most: int = 4000) -> Trace:
+    """The trace without points that no one would see, of one over rising ``x`` about ``most`` at most.
 
-    A peak keeps its height and its place, whatever the length of the flight.
+    A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
+    every point is seen, is thinned where it is straight alone.
     """
     n = len(trace.x)
-    if trace.kind not in ("line", "steps") or n <= 4 * buckets or trace.labels:
+    if trace.kind not in ("line", "steps") or n <= most // 2 or trace.labels:
         return trace
-    size = -(-n // buckets)
-    whole = n - n % size
     x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
-    keep = np.zeros(n, bool)
-    keep[::size] = keep[whole :: max(size // 4, 1)] = keep[-1] = True
-    for values in (y,) if np.all(np.diff(x) > 0.0) else (x, y):
-        rows = values[:whole].reshape(-1, size)
-        for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-            keep[np.arange(0, whole, size) + pick(np.where(np.isnan(rows), fill, rows), axis=1)] = True
-    gap = np.isnan(x) | np.isnan(y)
-    edge = np.flatnonzero(gap[1:] != gap[:-1])
-    keep[edge] = keep[edge + 1] = True
-    return replace(trace, x=x[keep], y=y[keep])
+    if trace.kind == "steps":
+        rows = np.union1d([0, n - 1], 1 + np.flatnonzero(y[1:] != y[:-1]))
+    elif np.all(np.diff(x) > 0.0):
+        rows = rows_to_draw(x, y[:, None], most)
+    else:
+        rows = bends(np.arange(n), np.stack([x, y], axis=1))
+    return replace(trace, x=x[rows], y=y[rows])

@@ -158,7 +158,7 @@ def _panel(
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for trace in panel.coloured():
-        artist = _trace(axes, thinned(trace, 1500))
+        artist = _trace(axes, thinned(trace))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_up import DIAGNOSIS, FAILURE, NOT_ENTERED, SHELL, SHIELD, read, synthetic_flight
+from made_up import DIAGNOSIS, FAILURE, NOT_ENTERED, SHELL, SHIELD, entities, read, synthetic_flight
 from pyquaternion import Quaternion
 
 from edl6dof.replay.history import thin
@@ -155,10 +155,40 @@ def test_plots_hold_the_telemetry(flight, replay):
         ("/plots/body_rate_deg_s", [f"truth.rate_{axis}_deg_s" for axis in "pqr"], 1.0),
     ):
         times, columns = read(replay, entity)
-        assert np.allclose(np.diff(times), 0.08, atol=1e-6)
+        shown, whole = np.array(columns["Scalars:scalars"]), factor * np.stack([tm[n] for n in names], -1)
         rows = np.searchsorted(tm["t_s"], times - 1e-6)
-        wanted = factor * np.stack([tm[name][rows] for name in names], axis=-1)
-        assert np.array_equal(np.array(columns["Scalars:scalars"]), wanted)
+        assert np.array_equal(shown, whole[rows])
+        for k in range(len(names)):
+            between = np.interp(tm["t_s"], times, shown[:, k])
+            assert np.abs(between - whole[:, k]).max() <= np.ptp(whole[:, k]) / 4000
+
+
+def test_the_largest_value_of_a_plot_is_the_peak_of_the_flight(nominal, tmp_path):
+    write_replay([history(nominal)], tmp_path / "replay.rrd")
+    peaks = {
+        "/plots/riser_tension_kn": ("max_riser_tension_n", 1e-3),
+        "/plots/load_g0": ("max_load_parachute_g0", 1.0),
+        "/plots/dynamic_pressure_kpa": ("peak_dynamic_pressure_pa", 1e-3),
+        "/plots/heat_flux_w_cm2": ("peak_heat_flux_w_cm2", 1.0),
+    }
+    for entity, (figure, factor) in peaks.items():
+        _, columns = read(tmp_path / "replay.rrd", entity)
+        assert np.max(columns["Scalars:scalars"]) == pytest.approx(
+            nominal.metrics[figure] * factor, rel=1e-12
+        )
+
+
+def test_the_viewer_draws_extremes_where_it_has_no_room_for_every_value(replay):
+    from rerun.chunk import RrdReader
+
+    policies = [
+        batch.column(name).to_pylist()
+        for chunk in RrdReader(replay).stream().filter(content=["/plots/**"], is_static=True).to_chunks()
+        for batch in [chunk.to_record_batch()]
+        for name in batch.schema.names
+        if name == "SeriesLines:aggregation_policy"
+    ]
+    assert len(policies) > 20 and all(policy == [[5]] for policy in policies), "5 is MinMax"
 
 
 def test_duty_is_the_mean_between_rows(flight, replay):
@@ -170,14 +200,29 @@ def test_duty_is_the_mean_between_rows(flight, replay):
     assert len(values) == len(times) == 126
 
 
-def test_silent_thrusters_show_no_flame(replay):
+def test_no_flame_before_ignition_and_none_of_an_engine_that_never_burns(flight, replay, tmp_path):
     times, columns = read(replay, "/site/vehicle/engine_plume/core")
-    scales = [np.array(cell) for cell in columns["InstancePoses3D:scales"]]
-    assert times[0] == 0.0
-    assert np.all(scales[0] < 1e-3)
-    assert all(len(scale) == 1 for scale in scales)
-    assert times[1] > SHELL - 0.05
-    assert np.all(scales[1] > 0.3)
+    shapes = [t for t, cell in zip(times, columns["Mesh3D:vertex_positions"], strict=True) if cell]
+    assert shapes == [times[0]] and times[0] > SHELL - 0.05
+    scales = [np.array(cell) for cell in columns["InstancePoses3D:scales"] if cell]
+    assert np.all(scales[0] > 0.3) and all(len(scale) == 1 for scale in scales)
+    silent = SimpleNamespace(**vars(flight))
+    fired = ("truth.engine_thrust_n", *(f"rcs.{jet}" for jet in flight.scenario.thruster_names))
+    silent.telemetry = {
+        **flight.telemetry,
+        **{name: np.zeros(len(flight.telemetry["t_s"])) for name in fired},
+    }
+    write_replay([history(silent)], tmp_path / "silent.rrd")
+    assert not [path for path in entities(tmp_path / "silent.rrd") if "plume" in path or "spark" in path]
+
+
+def test_sparks_are_at_the_nozzles_that_fire(flight, replay):
+    times, columns = read(replay, "/site/vehicle/thruster_sparks")
+    duty = history(flight).duty
+    jets = np.array([jet.position_m for jet in flight.scenario.vehicle.rcs.thrusters])
+    for k in (0, 40, len(times) - 1):
+        row = int(round(times[k] * 25.0))
+        assert np.allclose(columns["Points3D:positions"][k], jets[duty[row] > 0.02], atol=1e-6)
 
 
 def test_phases_events_and_units(flight, replay):

@@ -48,7 +48,7 @@ def figures(run: Run) -> Iterator[Figure]:
     if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
         return
     phases = run.scenario["mission"]["phases"]
-    flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
+    flown = np.where(control_cycles(run), run["guide.phase"].astype(int) if phases else 0, -1)
     for name in dict.fromkeys(phase["control"] for phase in phases):
         indices = [i for i, phase in enumerate(phases) if phase["control"] == name and np.any(flown == i)]
         if indices and name != "off":
@@ -120,6 +120,14 @@ def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, 
     beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
     reach = 1.12 * max(size, min(beyond, default=0.0))
     return -reach, reach
+
+
+def control_cycles(run: Run) -> np.ndarray:
+    """Rows (bool) in which the controller has just run: between them, and before it first runs in a phase, the
+    error of telemetry is an old one, which beside the present rate would draw steps that were not flown.
+    """
+    errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
+    return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
 
 
 def control_rates(run: Run, control: str) -> list[np.ndarray]:

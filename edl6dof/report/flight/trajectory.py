@@ -34,6 +34,7 @@ from edl6dof.report.flight.parts import (
     has_signal,
     over_time,
     phase_bands,
+    phase_keys,
     phase_legend,
     placed,
     stacked,
@@ -78,7 +79,12 @@ def overview(run: Run) -> Figure:
     ]
     panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])
-    return stacked("overview", "The whole flight", panels, "The ground colour is the mission phase.", 150)
+    caption = (
+        "Heights have three zeros: the ellipsoid, the areoid (the level of no height on maps), and the ground "
+        "below the vehicle."
+    )
+    caption += " The ground colour is the mission phase." if phase_keys(run) else ""
+    return stacked("overview", "The whole flight", panels, caption, 150)
 
 
 class Entry(NamedTuple):
@@ -214,6 +220,19 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     ]
 
 
+def on_scale(panel: Panel) -> tuple[Panel, str]:
+    """The panel without the borders of which nothing lies on its scales, and a sentence that names them."""
+    (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
+    seen = [
+        not trace.border
+        or bool(np.any((trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)))
+        for trace in panel.traces
+    ]
+    beyond = [trace.name for trace, on in zip(panel.traces, seen, strict=True) if not on and trace.name]
+    words = f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    return replace(panel, traces=[trace for trace, on in zip(panel.traces, seen, strict=True) if on]), words
+
+
 def drag_velocity(run: Run, entry: Entry) -> Figure:
     """Drag over speed inside its corridor."""
     found = borders(run, entry)
@@ -242,9 +261,10 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
         Axis("drag acceleration (m/s²)", (0.0, top)),
         traces,
     )
+    panel, beyond = on_scale(panel)
     caption = (
         "The flight runs from left to right. Borders are limits of the scenario, turned into drag by this "
-        "flight's own aerodynamics."
+        f"flight's own aerodynamics.{beyond}"
     )
     return Figure("drag_velocity", "Drag over speed in the corridor", [panel], caption, height=380)
 
@@ -285,10 +305,11 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         Axis("height above the areoid (km)", (min(-5.0, 0.0), top)),
         traces,
     )
-    caption = (
-        "The flight runs from left to right; it must stay above the borders of heat flux, dynamic pressure "
-        "and load."
+    panel, beyond = on_scale(panel)
+    caption = "The flight runs from left to right" + (
+        "; it must stay above the borders of its limits." if found else "."
     )
+    caption += beyond
     return Figure("altitude_velocity", "Height over speed in the corridor", [panel], caption, height=380)
 
 

@@ -31,6 +31,8 @@ _FACTS = (
 )
 
 
+#: What the two speeds of the timeline are relative to.
+AIRSPEED = "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind"
 #: A requirement that was kept or not; other differences are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
@@ -139,7 +141,8 @@ def timeline(run: Run) -> Table:
             f"{mach:.2f}" if mach is not None else "",
         )
         rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
-    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows)
+    columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
+    return Table(columns, rows, AIRSPEED if any(event.get("mach") for event in run.events) else "")
 
 
 def configuration(run: Run) -> Iterator[Block]:
