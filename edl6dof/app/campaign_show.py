@@ -108,7 +108,7 @@ def show_comparison(result: Comparison) -> None:
     table = Table(
         box=box.SIMPLE_HEAD,
         pad_edge=False,
-        title="Paired differences that are clear at 95 %",
+        title="Paired differences that are clear at 95 %, all figures together",
         title_justify="left",
     )
     for column in ("figure", a, b, "B - A", "95 %"):

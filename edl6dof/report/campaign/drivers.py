@@ -44,8 +44,8 @@ def blocks(results: Results) -> Iterator[Block]:
         return
     told = list(_told(results))
     yield Text(
-        "Share: how much of the variance of a figure's ranks an input explains, in its 95 % interval. Inputs "
-        "that are drawn together (*) count as one. An input is named where chance alone would name none in "
+        "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
+        "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
         f"{1.0 - CHANCE:.0%} of campaigns, all figures together. What remains is the work of the random "
         "profiles of density and gusts, of inputs whose share is too small to be told, and of what only "
         "several inputs together do."

@@ -9,9 +9,9 @@ import numpy as np
 
 from edl6dof.campaign.quantiles import percent
 from edl6dof.campaign.statistics import ellipse
-from edl6dof.report.campaign.margins import in_words, note, shown_shares
+from edl6dof.report.campaign.margins import in_words, shown_shares
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Row, Table, Text
+from edl6dof.report.document import Block, Row, Table
 from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
 
 #: Points of each kind that carry the number of their case.
@@ -29,7 +29,7 @@ def blocks(results: Results) -> Iterator[Block]:
     """Footprint with its ellipses, and the box of parachute deployment."""
     if results.has("landing_east_m") and np.isfinite(results["landing_east_m"]).sum() > 2:
         yield footprint(results)
-        yield from ellipse_table(results)
+        yield ellipse_table(results)
     if results.has("parachute_mach"):
         yield deployment(results)
 
@@ -79,7 +79,7 @@ def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
     return set(taken)
 
 
-def ellipse_table(results: Results) -> Iterator[Block]:
+def ellipse_table(results: Results) -> Table:
     """Size and direction of the footprint."""
     east, north = results["landing_east_m"], results["landing_north_m"]
     down = np.isfinite(east)
@@ -98,8 +98,7 @@ def ellipse_table(results: Results) -> Iterator[Block]:
         ),
         ("distance from the target: largest", f"{distance.max():.2f}", "km"),
     ]
-    yield Table(["", "value>", "unit"], rows)
-    yield Text(note(results))
+    return Table(["", "value>", "unit"], rows)
 
 
 def deployment(results: Results) -> Figure:
@@ -133,7 +132,7 @@ def _axis(title: str, values: np.ndarray, limit: float | None) -> Axis:
     ends = np.append(values[np.isfinite(values)], [] if limit is None else [limit])
     if not len(ends):
         return Axis(title)
-    room = 0.06 * float(np.ptp(ends)) or 1.0
+    room = 0.1 * float(np.ptp(ends)) or 1.0
     return Axis(title, range=(float(ends.min()) - room, float(ends.max()) + room))
 
 

@@ -168,8 +168,10 @@ def propellant(results: Results) -> Iterator[Block]:
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
         marks=[Mark("x", at, words) for words, at in lowest],
     )
-    told = "".join(f", {head(share)} {in_words(results, left, share)} kg" for share in shares if share > 0.0)
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}. {note(results)}"
+    told = "".join(
+        f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
+    )
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}."
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 
