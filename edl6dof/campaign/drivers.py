@@ -101,7 +101,8 @@ def drivers(groups: Mapping[str, np.ndarray], figure: np.ndarray, chance: float 
     if not names:
         return Drivers(flights, (), least)
     own, redrawn = _shares([terms[name] for name in names], target)
-    low, high = np.clip(np.quantile(redrawn, _ENDS, axis=0), 0.0, 1.0)
+    wider = np.sqrt(flights / max(flights - 1 - sum(terms[name].shape[1] for name in names), 1))
+    low, high = np.clip(own + wider * (np.quantile(redrawn, _ENDS, axis=0) - own), 0.0, 1.0)
     found = [
         Driver(name, max(float(own[k]), 0.0), float(low[k]), float(high[k]), _effect(inputs[name], target))
         for k, name in enumerate(names)

@@ -30,8 +30,8 @@ _LOST = "not within limits"
 #: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
 _LONGEST_S = 15.0
 _SCALE = ("#d3eecd", "#a8ddb5", "#4eb3d3", "#1a6fb0", "#08306b")
-#: Moments named along an axis, and lines of a table.
-_NAMED, _LINES = 7, 200
+#: Moments named along an axis that holds more than stand beside each other, and lines of a table.
+_NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
 
 
@@ -199,7 +199,7 @@ def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
 
 def _thinned(names: Sequence[str]) -> list[str]:
     """Every so many of the names; the others are empty."""
-    step = -(-len(names) // _NAMED) if len(names) > 2 * _NAMED else 1
+    step = -(-len(names) // _NAMED) if len(names) > _BESIDE else 1
     return [name if k % step == 0 else "" for k, name in enumerate(names)]
 
 
