@@ -16,9 +16,11 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
-from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene.canopy import canopy
 from edl6dof.replay.scene.globe import planet
 from edl6dof.replay.scene.landscape import Landscape
+from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.site import Site
 from edl6dof.replay.views.phase_plane import boundaries, squeeze
 from edl6dof.scenario.landing_ellipse import planned_ellipse
@@ -89,7 +91,8 @@ def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
 
 def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     vehicle = scenario.vehicle
-    shield, shell = shapes.heat_shield(vehicle), shapes.backshell(vehicle)
+    shape = outline(vehicle)
+    shield, shell = aeroshell.heat_shield(shape), aeroshell.backshell(shape)
     radius = np.hypot(shield.positions[:, 1], shield.positions[:, 2])
     assert 2.0 * radius.max() == pytest.approx(vehicle.aero.capsule.diameter_m, rel=1e-9)
     assert shield.positions[:, 0].max() == pytest.approx(0.0, abs=1e-9), "the nose is the origin"
@@ -104,14 +107,14 @@ def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     assert (
         np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
     )
-    lander = shapes.lander(vehicle).positions
+    bells = lander.nozzles(vehicle, shape).positions
     for jet in vehicle.rcs.thrusters:
-        assert np.min(np.linalg.norm(lander - jet.position_m, axis=1)) < 0.12, jet.name
-    feet = shapes.legs(vehicle).positions
+        assert np.min(np.linalg.norm(bells - jet.position_m, axis=1)) < 0.12, jet.name
+    feet = lander.legs(vehicle, shape, np.zeros(4)).positions
     for pad in vehicle.landing_gear.footpads_m:
         assert np.min(np.linalg.norm(feet - pad, axis=1)) < 0.01
-    canopy, lines = shapes.canopy(vehicle)
-    assert np.hypot(canopy.positions[:, 1], canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
+    open_canopy, lines = canopy(vehicle, 0)
+    assert np.hypot(open_canopy.positions[:, 1], open_canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
         0.68 * vehicle.main_parachute.diameter_m, rel=0.01
     )
     assert lines[..., 0].max() >= vehicle.main_parachute.line_length_m

@@ -21,7 +21,7 @@ class Arrows(Recorder):
         """Each arrow from its own start: the velocity ahead of the vehicle, forces at the centre of mass."""
         motion, columns = self.motion, self.flight.columns
         rows = thin(self.t, SCALAR_HZ)
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         if len(rows) < 3:
             return
         way = np.gradient(motion.centre[rows], self.t[rows], axis=0)
@@ -69,9 +69,7 @@ class Arrows(Recorder):
         entity = f"{self.root}/arrows/{name.replace(' ', '_')}"
         self.static(
             entity,
-            rr.Arrows3D.from_fields(
-                colors=colour, radii=0.011 * self.vehicle.aero.capsule.diameter_m, labels=[name]
-            ),
+            rr.Arrows3D.from_fields(colors=colour, radii=0.011 * self.motion.shape.size, labels=[name]),
         )
         arrows = rr.Arrows3D.columns(origins=origins, vectors=vectors[shown])
         self.columns(entity, self.t[rows[keep]], arrows.partition(shown[keep].astype(int)))
@@ -81,7 +79,7 @@ class Arrows(Recorder):
         vertical plane.
         """
         rr, motion = self.rr, self.motion
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
