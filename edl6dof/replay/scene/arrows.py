@@ -21,7 +21,7 @@ class Arrows(Recorder):
         """Each arrow from its own start: the velocity ahead of the vehicle, forces at the centre of mass."""
         motion, columns = self.motion, self.flight.columns
         rows = thin(self.t, SCALAR_HZ)
-        size = self.motion.shape.size
+        size = self.vehicle.aero.capsule.diameter_m
         if len(rows) < 3:
             return
         way = np.gradient(motion.centre[rows], self.t[rows], axis=0)
@@ -69,7 +69,9 @@ class Arrows(Recorder):
         entity = f"{self.root}/arrows/{name.replace(' ', '_')}"
         self.static(
             entity,
-            rr.Arrows3D.from_fields(colors=colour, radii=0.011 * self.motion.shape.size, labels=[name]),
+            rr.Arrows3D.from_fields(
+                colors=colour, radii=0.011 * self.vehicle.aero.capsule.diameter_m, labels=[name]
+            ),
         )
         arrows = rr.Arrows3D.columns(origins=origins, vectors=vectors[shown])
         self.columns(entity, self.t[rows[keep]], arrows.partition(shown[keep].astype(int)))
@@ -79,7 +81,7 @@ class Arrows(Recorder):
         vertical plane.
         """
         rr, motion = self.rr, self.motion
-        size = self.motion.shape.size
+        size = self.vehicle.aero.capsule.diameter_m
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
