@@ -74,7 +74,7 @@ class Descent(Recorder):
         if first is None:
             return
         origin, turn = self.motion.discarded(place, own_centre)
-        rows = first + np.flatnonzero(np.isfinite(origin[first:, 0]))[::2]
+        rows = first + np.flatnonzero(np.isfinite(origin[first:, 0]))
         tint = {"albedo_factor": [104, 84, 70, 255]} if name == "heat_shield" else {}
         self.at(self.t[first], f"{self.root}/{name}/shape", *shown(self, part, mesh, **tint))
         attitude = np.tile(turns.xyzw(turn), (len(rows), 1))
@@ -83,7 +83,7 @@ class Descent(Recorder):
             self.t[rows],
             rr.Transform3D.columns(translation=origin[rows], quaternion=attitude),
         )
-        rows = rows[::3]
+        rows = rows[::6]
         label = rr.Points3D.from_fields(
             labels=[name.replace("_", " ")], colors=PART, radii=-3.5, show_labels=True
         )
