@@ -2,11 +2,11 @@
 
 Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle
 lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and
-grows under the
-parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1``
+grows under the parachute: seen from it, capsule and canopy both fill the view; ``/site/camera_away`` follows
+what fell away.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
-planes, ``/phase``, ``/configuration``, ``/engine``, ``/rcs`` and ``/instruments`` the lanes, ``/events`` the
-timeline.
+planes, ``/Flight``, ``/Entry``, ``/Parachute``, ``/Powered-descent``, ``/rcs`` and ``/instruments`` the
+lanes, ``/events`` the timeline.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.arrows import Arrows
+from edl6dof.replay.scene.arrows import Arrows, scales
 from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
 from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
@@ -29,10 +29,12 @@ from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes, phase_plane
-from edl6dof.replay.views.layout import Layout
+from edl6dof.replay.views import charts, lanes, phase_plane, readout
+from edl6dof.replay.views.cameras import Cameras
+from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
+from edl6dof.replay.views.ranges import axis_range, drawn_range
 from edl6dof.replay.views.spatial import Shown
 
 #: What writes the recording.
@@ -41,6 +43,7 @@ PARTS: tuple[type[Recorder], ...] = (
     Hazards,
     Globe,
     Track,
+    Cameras,
     Vehicle,
     Flames,
     Arrows,
@@ -49,13 +52,14 @@ PARTS: tuple[type[Recorder], ...] = (
     charts.Charts,
     PhasePlanes,
     lanes.Lanes,
+    readout.Readout,
 )
 
 
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    shown = (*phase_plane.COLUMNS, *lanes.READOUT, *NAVIGATED)
+    shown = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
     return History(flight, shown, (*charts.COLUMNS, *navigation))
 
 
@@ -79,9 +83,8 @@ def write_replay(
     motions = [Motion(flight) for flight in flights]
     name = first.name if len(flights) == 1 else " and ".join(labels)
     with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
-        recording.save(
-            str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(ensemble))).blueprint(page)
-        )
+        shown = _shown(flights, motions[0], labels, bool(ensemble))
+        recording.save(str(path), default_blueprint=Layout(shown).blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [
             (k, flight, motion)
@@ -104,7 +107,7 @@ def write_replay(
     pa.default_memory_pool().release_unused()
 
 
-def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
+def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], ensemble: bool) -> Shown:
     first = flights[0]
     span = (
         (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
@@ -126,11 +129,31 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
         scanned=_scanned(first, places),
-        flights=len(flights),
+        labels=tuple(labels) or ("",),
+        size=first.scenario.vehicle.aero.capsule.diameter_m,
+        scales=scales(first, motion) if len(first.t) > 2 else "",
+        ranges=_ranges(flights, span),
         ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
+
+
+def _ranges(
+    flights: Sequence[History], whole: tuple[float, float]
+) -> dict[tuple[str, str], tuple[float, float]]:
+    """First and last value on the axis of each plot in the time of each page, by page and entity, such that
+    the curves of all flights lie on it.
+    """
+    found = {}
+    for page, span in {"Flight": whole, **spans_of(whole, flights[0].when)}.items():
+        for plot in PLOTS:
+            own = [flight for flight in flights if set(plot.columns) <= set(flight.columns)]
+            ends = [drawn_range(plot, flight.columns, flight.when, span) for flight in own]
+            if drawn := [both for both in ends if both is not None]:
+                lows, highs = zip(*drawn, strict=True)
+                found[page, plot.entity] = axis_range(min(lows), max(highs))
+    return found
 
 
 def _scanned(flight: History, places: np.ndarray) -> np.ndarray | None:

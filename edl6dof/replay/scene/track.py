@@ -1,18 +1,16 @@
-"""The way of a vehicle: path by phase, trail, ground track, marker, shadow, and the camera that follows."""
+"""The way of a vehicle: path by phase, trail, ground track, marker, shadow."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from edl6dof.replay.history import thin
-from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
+from edl6dof.replay.recorder import SCALAR_HZ, Recorder
 from edl6dof.replay.scene.mesh import revolve
-from edl6dof.replay.views.layout import FLIGHTS
-from edl6dof.spatial import rotations as turns
 
 
 class Track(Recorder):
-    """Writes path, trail, ground track, markers and camera."""
+    """Writes path, trail, ground track and markers."""
 
     def statics(self) -> None:
         """The whole path, and its track on the ground."""
@@ -36,11 +34,11 @@ class Track(Recorder):
         )
 
     def motions(self) -> None:
-        """Marker, trail, drop line, shadow and camera."""
+        """Marker, trail, drop line and shadow."""
         rr, motion = self.rr, self.motion
         rows = thin(self.t, SCALAR_HZ)
         labels = {"labels": [self.label], "show_labels": True} if self.label else {}
-        white = self._colour(0) if self.label else (255, 255, 255)
+        white = self.own if self.label else (255, 255, 255)
         self.static(
             f"{self.root}/markers/vehicle", rr.Points3D.from_fields(colors=white, radii=-5.0, **labels)
         )
@@ -48,21 +46,12 @@ class Track(Recorder):
             f"{self.root}/markers/vehicle", self.t[rows], rr.Points3D.columns(positions=motion.centre[rows])
         )
         self._drop_line(rows[motion.height[rows] < 20e3])
-        self._trail(thin(self.t, SLOW_HZ))
+        self._trail(np.arange(len(self.t)))  # as often as the pose, or it would end behind the vehicle
         self._shadow(np.flatnonzero(motion.height < 300.0))
-        if self.number == 0:
-            self.columns("site/near", self.t, rr.Transform3D.columns(translation=motion.centre))
-            look, facing, scale = motion.camera()
-            wide = np.repeat(scale[:, None], 3, axis=1)
-            self.columns(
-                "site/camera",
-                self.t,
-                rr.Transform3D.columns(translation=look, quaternion=turns.xyzw(facing), scale=wide),
-            )
 
     def _colour(self, phase: int) -> np.ndarray:
         """The phase's colour; beside other flights, the flight's own."""
-        return np.array(FLIGHTS[self.number % len(FLIGHTS)], np.uint8) if self.label else self.colours[phase]
+        return np.array(self.own, np.uint8) if self.label else self.colours[phase]
 
     def _drop_line(self, rows: np.ndarray) -> None:
         """A line straight down to the ground."""

@@ -48,7 +48,7 @@ def figures(run: Run) -> Iterator[Figure]:
     if not any(has_signal(run, f"truth.rate_{axis}_deg_s") for axis in RATES):
         return
     phases = run.scenario["mission"]["phases"]
-    flown = np.where(control_cycles(run), run["guide.phase"].astype(int) if phases else 0, -1)
+    flown = run["guide.phase"].astype(int) if phases else np.zeros(len(run.t), int)
     for name in dict.fromkeys(phase["control"] for phase in phases):
         indices = [i for i, phase in enumerate(phases) if phase["control"] == name and np.any(flown == i)]
         if indices and name != "off":
@@ -58,7 +58,7 @@ def figures(run: Run) -> Iterator[Figure]:
 def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
     """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
     gains = run.scenario["flight_software"]["control"].get(control, {})
-    rates = control_rates(run, control)
+    rates, cycles = control_rates(run, control), control_cycles(run)
     panels = []
     for axis, name in enumerate(AXES):
         if axis > 0 and not any(
@@ -67,8 +67,8 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
             continue  # damped only: shown in the plane of the two rates below
         traces = [
             Trace(
-                run[f"control.error_{name}_deg"][rows],
-                rates[axis][rows],
+                run[f"control.error_{name}_deg"][rows & cycles],
+                rates[axis][rows & cycles],
                 phase.replace("_", " "),
                 colour=COLOURS[k % len(COLOURS)],
             )
@@ -123,8 +123,8 @@ def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, 
 
 
 def control_cycles(run: Run) -> np.ndarray:
-    """Rows (bool) in which the controller has just run: between them, and before it first runs in a phase, the
-    error of telemetry is an old one, which beside the present rate would draw steps that were not flown.
+    """Rows (bool) in which the controller has just run: in others the error of telemetry is an old one, which
+    beside the present rate would draw steps that were not flown.
     """
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))

@@ -80,8 +80,7 @@ def overview(run: Run) -> Figure:
     panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])
     caption = (
-        "Heights have three zeros: the ellipsoid, the areoid (the level of no height on maps), and the ground "
-        "below the vehicle."
+        "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below."
     )
     caption += " The ground colour is the mission phase." if phase_keys(run) else ""
     return stacked("overview", "The whole flight", panels, caption, 150)
@@ -127,7 +126,8 @@ def entry_state(run: Run) -> Entry | None:
     air = run["truth.density_kg_m3"] > 0.0
     rising = np.flatnonzero(air)[np.argsort(run["truth.density_kg_m3"][air], kind="stable")][::10]
     planet = run.scenario["planet"]
-    glide = np.where(run.t[order] < run.when.get("trim_wing", np.inf), lift / drag, np.nan)
+    gliding = (run.t[order] < run.when.get("trim_wing", np.inf)) & (drag > 0.0)
+    glide = np.divide(lift, drag, out=np.full_like(drag, np.nan), where=gliding)
     radius = float(planet["equatorial_radius_m"])
     return Entry(
         speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
@@ -228,7 +228,11 @@ def on_scale(panel: Panel) -> tuple[Panel, str]:
         or bool(np.any((trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)))
         for trace in panel.traces
     ]
-    beyond = [trace.name for trace, on in zip(panel.traces, seen, strict=True) if not on and trace.name]
+    beyond = [
+        trace.name
+        for trace, on in zip(panel.traces, seen, strict=True)
+        if not on and trace.name and np.isfinite(trace.y).any()
+    ]
     words = f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
     return replace(panel, traces=[trace for trace, on in zip(panel.traces, seen, strict=True) if on]), words
 
@@ -262,11 +266,11 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
         traces,
     )
     panel, beyond = on_scale(panel)
-    caption = (
-        "The flight runs from left to right. Borders are limits of the scenario, turned into drag by this "
-        f"flight's own aerodynamics.{beyond}"
-    )
-    return Figure("drag_velocity", "Drag over speed in the corridor", [panel], caption, height=380)
+    caption = "The flight runs from left to right."
+    if found:
+        caption += " Borders are limits of the scenario, turned into drag by this flight's own aerodynamics."
+    caption += beyond
+    return Figure("drag_velocity", _titled("Drag over speed", panel), [panel], caption, height=380)
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
@@ -310,7 +314,12 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         "; it must stay above the borders of its limits." if found else "."
     )
     caption += beyond
-    return Figure("altitude_velocity", "Height over speed in the corridor", [panel], caption, height=380)
+    return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
+
+
+def _titled(words: str, panel: Panel) -> str:
+    """The title, which speaks of a corridor where a border of one is drawn."""
+    return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
 
 
 def deployment_box(run: Run) -> Figure:
@@ -337,8 +346,8 @@ def deployment_box(run: Run) -> Figure:
     x = Axis("Mach number", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
-    caption = (
-        f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed "
-        f"{float(limit['parachute_total_alpha_deg']):g} deg)."
-    )
+    caption = ""
+    if has_signal(run, "truth.total_alpha_deg"):
+        allowed = float(limit["parachute_total_alpha_deg"])
+        caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)

@@ -13,6 +13,7 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
+from edl6dof.report.flight.parts import has_signal
 from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -61,6 +62,7 @@ def facts(run: Run) -> list[Fact]:
         )
         for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
         if (value := figures.get(figure.name)) is not None
+        and (figure.name != "propellant_used_kg" or has_signal(run, "truth.propellant_kg"))
     ]
 
 
