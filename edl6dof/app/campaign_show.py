@@ -36,8 +36,9 @@ def show(store: Store, options: CampaignOptions) -> None:
     console = Console(highlight=False, soft_wrap=True)
     success = results.success
     style = "bold green" if success.value >= 0.99 else "bold yellow"
+    share = f", {success}" if results.is_sample else ""
     console.print(
-        f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed, {success}[/]"
+        f"[{style}]{escape(summary.name)}: {success.successes} of {success.trials} succeed{share}[/]"
     )
     if options.quiet:
         return

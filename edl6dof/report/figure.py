@@ -127,6 +127,14 @@ class Heat:
         return (self.low - 0.5, self.high + 0.5) if self.kinds else (self.low, self.high)
 
 
+def cell_edges(centres: np.ndarray) -> np.ndarray:
+    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
+    if len(centres) == 1:
+        return centres[0] + np.array([-0.5, 0.5])
+    half = 0.5 * np.diff(centres)
+    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])
+
+
 @dataclass(frozen=True)
 class Band:
     """A shaded rectangle; a bound of ``None`` is the edge of the panel."""
@@ -180,9 +188,8 @@ class Panel:
             return mine.range
         if mine.names:
             return -0.5, len(mine.names) - 0.5
-        every = [
-            np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))
-        ]
+        every = [np.asarray(getattr(trace, axis), float) for trace in self.traces]
+        every += [cell_edges(getattr(self.heat, axis))] if self.heat is not None else []
         bars = [trace for trace in self.traces if trace.kind == "bars"]
         every += [trace.edges() if axis == "x" else np.zeros(1) for trace in bars]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
@@ -195,8 +202,10 @@ class Panel:
             return low / 1.2, high * 1.2
         if low == high:
             room = 0.1 * max(abs(high), 1.0)  # more than the rounding of a large number
-        elif axis == "x" and not any(
-            trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces
+        elif (
+            self.heat is not None
+            or axis == "x"
+            and not any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
         ):
             room = 0.0
         else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, cell_edges, thinned
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -218,8 +218,8 @@ def _heat(axes: Axes, heat: Heat) -> None:
 
     low, high = heat.limits
     cells = axes.pcolormesh(
-        _edges(heat.x),
-        _edges(heat.y),
+        cell_edges(heat.x),
+        cell_edges(heat.y),
         np.ma.masked_invalid(heat.values),
         cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
         vmin=low,
@@ -231,11 +231,3 @@ def _heat(axes: Axes, heat: Heat) -> None:
         _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
-
-
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
-    if len(centres) == 1:
-        return centres[0] + np.array([-0.5, 0.5])
-    half = 0.5 * np.diff(centres)
-    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 from edl6dof.report.plotly_figure import plotly_figure
 
 
@@ -38,3 +38,9 @@ def test_bars_are_drawn_whole():
     panel = Panel(Axis("mass"), Axis("flights"), [bars])
     assert panel.span("x")[0] <= 0.5 and panel.span("x")[1] >= 3.5
     assert panel.span("y")[0] == 0.0 and panel.span("y")[1] > 9.0
+
+
+def test_cells_are_drawn_whole():
+    heat = Heat(np.array([0.0, 1.0, 3.0]), np.array([40.0, 60.0]), np.zeros((2, 3)), "s", 0.0, 1.0)
+    panel = Panel(Axis("wind"), Axis("speed"), heat=heat)
+    assert panel.span("x") == (-0.5, 4.0) and panel.span("y") == (30.0, 70.0)

@@ -47,7 +47,8 @@ def campaign_report(folder: Path) -> Report:
 
 def _headline(results: Results) -> tuple[str, Mood]:
     success = results.success
-    return f"{success.successes} of {success.trials} flights succeed: {success}", _mood(results)
+    share = f": {success}" if results.is_sample else ""
+    return f"{success.successes} of {success.trials} flights succeed{share}", _mood(results)
 
 
 def _mood(results: Results) -> Mood:

@@ -157,7 +157,7 @@ def propellant(results: Results) -> Iterator[Block]:
         return
     left = loaded - results["propellant_used_kg"]
     left = left[np.isfinite(left)]
-    if not len(left):
+    if not len(left) or np.ptp(left) == 0.0:
         return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
     shares = shown_shares(results)[:1]
