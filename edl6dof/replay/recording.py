@@ -130,7 +130,7 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
         scanned=_scanned(first, places),
         labels=tuple(labels) or ("",),
-        size=first.scenario.vehicle.aero.capsule.diameter_m,
+        size=motion.shape.size,
         scales=scales(first, motion) if len(first.t) > 2 else "",
         ranges=_ranges(flights, span),
         ensemble=ensemble,

@@ -28,9 +28,14 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1b1b",
 )  # fmt: skip
 GREY = "#8a8f98"
+#: Words, lines of the grid, lines of axes and zero, and the ground of a drawing.
+INK, RULE, AXIS, PAPER = "#1f2933", "#e3e6ea", "#c3c8cf", "#ffffff"
 GOOD, WARN, BAD = "#00795a", "#a86700", "#b3261e"
 #: Colours of mission phases, in their order; light enough to lie behind lines.
 PHASES = ("#cfe3f3", "#f6d9c4", "#cdeadd", "#f1dcea", "#fbe7c0", "#d8effb", "#e6e6e6", "#dcd9f2")
+#: Grounds of cells that are judged, light enough for what is drawn on them: from the best to the worst, and
+#: those of which nothing can be known.
+SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = "#b7e3c8", "#aeb4bc", "#f7d08a", "#e79a7c", "#e6e8eb"
 #: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.
 SEQUENTIAL = ("#f7f9fb", "#cfe1f2", "#93c4de", "#4a97c9", "#1764ab", "#08306b")
 

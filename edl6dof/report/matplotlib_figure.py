@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, cell_edges, thinned
+from edl6dof.report.figure import (
+    BLACK,
+    GREY,
+    INK,
+    RULE,
+    Axis,
+    Figure,
+    Heat,
+    Panel,
+    Trace,
+    cell_edges,
+    thinned,
+)
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -31,12 +43,12 @@ STYLE: Any = {
     "axes.linewidth": 0.7,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#e3e6ea",
+    "grid.color": RULE,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": 7.5,
-    "xtick.color": "#1f2933",
-    "ytick.color": "#1f2933",
+    "xtick.color": INK,
+    "ytick.color": INK,
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
     "path.simplify": True,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.report.figure import (
+    AXIS,
     BLUE,
     GREEN,
     GREY,
@@ -110,7 +111,7 @@ def _damped(
 def _panel(word: str, traces: list[Trace], lines: list[Trace], marks: list[Mark]) -> Panel:
     spans = [_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy"]
     x, y = Axis(f"{word} error (deg)", spans[0]), Axis(f"{word} rate (deg/s)", spans[1])
-    zero = [Mark(axis, 0.0, colour="#c3c8cf", dash="solid") for axis in ("x", "y")]
+    zero = [Mark(axis, 0.0, colour=AXIS, dash="solid") for axis in ("x", "y")]
     return Panel(x, y, [*lines, *traces], marks=[*zero, *marks])
 
 

@@ -32,8 +32,6 @@ _FACTS = (
 )
 
 
-#: What the two speeds of the timeline are relative to.
-AIRSPEED = "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind"
 #: A requirement that was kept or not; other differences are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
@@ -131,8 +129,8 @@ def subtitle(run: Run) -> str:
     return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
 
 
-def timeline(run: Run) -> Table:
-    """Events in order of time."""
+def timeline(run: Run) -> Iterator[Block]:
+    """Events in order of time, and what their speeds are relative to."""
     rows: list[Row] = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
@@ -144,7 +142,11 @@ def timeline(run: Run) -> Table:
         )
         rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
     columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
-    return Table(columns, rows, AIRSPEED if any(event.get("mach") for event in run.events) else "")
+    yield Table(columns, rows)
+    if "touchdown" in run.when:
+        yield Text(
+            "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind."
+        )
 
 
 def configuration(run: Run) -> Iterator[Block]:
