@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.campaign.design.swaps import A, B
 from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
-from edl6dof.campaign.indices import sobol_indices
+from edl6dof.campaign.indices import Index, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
@@ -25,6 +25,8 @@ _FIGURES = (
 _INDENT = "\u2003"
 #: Inputs of each figure whose Sobol indices are told.
 _SHOWN = 5
+#: Interval of a total index beyond which a figure's indices tell nothing.
+_WIDEST = 1.0
 #: Letters of a line of a figure's name beside the bars.
 _LETTERS = 24
 
@@ -64,10 +66,13 @@ def indices(results: Results) -> Iterator[Block]:
     rows: list[Row] = []
     for name in _figures(results):
         matrices = results.swapped(name)
-        found = sobol_indices(matrices.pop(A), matrices.pop(B), matrices)
-        if found:
-            rows.append([figure_of_merit(name).meaning, *[""] * 4])
-        for index in found[:_SHOWN]:
+        a, b = matrices.pop(A), matrices.pop(B)
+        found = sobol_indices(a, b, matrices)[:_SHOWN]
+        if not all(map(_is_told, found)):
+            found = []
+        words = "" if found else f": cannot be told with {len(a):,} rows"
+        rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
+        for index in found:
             rows.append([_INDENT + index.name, *_shares(index.first), *_shares(index.total)])
     yield Text(
         "Sobol indices: the share of a figure's variance that goes when an input is known (alone), and that "
@@ -83,8 +88,13 @@ def _told(results: Results) -> Iterator[Told]:
         yield Told(figure_of_merit(name), drivers(results.groups, values, level))
 
 
+def _is_told(index: Index) -> bool:
+    _, low, high = index.total
+    return high - low <= _WIDEST
+
+
 def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
-    value, low, high = index
+    value, low, high = (min(max(bound, 0.0), 1.0) for bound in index)
     return Cell(f"{value:.0%}", bar=value), f"{low:.0%} .. {high:.0%}"
 
 
