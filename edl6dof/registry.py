@@ -12,11 +12,16 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
+from numba import types
 from numba.extending import overload
 from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.lazy_calls import lazy_call
+
+#: What kernels of a family return.
+NOTHING, NUMBER = types.none, types.float64
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
 
@@ -123,14 +128,19 @@ class Family:
         """Record with the planned tables of every member."""
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
-    def switch(self, role: str, *arguments: str) -> Callable[..., Any]:
+    def switch(self, role: str, *arguments: str, returns: Any = None) -> Callable[..., Any]:
         """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
         and from kernels.
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
         """
         passed = [_own(arguments, member) for member in self.members]
-        return _dispatch([member.kernels[role] for member in self.members], arguments, passed)
+        kernels = [member.kernels[role] for member in self.members]
+        if returns is None:
+            return _dispatch(kernels, arguments, passed)
+        sections = [[member.name if name in OWN else None for name in arguments] for member in self.members]
+        call = lazy_call(f"{self.title}.{role}", kernels, sections, returns)
+        return _dispatch(kernels, arguments, passed, call)
 
 
 #: Arguments that hold a section for each member of a family.
@@ -148,7 +158,7 @@ def _own(arguments: Sequence[str], member: Member) -> str:
 
 
 def _dispatch(
-    kernels: Sequence[Callable[..., Any]], arguments: Sequence[str], passed: Sequence[str]
+    kernels: Sequence[Callable[..., Any]], arguments: Sequence[str], passed: Sequence[str], call: Any = None
 ) -> Callable[..., Any]:
     """Function of ``arguments`` that calls kernel ``index`` with the arguments ``passed[index]``.
 
@@ -161,9 +171,15 @@ def _dispatch(
         lines += [f"    if index == {i}:", f"        return f{i}({passed[i]})"]
     lines.append(f"    return f0({passed[0]})")
     scope: dict[str, Any] = {f"f{i}": kernel for i, kernel in enumerate(kernels)}
+    if call is not None:
+        scope["call"] = call
+        lines += [f"def lazy(index, {names}): return call(index, ({names},))"]
     exec("\n".join(lines), scope)
     exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
     dispatch = scope["dispatch"]
     exec(f"def choose(index, {names}): return chain", scope)
     overload(dispatch)(scope["choose"])
+    if call is not None:
+        exec(f"def choose_cpu(index, {names}): return lazy", scope)
+        overload(dispatch, target="cpu")(scope["choose_cpu"])
     return dispatch

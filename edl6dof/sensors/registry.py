@@ -20,7 +20,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.registry import Family
+from edl6dof.registry import NOTHING, Family
 from edl6dof.sensors import (
     flow_meters,
     ground_tracking,
@@ -96,7 +96,9 @@ SENSORS = np.dtype(
 )
 
 _measure = SENSOR_FAMILY.switch(
-    "measure", "params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"
+    "measure",
+    *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"),
+    returns=NOTHING,
 )
 
 

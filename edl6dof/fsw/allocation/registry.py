@@ -20,7 +20,7 @@ from typing import Any
 
 from edl6dof.config.base import param
 from edl6dof.fsw.allocation import least_squares, table
-from edl6dof.registry import Family
+from edl6dof.registry import NOTHING, Family
 
 ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
 
@@ -43,4 +43,5 @@ class AllocationParams(_Methods):
 share_out = ALLOCATORS.switch(
     "share_out",
     *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
+    returns=NOTHING,
 )

@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.config.base import param
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
-from edl6dof.registry import Family
+from edl6dof.registry import NOTHING, Family
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
 
@@ -60,4 +60,4 @@ class EstimationParams(_Estimators):
     )
 
 
-estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out")
+estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)

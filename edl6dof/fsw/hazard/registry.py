@@ -14,7 +14,7 @@ from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.hazard.choose import ChoiceParams
 from edl6dof.fsw.hazard.coarse import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
-from edl6dof.registry import Family
+from edl6dof.registry import NOTHING, Family
 
 HAZARD_DETECTION = Family("hazard detection", (given.MEMBER, lidar.MEMBER, lidar_probabilistic.MEMBER))
 #: Number of the one that detects nothing.
@@ -49,4 +49,6 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-judge = HAZARD_DETECTION.switch("judge", "params", "chart", "footprint", "radius", "deviation", "out")
+judge = HAZARD_DETECTION.switch(
+    "judge", "params", "chart", "footprint", "radius", "deviation", "out", returns=NOTHING
+)

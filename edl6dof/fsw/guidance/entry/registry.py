@@ -30,7 +30,7 @@ from edl6dof.fsw.guidance.entry.laws import (
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.jit import kernel
-from edl6dof.registry import Family
+from edl6dof.registry import NUMBER, Family
 
 ENTRY_LAWS = Family(
     "entry guidance law",
@@ -52,7 +52,7 @@ ENTRY_LAWS = Family(
 
 ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
-wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out")
+wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out", returns=NUMBER)
 
 
 @kernel

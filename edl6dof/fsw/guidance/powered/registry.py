@@ -8,9 +8,11 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 
 from __future__ import annotations
 
+from numba.types import UniTuple
+
 from edl6dof.fsw.guidance.powered import apollo, constant_thrust, e_guidance, gravity_turn, polynomial
 from edl6dof.fsw.guidance.powered.convex import law as convex
-from edl6dof.registry import Family
+from edl6dof.registry import NUMBER, Family
 
 POWERED_LAWS = Family(
     "powered guidance law",
@@ -25,5 +27,7 @@ POWERED_LAWS = Family(
 )
 
 powered_guidance = POWERED_LAWS.switch(
-    "guide", "params", "vehicle", "state", "nav", "target", "memory", "out"
+    "guide",
+    *("params", "vehicle", "state", "nav", "target", "memory", "out"),
+    returns=UniTuple(NUMBER, 4),
 )

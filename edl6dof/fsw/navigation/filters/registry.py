@@ -22,7 +22,7 @@ from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.saturation import SaturationParams
 from edl6dof.fsw.navigation.star_watch import StarWatchParams
-from edl6dof.registry import Family
+from edl6dof.registry import NOTHING, Family
 
 NAVIGATION_FILTERS = Family(
     "navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER)
@@ -46,7 +46,11 @@ class NavigationParams(_Filters):
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
 
 
-start_filter = NAVIGATION_FILTERS.switch("start", "params", "onboard", "sensed", "solution", "memory")
+start_filter = NAVIGATION_FILTERS.switch(
+    "start", "params", "onboard", "sensed", "solution", "memory", returns=NOTHING
+)
 correct_solution = NAVIGATION_FILTERS.switch(
-    "correct", "params", "onboard", "health", "sensed", "motion", "solution", "memory"
+    "correct",
+    *("params", "onboard", "health", "sensed", "motion", "solution", "memory"),
+    returns=NOTHING,
 )
