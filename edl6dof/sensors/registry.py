@@ -17,10 +17,11 @@ import numpy as np
 
 from edl6dof.config.base import Capacity, param
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.dispatch import NOTHING
 from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 from edl6dof.sensors import (
     flow_meters,
     ground_tracking,

@@ -19,8 +19,9 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.allocation import least_squares, table
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 
 ALLOCATORS = Family("thruster allocation", (least_squares.MEMBER, table.MEMBER))
 

@@ -11,11 +11,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numba.types import UniTuple
 
+from edl6dof.dispatch import numbers
 from edl6dof.fsw.control import bank_to_steer, off, phase_plane, rate_damping, thrust_vector
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
-from edl6dof.registry import NUMBER, Family
+from edl6dof.registry import Family
 
 CONTROLLERS = Family(
     "attitude controller",
@@ -45,5 +45,5 @@ else:  # which controllers there are, plugins included, is known only when it ru
 CONTROL = np.dtype([("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory)], align=True)
 
 attitude_control = CONTROLLERS.switch(
-    "control", "params", "nav", "goal", "inputs", "dt", "memory", returns=UniTuple(UniTuple(NUMBER, 3), 2)
+    "control", "params", "nav", "goal", "inputs", "dt", "memory", returns=numbers(2, 3)
 )

@@ -12,8 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from edl6dof.config.base import param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
 

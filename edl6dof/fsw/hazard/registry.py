@@ -11,10 +11,11 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import Params, group, param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.hazard.choose import ChoiceParams
 from edl6dof.fsw.hazard.coarse import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 
 HAZARD_DETECTION = Family("hazard detection", (given.MEMBER, lidar.MEMBER, lidar_probabilistic.MEMBER))
 #: Number of the one that detects nothing.

@@ -9,8 +9,9 @@ and before the plant moves; ``fault.component`` is the index of the component am
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
+from edl6dof.dispatch import NOTHING
 from edl6dof.interface.events import Action
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 from edl6dof.vehicle.faults import engine, instrument, parachute, surface, tank, thruster
 from edl6dof.vehicle.faults.component import Component, ComponentFault
 

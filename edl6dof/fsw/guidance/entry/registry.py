@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.laws import (
     adaptive_hinf,
@@ -30,7 +31,7 @@ from edl6dof.fsw.guidance.entry.laws import (
 from edl6dof.fsw.guidance.entry.observers.air_data import AIR_DATA, measure_air
 from edl6dof.fsw.guidance.entry.steering import STEERING, steer_bank
 from edl6dof.jit import kernel
-from edl6dof.registry import NUMBER, Family
+from edl6dof.registry import Family
 
 ENTRY_LAWS = Family(
     "entry guidance law",

@@ -8,11 +8,10 @@ acceleration it wants, north, east and up (m/s2, gravity included), and the tilt
 
 from __future__ import annotations
 
-from numba.types import UniTuple
-
+from edl6dof.dispatch import numbers
 from edl6dof.fsw.guidance.powered import apollo, constant_thrust, e_guidance, gravity_turn, polynomial
 from edl6dof.fsw.guidance.powered.convex import law as convex
-from edl6dof.registry import NUMBER, Family
+from edl6dof.registry import Family
 
 POWERED_LAWS = Family(
     "powered guidance law",
@@ -29,5 +28,5 @@ POWERED_LAWS = Family(
 powered_guidance = POWERED_LAWS.switch(
     "guide",
     *("params", "vehicle", "state", "nav", "target", "memory", "out"),
-    returns=UniTuple(NUMBER, 4),
+    returns=numbers(4),
 )

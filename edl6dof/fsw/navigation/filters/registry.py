@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import group
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
 from edl6dof.fsw.navigation.drag_filter import DragFilterParams
 from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, two_filter
@@ -22,7 +23,7 @@ from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.saturation import SaturationParams
 from edl6dof.fsw.navigation.star_watch import StarWatchParams
-from edl6dof.registry import NOTHING, Family
+from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
     "navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER)
