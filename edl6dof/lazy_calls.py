@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import pickle
 import zlib
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from llvmlite import ir
@@ -136,24 +136,23 @@ def names() -> set[str]:
     return {name for call in _calls.values() for name in call.sections}
 
 
-def compile_named(chosen: Collection[str]) -> None:
-    """Compile the kernels that go by these names, for all lazy calls compiled so far in this process, and for
-    those that these kernels make.
+def compile_named(chosen: Iterable[str]) -> None:
+    """Compile the kernels that go by these names, one name after the other, for all lazy calls compiled so
+    far in this process; and then for those that these kernels make.
     """
-    done: set[tuple[str, int, tuple[types.Type, ...]]] = set()
-    while (
-        ahead := {
-            (call.name, index, given)
-            for call in _calls.values()
-            for given in call.given
-            for index, name in enumerate(call.sections)
-            if name in chosen
-        }
-        - done
-    ):
-        for name, index, given in sorted(ahead, key=lambda one: one[:2]):
-            _calls[name].compile(index, given)
-        done |= ahead
+    named, done = list(chosen), set[tuple[str, str, tuple[types.Type, ...]]]()
+    while ahead := [one for one in _open_calls(named) if one not in done]:
+        for name, call, given in ahead:
+            _calls[call].compile(_calls[call].sections.index(name), given)
+        done.update(ahead)
+
+
+def _open_calls(named: Iterable[str]) -> Iterator[tuple[str, str, tuple[types.Type, ...]]]:
+    """Name of a kernel, name of the lazy call and types of its arguments."""
+    for name in named:
+        for call in _calls.values():
+            if name in call.sections:
+                yield from ((name, call.name, given) for given in call.given)
 
 
 def _within(builder: Any, index: Any, count: int) -> Any:

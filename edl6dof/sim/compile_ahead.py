@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -18,11 +18,16 @@ import numba
 from pydantic import BaseModel
 
 from edl6dof import jit
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.lazy_calls import compile_named, names
+from edl6dof.scenario.case import CASE
+from edl6dof.scenario.records import TABLES
+from edl6dof.sensors.registry import SENSORS, sense
 from edl6dof.sim.loop import fly
+from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 # what it leaves is not worth a search for garbage
 _COMMAND = (
@@ -67,11 +72,15 @@ def compile_loop(members: Collection[str], *arguments: Any) -> None:
     compile_named(members)
 
 
-def compile_flight_software(members: Collection[str]) -> None:
-    """Compile the flight software's cycle, and of its families these members."""
+def compile_flight_software(members: Sequence[str]) -> None:
+    """Compile the flight software's cycle, and of its families these members; then the sensors among them,
+    which both processes do, from either end.
+    """
     onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
-    run.compile((onboard, sensed, numba.int64, memory))
+    run.compile(NOTHING(onboard, sensed, numba.int64, memory))
     compile_named(members)
+    sense.compile(tuple(map(numba.from_dtype, (CASE, TABLES, STATE, OUTPUTS, SENSORS))))
+    compile_named(members[::-1])
 
 
 def _words(value: Any) -> Iterator[str]:
