@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from edl6dof.config.base import param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
 from edl6dof.registry import Family
 
@@ -60,4 +61,4 @@ class EstimationParams(_Estimators):
     )
 
 
-estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out")
+estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)
