@@ -74,9 +74,8 @@ def share(values: list[bool]) -> str:
 def named_right(rows: list[Row]) -> tuple[str, str]:
     """Share of the faults that began of which the right thruster was named, and the median time to that."""
     begun = [row for row in rows if row.get("fault_s") is not None]
-    right = [row["named"] == row["thruster"] for row in begun]
-    times = [row["time_to_detect_s"] for row, is_right in zip(begun, right, strict=True) if is_right]
-    return share(right), f"{np.median(times):.2f}" if times else "-"
+    times = [row["verdict_s"] for row in begun if row["name_right"]]
+    return share([row["name_right"] for row in begun]), f"{np.median(times):.2f}" if times else "-"
 
 
 def table_row(factor: float, sets: tuple[str, ...], n: int, seed: int) -> str:
