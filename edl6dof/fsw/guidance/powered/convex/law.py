@@ -93,10 +93,13 @@ MEMORY = np.dtype(
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses."""
+    """Write the landing problem that the present state poses: what the engine is believed to lack is taken
+    from the thrust that is held back.
+    """
+    left = 1.0 - state.thrust_lost
     landing.mass = state.mass
     landing.low = state.engine.throttle_min
-    landing.high = state.engine.throttle_max * (1.0 - p.thrust_reserve)
+    landing.high = state.engine.throttle_max * min((1.0 - p.thrust_reserve) / left, 1.0)
     landing.low_now = landing.low
     landing.high_now, landing.now = state.engine.throttle_max, 0.0
     landing.full = state.engine.full_thrust
