@@ -65,14 +65,15 @@ class Charts(Recorder):
         ]
 
     def _lines(self, names: list[str], bounds: bool = False) -> rr.SeriesLines:
-        """Further flights are paler and thinner, and carry their label; ``bounds``: two more lines are those
-        that are claimed.
+        """Where there are several flights, lines carry the flight's label, and its colour, the darker the
+        later in the plot; ``bounds``: two more lines are those that are claimed.
         """
-        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))] + [CLAIMED] * 2 * bounds)
+        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))])
+        if self.label:
+            colours = np.outer(1.0 - 0.55 * np.arange(len(names)) / len(names), self.own).astype(int)
+        colours = np.concatenate([colours, [CLAIMED] * 2 * bounds]) if bounds else colours
         names = names + [f"{sign} {BOUND:.0f} sigma claimed" for sign in "+-"] * bounds
-        if self.number:
-            colours = (0.45 * colours + 0.55 * np.array([235, 235, 235])).astype(int)
-        shown = [f"{name} ({self.label})" if self.label else name for name in names]
+        shown = [f"{self.label}: {name}" if self.label else name for name in names]
         return self.rr.SeriesLines(
             names=shown,
             colors=colours.tolist(),

@@ -15,7 +15,7 @@ from edl6dof.replay.views.panels import Plot
 #: Most steps between ticks that a plot of the least height has room for.
 STEPS = 4.5
 #: Room above and below the curves, share of the range.
-ROOM = 0.03
+ROOM = 0.06
 
 
 def axis_range(low: float, high: float) -> tuple[float, float]:
