@@ -27,6 +27,7 @@ from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
 from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, readout
@@ -46,6 +47,7 @@ PARTS: tuple[type[Recorder], ...] = (
     Cameras,
     Vehicle,
     Flames,
+    NearGround,
     Arrows,
     Beams,
     Descent,
