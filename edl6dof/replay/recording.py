@@ -36,6 +36,7 @@ from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
 from edl6dof.replay.views.ranges import axis_range, drawn_range
+from edl6dof.replay.views.scale_bar import ScaleBar
 from edl6dof.replay.views.spatial import Shown
 
 #: What writes the recording.
@@ -45,6 +46,7 @@ PARTS: tuple[type[Recorder], ...] = (
     Globe,
     Track,
     Cameras,
+    ScaleBar,
     Vehicle,
     Flames,
     NearGround,
