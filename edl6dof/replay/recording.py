@@ -29,12 +29,12 @@ from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes, readout
+from edl6dof.replay.views import charts, lanes, phase_plane, readout
 from edl6dof.replay.views.cameras import Cameras
+from edl6dof.replay.views.curves import axis_range, drawn, ends
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.ranges import axis_range, drawn_range
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
@@ -59,7 +59,8 @@ PARTS: tuple[type[Recorder], ...] = (
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    return History(flight, (*charts.COLUMNS, *readout.COLUMNS, *navigation, *NAVIGATED))
+    shown = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    return History(flight, shown, (*charts.COLUMNS, *navigation))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -142,13 +143,13 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.columns)),
+        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.series)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
         scanned=_scanned(first, places),
         labels=tuple(labels) or ("",),
-        size=first.scenario.vehicle.aero.capsule.diameter_m,
+        size=motion.shape.size,
         scales=scales(first, motion) if len(first.t) > 2 else "",
         ranges=_ranges(flights, span),
         ensemble=ensemble,
@@ -163,14 +164,13 @@ def _ranges(
     """First and last value on the axis of each plot in the time of each page, by page and entity, such that
     the curves of all flights lie on it.
     """
-    found = {}
-    for page, span in {"Flight": whole, **spans_of(whole, flights[0].when)}.items():
-        for plot in PLOTS:
-            own = [flight for flight in flights if set(plot.columns) <= set(flight.columns)]
-            ends = [drawn_range(plot, flight.columns, flight.when, span) for flight in own]
-            if drawn := [both for both in ends if both is not None]:
-                lows, highs = zip(*drawn, strict=True)
-                found[page, plot.entity] = axis_range(min(lows), max(highs))
+    spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
+    for plot in PLOTS:
+        own = [flight for flight in flights if set(plot.columns) <= set(flight.series)]
+        curves = [drawn(plot, flight.series, flight.when) for flight in own]
+        for page, span in spans.items():
+            if values := [value for one in curves for value in ends(*one, span)]:
+                found[page, plot.entity] = axis_range(min(values), max(values))
     return found
 
 

@@ -120,3 +120,10 @@ def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
     rows.sort(key=lambda row: row[0])
     names = sorted({n for _, row in rows for n in row})
     return np.array([t for t, _ in rows]), {n: [row.get(n) for _, row in rows] for n in names}
+
+
+def entities(path: Path) -> set[str]:
+    """Paths of all entities of a recording."""
+    from rerun.chunk import RrdReader
+
+    return {str(one.entity_path) for one in RrdReader(path).stream().collect().schema().component_columns()}

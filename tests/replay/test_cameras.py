@@ -10,7 +10,7 @@ from made_up import MORTAR, SHELL, SHIELD, synthetic_flight
 
 import edl6dof
 from edl6dof.replay.recording import history
-from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.replay.scene.canopy import canopy
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.cameras import SEPARATION_S, Spheres, away, facing, steady, together
 from edl6dof.replay.views.spatial import EYE, FIELD_DEG
@@ -41,8 +41,11 @@ class Picture:
 
 def canopy_at(motion: Motion) -> dict[int, np.ndarray]:
     """Corners of canopy and lines, m in L, by row."""
-    rows, place, turn, scale = motion.parachute()
-    mesh, lines = shapes.canopy(motion.vehicle)
+    flown = motion.parachutes()
+    if not flown:
+        return {}
+    rows, place, turn, scale = motion.parachute(flown[-1])
+    mesh, lines = canopy(motion.vehicle, flown[-1].number)
     corners = np.concatenate([mesh.positions[::23], lines.reshape(-1, 3)[::11]])
     return {
         int(row): place[k] + turns.rotate(turn[k], corners * scale[k])
@@ -59,7 +62,7 @@ def motion(request) -> Motion:
 def test_vehicle_and_canopy_are_in_the_frame_until_they_have_parted(motion):
     kept = steady(motion.t, motion.centre, together(motion))
     picture = Picture(motion, kept)
-    size = 0.6 * motion.vehicle.aero.capsule.diameter_m * np.array([*np.eye(3), *-np.eye(3)])
+    size = 0.6 * motion.shape.size * np.array([*np.eye(3), *-np.eye(3)])
     for row in range(0, len(motion.t), 25):
         assert picture.holds(row, motion.centre[row] + size), f"vehicle at {motion.t[row]:.1f} s"
     free = motion.released(motion.backshell)

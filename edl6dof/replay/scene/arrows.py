@@ -26,8 +26,8 @@ BODY_AXES, VELOCITY_AXES, LONGEST, AHEAD, WAY = 0.6, 0.85, 0.9, 0.42, 0.62
 COVERED = 0.55
 #: Share of the time in which an arrow is no longer than the longest one: a shock may be.
 USUAL = 0.99
-#: Shortest arrow that is drawn, m.
-LEAST = 0.02
+#: Shortest arrow that is drawn, in the vehicle's diameters.
+LEAST = 0.006
 
 
 class Arrow(NamedTuple):
@@ -52,7 +52,7 @@ class Arrows(Recorder):
         if len(rows) < 3:
             return
         way, speed = _way(self.motion, rows)
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         velocity = Arrow("velocity", VELOCITY, way * speed, speed[:, 0] > 0.5, "m/s", 0.0)
         arrows = [velocity, *forces(self.flight, self.motion, rows)]
         starts, vectors = [AHEAD * size * way], [WAY * size * way]
@@ -60,7 +60,7 @@ class Arrows(Recorder):
             starts.append(np.zeros_like(way))
             vectors.append(arrow.values / arrow.metre)
         seen = [
-            arrow.shown & np.isfinite(ahead).all(axis=-1) & (np.linalg.norm(ahead, axis=-1) > LEAST)
+            arrow.shown & np.isfinite(ahead).all(axis=-1) & (np.linalg.norm(ahead, axis=-1) > LEAST * size)
             for arrow, ahead in zip(arrows, vectors, strict=True)
         ]
         for arrow, start, ahead, shown in zip(arrows, starts, vectors, seen, strict=True):
@@ -77,7 +77,7 @@ class Arrows(Recorder):
         if not shown.any():
             return
         entity = f"{self.root}/arrows/{arrow.name.replace(' ', '_')}"
-        radius = 0.011 * self.vehicle.aero.capsule.diameter_m
+        radius = 0.011 * self.motion.shape.size
         self.static(entity, rr.Arrows3D.from_fields(colors=arrow.colour, radii=radius))
         drawn = rr.Arrows3D.columns(origins=(self.motion.centre[rows] + start)[shown], vectors=vectors[shown])
         self.columns(entity, self.t[rows[keep]], drawn.partition(shown[keep].astype(int)))
@@ -90,7 +90,7 @@ class Arrows(Recorder):
             ends of the axes from the centre of mass, m in L, shape (rows, 3), by their names.
         """
         rr, motion = self.rr, self.motion
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
@@ -124,7 +124,7 @@ class Arrows(Recorder):
         """Name and value of each arrow beyond its end, and the names of the axes: off the vehicle and off
         each other as the page of the body shows them.
         """
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         plane = screen(body_eye(self.motion.centre[0], self.motion.last, size))
         texts = [_texts(arrow) for arrow in arrows] + [[name] * len(rows) for name in axes]
         always = np.ones(len(rows), bool)
@@ -167,7 +167,7 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
         ("thrust", THRUST, -thrust[:, None] * turn_x(turn), thrust > 1.0, "N"),
         ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
     )
-    size = motion.vehicle.aero.capsule.diameter_m
+    size = motion.shape.size
     arrows = []
     for name, colour, values, shown, unit in found:
         length = np.linalg.norm(np.nan_to_num(values[shown]), axis=-1)

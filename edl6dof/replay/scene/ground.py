@@ -11,7 +11,6 @@ from edl6dof.scenario.landing_ellipse import planned_ellipse
 from edl6dof.spatial import rotations as turns
 
 TARGET = (90, 220, 230)
-SKY_RADIUS_M = 3e6
 KINDS_OF_ROCK = 4
 
 
@@ -25,7 +24,7 @@ class Ground(Recorder):
         rr, motion = self.rr, self.motion
         self.static("site", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
-        landscape = Landscape(motion.site, motion.last, reach)
+        landscape = Landscape(motion.site, motion.last)
         self.static("site/ground", self.mesh(landscape.mesh()))
         if (near := landscape.near()) is not None:
             self.static("site/ground/near", self.mesh(near))
@@ -59,7 +58,9 @@ class Ground(Recorder):
         if len(rows) == 0:
             return
         self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
-        scale = np.full((len(rows), 3), SKY_RADIUS_M)
+        # beyond the farthest ground that is seen from where there is a sky
+        reach = 1.5 * np.sqrt(look.sky_top_m * (2.0 * self.motion.site.radius + look.sky_top_m))
+        scale = np.full((len(rows), 3), reach)
         place = self.rr.Transform3D.columns(translation=self.motion.centre[rows], scale=scale)
         self.columns("site/sky", self.t[rows], place)
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)

@@ -15,6 +15,11 @@ RGB = tuple[int, int, int]
 Place = Sequence[float] | np.ndarray
 
 WHITE: RGB = (236, 234, 228)
+GOLD: RGB = (222, 164, 66)
+SILVER: RGB = (176, 180, 188)
+DARK: RGB = (58, 60, 68)
+PANEL: RGB = (38, 52, 110)
+ORANGE: RGB = (226, 92, 40)
 
 
 class Mesh(NamedTuple):
@@ -93,7 +98,7 @@ def rod(start: Place, end: Place, radius: float, colour: RGB, end_radius: float 
     return revolve([(0.0, radius), (length, tip)], colour, 12, (a, (b - a) / length))
 
 
-def box(centre: Sequence[float], size: Sequence[float], colour: RGB) -> Mesh:
+def box(centre: Place, size: Place, colour: RGB) -> Mesh:
     """Axis-parallel box."""
     faces, normals = [], []
     for axis in range(3):

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.replay.scene.canopy import canopy as canopy_of
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.spatial import rotations as turns
 
@@ -74,7 +74,7 @@ class Cameras(Recorder):
 
 def together(motion: Motion) -> Spheres:
     """Around the vehicle and the canopy that it hangs from, until shortly after it has let go."""
-    size = ROOM * motion.vehicle.aero.capsule.diameter_m
+    size = ROOM * motion.shape.size
     kept = Spheres(motion.centre, np.full(len(motion.t), size))
     canopy = parachute(motion)
     if canopy is None:
@@ -86,7 +86,7 @@ def together(motion: Motion) -> Spheres:
 
 def away(motion: Motion) -> Spheres:
     """Around what fell away last: heat shield, then backshell and canopy; before, around the vehicle."""
-    size = ROOM * motion.vehicle.aero.capsule.diameter_m
+    size = ROOM * motion.shape.size
     centre, radius = motion.centre.copy(), np.full(len(motion.t), size)
     shield, free = motion.released(motion.heat_shield), motion.released(motion.backshell)
     if shield is not None:
@@ -102,15 +102,14 @@ def away(motion: Motion) -> Spheres:
 
 def parachute(motion: Motion) -> Spheres | None:
     """Around canopy and lines, where there are any; ``None`` of a flight without."""
-    rows, place, turn, scale = motion.parachute()
-    if not len(rows):
-        return None
-    x, y, z = shapes.canopy(motion.vehicle)[0].positions.T
-    half = 0.5 * scale[:, 0] * x.max()
     centre, radius = np.full((len(motion.t), 3), np.nan), np.full(len(motion.t), np.nan)
-    centre[rows] = place + turns.rotate(turn, half[:, None] * np.array([1.0, 0.0, 0.0]))
-    radius[rows] = np.hypot(half, scale[:, 1] * np.hypot(y, z).max())
-    return Spheres(centre, radius)
+    for flown in motion.parachutes():
+        rows, place, turn, scale = motion.parachute(flown)
+        x, y, z = canopy_of(motion.vehicle, flown.number)[0].positions.T
+        half = 0.5 * scale[:, 0] * x.max()
+        centre[rows] = place + turns.rotate(turn, half[:, None] * np.array([1.0, 0.0, 0.0]))
+        radius[rows] = np.hypot(half, scale[:, 1] * np.hypot(y, z).max())
+    return Spheres(centre, radius) if np.isfinite(radius).any() else None
 
 
 def steady(t: np.ndarray, body: np.ndarray, kept: Spheres) -> Spheres:
