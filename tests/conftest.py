@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 
 import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
@@ -19,6 +22,10 @@ LONGEST = (
     *("test_server.py", "test_hu2022.py"),
 )
 
+#: The process that compiles, and what it does.
+COMPILING = pytest.StashKey[subprocess.Popen]()
+COMPILED = "import edl6dof; edl6dof.fly('tianwen1', ['simulation.time_limit_s=1'])"
+
 
 def pytest_collection_modifyitems(items):
     """Begin with the longest files."""
@@ -33,10 +40,19 @@ def nominal():
 
 
 def pytest_sessionstart(session):
-    """Compile the simulator before several processes start, so that only one of them does.
+    """Start compiling the simulator, so that only one process does; the others collect their tests meanwhile.
 
     Programs that tests start answer Ctrl-C, which a shell has those ignore that it runs in the background.
+    They find the bytecode of the sources on disk, whether it is written usually or not: else each would make
+    it again.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     if not hasattr(session.config, "workerinput") and session.config.getoption("numprocesses", None):
-        edl6dof.fly("tianwen1", ["simulation.time_limit_s=1"])
+        session.config.stash[COMPILING] = subprocess.Popen([sys.executable, "-c", COMPILED])
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_node_collection_finished(node):
+    """No test begins before the simulator is compiled."""
+    node.config.stash[COMPILING].wait()

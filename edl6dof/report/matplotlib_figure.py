@@ -8,7 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.figure import (
+    BLACK,
+    GREY,
+    INK,
+    RULE,
+    Axis,
+    Figure,
+    Heat,
+    Panel,
+    Trace,
+    cell_edges,
+    thinned,
+)
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -31,12 +43,12 @@ STYLE: Any = {
     "axes.linewidth": 0.7,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#e3e6ea",
+    "grid.color": RULE,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": 7.5,
-    "xtick.color": "#1f2933",
-    "ytick.color": "#1f2933",
+    "xtick.color": INK,
+    "ytick.color": INK,
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
     "path.simplify": True,
@@ -127,7 +139,7 @@ def _panel(
             edgecolor=edge,
             alpha=band.opacity,
             linewidth=0.8,
-            zorder=0.5 if panel.heat is None else 2.0,
+            zorder=2.0 if band.opacity == 1.0 or panel.heat is not None else 0.5,
         )
         if band.label:
             axes.annotate(
@@ -158,7 +170,7 @@ def _panel(
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for trace in panel.coloured():
-        artist = _trace(axes, thinned(trace, 1500))
+        artist = _trace(axes, thinned(trace))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
 
@@ -166,6 +178,10 @@ def _panel(
 def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
     if axis.log:
         axes.set(**{f"{which}scale": "log"})
+        written = axis.decades(span)
+        if written and written[0] >= 1e-3 and written[-1] < 1e5:
+            words = [f"{value:,.10g}" for value in written]
+            axes.set(**{f"{which}ticks": written, f"{which}ticklabels": words})
     axes.set(**{f"{which}lim": span})
     if axis.names:
         axes.set(**{f"{which}ticks": range(len(axis.names)), f"{which}ticklabels": axis.names})
@@ -214,8 +230,8 @@ def _heat(axes: Axes, heat: Heat) -> None:
 
     low, high = heat.limits
     cells = axes.pcolormesh(
-        _edges(heat.x),
-        _edges(heat.y),
+        cell_edges(heat.x),
+        cell_edges(heat.y),
         np.ma.masked_invalid(heat.values),
         cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
         vmin=low,
@@ -227,11 +243,3 @@ def _heat(axes: Axes, heat: Heat) -> None:
         _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
-
-
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
-    if len(centres) == 1:
-        return centres[0] + np.array([-0.5, 0.5])
-    half = 0.5 * np.diff(centres)
-    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.report.document import Cell, Report, Table
-from edl6dof.report.figure import BAD, GOOD, GREY, WARN
+from edl6dof.report.figure import BAD, GOOD, GREY, INK, WARN
 from edl6dof.report.matplotlib_figure import STYLE, matplotlib_figure
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 A4 = (8.27, 11.69)
 ROWS_PER_PAGE = 58
-_MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
+_MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": INK}
 
 
 def write_pdf(report: Report, path: Path) -> None:

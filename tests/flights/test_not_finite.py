@@ -40,6 +40,12 @@ def loaded():
     return edl6dof.load("tianwen1", DISPERSED)
 
 
+@pytest.fixture(scope="module")
+def onboard(loaded):
+    """For reading only."""
+    return records.build_records(loaded).onboard
+
+
 @pytest.fixture(scope="module", params=MOMENTS)
 def state(request, loaded):
     return fly(loaded, save_at_s=request.param).saved
@@ -75,8 +81,7 @@ def test_reading_under_way_is_named(loaded, state, field, value):
 
 @pytest.mark.parametrize("value", WRONG)
 @pytest.mark.parametrize("path", READ)
-def test_sensed_quantity_is_named(loaded, state, path, value):
-    onboard = records.build_records(loaded).onboard
+def test_sensed_quantity_is_named(onboard, state, path, value):
     changed = planted(state, "sensors", f"sensed.{path}", ..., value)
     run(onboard[0], changed.sensors[0]["sensed"], changed.cycle, changed.fsw[0])
     assert not works_with_finite(changed.sensors.view(np.uint64), changed.fsw.view(np.uint64))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import subprocess
 import sys
 import zipfile
@@ -15,7 +16,7 @@ import pytest
 
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.errors import ConfigError
-from edl6dof.records import numbers
+from edl6dof.records import first_not_finite, numbers
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
 from edl6dof.vehicle.plant import STATE
@@ -93,28 +94,38 @@ def test_corrupted_states_are_refused_or_flown(saved, tmp_path):
 @pytest.mark.parametrize("value", [-(10**6), -1, 10**6])
 @pytest.mark.parametrize("record", RECORDS)
 def test_every_whole_number_out_of_range_is_named(state, path, record, value):
+    """All of them at once: each has its line."""
+    spoilt = []
     for field in numbers(getattr(state, record)):
         if not field.is_whole or field.declared["low"] <= value <= field.declared["high"]:
             continue
         if not np.iinfo(field.values.dtype).min <= value <= np.iinfo(field.values.dtype).max:
             continue  # no file can say so
-        values = field.values.flat
-        before, values[-1] = values[-1], value
-        words = complaint(state, path)
-        assert f"{record}.{field.path}" in words and f"(got {value})" in words
-        assert f"{field.declared['low']} .. {field.declared['high']}" in words
-        values[-1] = before
+        field.values.flat[-1] = value
+        spoilt.append(field)
+    if not spoilt:
+        return
+    lines = complaint(state, path).splitlines()
+    for field in spoilt:
+        words = next(line for line in lines if re.search(rf"{record}\.{re.escape(field.path)}\b", line))
+        assert f"must be {field.declared['low']} .. {field.declared['high']} (got {value})" in words
 
 
 @pytest.mark.parametrize("record", RECORDS)
 def test_every_float_that_is_not_finite_is_named(state, path, record):
-    for field in numbers(getattr(state, record)):
-        if field.is_whole or "if_ever" in field.declared:
-            continue
+    """Each by what looks at a record, the first and the last of them in a file too."""
+    floats = [field for field in numbers(getattr(state, record)) if must_be_finite(field)]
+    for field in floats:
         values = field.values.flat
         before, values[0] = values[0], np.nan
-        assert f"{record}.{field.path}" in complaint(state, path)
+        assert re.fullmatch(rf"{re.escape(field.path)}(\[.*\])?", first_not_finite(getattr(state, record)))
+        if field in (floats[0], floats[-1]):
+            assert f"{record}.{field.path}" in complaint(state, path)
         values[0] = before
+
+
+def must_be_finite(field):
+    return not field.is_whole and "if_ever" not in field.declared
 
 
 @pytest.mark.parametrize("cycle", [-1, 10**9])

@@ -48,7 +48,11 @@ class Cameras(Recorder):
         """The flight's name above it, where there are several."""
         if self.label:
             name = self.rr.Points3D(
-                [[0.0, 0.0, 0.9]], labels=[self.label], colors=self.own, radii=-2.0, show_labels=True
+                [[0.0, 0.0, 0.9 - 0.18 * self.number]],
+                labels=[self.label],
+                colors=self.own,
+                radii=-2.0,
+                show_labels=True,
             )
             self.static(f"{self.root}/camera/name", name)
 

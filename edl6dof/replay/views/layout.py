@@ -84,7 +84,7 @@ class Layout:
             self.views.globe(),
             active_tab=0,
         )
-        middle = rrb.Vertical(readout, around, row_shares=[2, 1])
+        middle = rrb.Vertical(readout, around, row_shares=[5, 2])
         return rrb.Horizontal(
             self.views.chase(), middle, self._grid("Flight", 1), column_shares=[9, 4, 10], name="Flight"
         )

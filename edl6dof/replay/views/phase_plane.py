@@ -17,6 +17,11 @@ from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.views.panels import SERIES
 
 AXES = ("roll", "pitch", "yaw")
+#: Telemetry columns that the planes show.
+COLUMNS = (
+    *(f"control.error_{axis}_deg" for axis in AXES),
+    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
+)
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
 #: Ends of the picture, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0

@@ -10,6 +10,8 @@ from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effective
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
+from edl6dof.scenario.records import build_onboard
+from edl6dof.scenario.schema import load_scenario
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111
@@ -19,8 +21,10 @@ TABLE = ALLOCATORS.names.index("table")
 
 
 @pytest.fixture(scope="module")
-def solve(shared_onboard):
-    vehicle, params = shared_onboard[0]["vehicle"], shared_onboard[0]["allocation"]
+def solve():
+    """Of a mission without entry: there is nothing to plan, nor to compile for it with the bounds check."""
+    onboard = build_onboard(load_scenario("tianwen1", ["mission.phases=[{name: descent}]"]).scenario)
+    vehicle, params = onboard[0]["vehicle"], onboard[0]["allocation"]
     count, effectiveness = int(vehicle["n_thrusters"]), np.zeros(1, EFFECTIVENESS)[0]
     update_effectiveness(vehicle, LANDER, effectiveness)
 
