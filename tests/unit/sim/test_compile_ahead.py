@@ -28,31 +28,31 @@ def started(monkeypatch):
     return commands, popen
 
 
-def test_the_other_process_is_waited_for_even_if_it_fails(started):
+def test_the_other_process_is_waited_for_even_if_it_fails(started, nominal):
     commands, _ = started
-    with compile_ahead.flight_software_beside() as compiling:
-        assert compiling
+    with compile_ahead.flight_software_beside(nominal.scenario) as members:
+        assert {"drag_tracking", "radar"} <= set(members)
     assert [process.returncode for process in commands] == [1]
 
 
-def test_an_interrupted_flight_does_not_leave_the_other_process_behind(started):
+def test_an_interrupted_flight_does_not_leave_the_other_process_behind(started, nominal):
     commands, popen = started
     popen.body = "import time; time.sleep(600)"
-    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside():
+    with pytest.raises(KeyboardInterrupt), compile_ahead.flight_software_beside(nominal.scenario):
         raise KeyboardInterrupt
     assert commands[0].returncode not in (None, 0)
 
 
 @pytest.mark.parametrize("reason", ["compiled", "one core", "plugins"])
-def test_no_process_is_started_where_it_is_of_no_use(started, monkeypatch, reason):
+def test_no_process_is_started_where_it_is_of_no_use(started, nominal, monkeypatch, reason):
     if reason == "compiled":
         monkeypatch.setattr(jit, "is_cached", lambda kernel: True)
     elif reason == "one core":
         monkeypatch.setattr(compile_ahead, "_cores", lambda: 1)
     else:
         monkeypatch.setattr(jit, "outside_sources", ["law.py"])
-    with compile_ahead.flight_software_beside() as compiling:
-        assert not compiling
+    with compile_ahead.flight_software_beside(nominal.scenario) as members:
+        assert members is None
     assert started[0] == []
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import exp, sqrt
 
-from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope
+from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
 from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
@@ -61,6 +61,7 @@ def solve(landing, most, plan):
         plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
     """
     mean, norm = lay_grid(plan)
+    lay_rows(plan)
     time, u, w = plan.time, plan.u, plan.w
     flat = 1.0 / sqrt(time)
     tau = STEP * landing.high / landing.mass
