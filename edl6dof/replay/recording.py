@@ -27,14 +27,16 @@ from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
 from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
 from edl6dof.replay.views.cameras import Cameras
+from edl6dof.replay.views.curves import axis_range, drawn, ends
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.ranges import axis_range, drawn_range
+from edl6dof.replay.views.scale_bar import ScaleBar
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
@@ -44,8 +46,10 @@ PARTS: tuple[type[Recorder], ...] = (
     Globe,
     Track,
     Cameras,
+    ScaleBar,
     Vehicle,
     Flames,
+    NearGround,
     Arrows,
     Beams,
     Descent,
@@ -164,14 +168,13 @@ def _ranges(
     """First and last value on the axis of each plot in the time of each page, by page and entity, such that
     the curves of all flights lie on it.
     """
-    found = {}
-    for page, span in {"Flight": whole, **spans_of(whole, flights[0].when)}.items():
-        for plot in PLOTS:
-            own = [flight for flight in flights if set(plot.columns) <= set(flight.columns)]
-            ends = [drawn_range(plot, flight.columns, flight.when, span) for flight in own]
-            if drawn := [both for both in ends if both is not None]:
-                lows, highs = zip(*drawn, strict=True)
-                found[page, plot.entity] = axis_range(min(lows), max(highs))
+    spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
+    for plot in PLOTS:
+        own = [flight for flight in flights if set(plot.columns) <= set(flight.series)]
+        curves = [drawn(plot, flight.series, flight.when) for flight in own]
+        for page, span in spans.items():
+            if values := [value for one in curves for value in ends(*one, span)]:
+                found[page, plot.entity] = axis_range(min(values), max(values))
     return found
 
 

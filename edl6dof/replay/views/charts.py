@@ -8,6 +8,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
+from edl6dof.replay.views.curves import BOUND, drawn
 from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, PLOTS, RGB, SERIES, Plot
 from edl6dof.telemetry.thinning import rows_to_draw
 
@@ -21,8 +22,6 @@ COLUMNS = tuple(
     )
 )
 NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.columns)
-#: Standard deviations that bounds stand at.
-BOUND = 3.0
 #: Rows of a plot about at most: more than a screen has columns of pixels.
 MOST = 6000
 #: Colour of the bounds.
@@ -82,15 +81,10 @@ class Charts(Recorder):
         )
 
     def _plot(self, plot: Plot) -> None:
-        t = self.flight.series["t_s"]
-        keep = (t >= self.when.get(plot.since, -np.inf)) & (t <= self.when.get(plot.until, np.inf))
-        if keep.any():
-            values = [self.flight.series[name][keep] for name in plot.series]
-            if plot.sigma:
-                values += [sign * BOUND * self.flight.series[plot.sigma][keep] for sign in (1.0, -1.0)]
-            shown = np.stack(values, axis=-1) * plot.scale
-            rows = rows_to_draw(t[keep], shown, MOST)
-            self._scalars(plot.entity, t[keep][rows], shown[rows])
+        t, curves = drawn(plot, self.flight.series, self.when)
+        if len(t):
+            rows = rows_to_draw(t, curves, MOST)
+            self._scalars(plot.entity, t[rows], curves[rows])
 
     def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
         columns = self.rr.Scalars.columns(scalars=values.ravel())

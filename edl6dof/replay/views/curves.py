@@ -1,4 +1,4 @@
-"""The axes of the plots: from the least to the largest value that is drawn, and wide enough for two ticks.
+"""The curves of the plots, and their axes: wide enough for all that is drawn, and for two ticks.
 
 The viewer puts its ticks at multiples of a power of ten, and leaves out those that would stand closer than a
 line of text: of seven or more in a plot a sixth of a window high it shows the zero alone.
@@ -12,6 +12,8 @@ import numpy as np
 
 from edl6dof.replay.views.panels import Plot
 
+#: Standard deviations that bounds stand at.
+BOUND = 3.0
 #: Most steps between ticks that a plot of the least height has room for.
 STEPS = 4.5
 #: Room above and below the curves, share of the range.
@@ -33,18 +35,25 @@ def axis_range(low: float, high: float) -> tuple[float, float]:
     return float(low - room), float(high + room)
 
 
-def drawn_range(
-    plot: Plot, columns: Mapping[str, np.ndarray], when: Mapping[str, float], span: tuple[float, float]
-) -> tuple[float, float] | None:
-    """Least and largest value that a plot shows of a flight within a time (s); ``None`` where it shows
-    nothing.
+def drawn(
+    plot: Plot, series: Mapping[str, np.ndarray], when: Mapping[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s), shape (n,), and curves of a plot, shape (n, curves), where they mean something; the bounds
+    that are claimed come last.
     """
-    t = columns["t_s"]
-    first, last = span
-    keep = (t >= when.get(plot.since, first)) & (t <= when.get(plot.until, last)) & (t >= first) & (t <= last)
-    values = plot.scale * np.array([columns[name][keep] for name in plot.series])
+    t = series["t_s"]
+    keep = (t >= when.get(plot.since, -np.inf)) & (t <= when.get(plot.until, np.inf))
+    values = [series[name][keep] for name in plot.series]
+    if plot.sigma:
+        values += [sign * BOUND * series[plot.sigma][keep] for sign in (1.0, -1.0)]
+    return t[keep], plot.scale * np.stack(values, axis=-1)
+
+
+def ends(t: np.ndarray, curves: np.ndarray, span: tuple[float, float]) -> list[float]:
+    """Least and largest value of curves within a time (s); empty where there are none."""
+    values = curves[(t >= span[0]) & (t <= span[1])]
     values = values[np.isfinite(values)]
-    return (float(values.min()), float(values.max())) if len(values) else None
+    return [float(values.min()), float(values.max())] if len(values) else []
 
 
 def _ticks(low: float, high: float, step: float) -> int:
