@@ -90,9 +90,11 @@ def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarr
         way = np.where(size > 1e-3 * craft, label.end / np.maximum(size, 1e-9), [0.0, 1.0])
         # the middle of the box as far beyond the end as the box reaches that way
         beyond = np.min(boxes[k] / np.maximum(np.abs(way), 1e-3), axis=-1, keepdims=True)
+        # boxes are wider than high: they pass each other above and below
+        aside = np.where(way >= 0.0, 1.0, -1.0) * np.maximum(np.abs(way) * [0.4, 1.0], [0.0, 0.6])
         open_ = label.wanted.copy()
         for step in range(MOST_STEPS if label.moves else 1):
-            here = label.end + (beyond + step * STEP * craft) * way
+            here = label.end + beyond * way + step * STEP * craft * aside
             clear = open_ & _off_craft(here + plane.below, boxes[k], craft)
             for other in range(k):
                 apart = np.abs(here - places[other]) >= boxes[k] + boxes[other]

@@ -185,6 +185,7 @@ class Layout:
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
         first, last = self.spans.get(page, self.flown.span)
+        last += 0.02 * (last - first)  # or a label at the end would be cut off
         edge = rrb.TimeRangeBoundary.absolute
         return rrb.TimeAxis(view_range=rrb.TimeRange(start=edge(seconds=first), end=edge(seconds=last)))
 
