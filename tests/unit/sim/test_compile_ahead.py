@@ -3,13 +3,10 @@
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from edl6dof import jit
-from edl6dof.scenario import records
 from edl6dof.sim import compile_ahead
-from edl6dof.vehicle.plant import WORKSPACE
 
 
 @pytest.fixture
@@ -56,10 +53,10 @@ def test_no_process_is_started_where_it_is_of_no_use(started, nominal, monkeypat
     assert started[0] == []
 
 
-@pytest.mark.parametrize("name", ["run", "sense", "write_row"])
+@pytest.mark.parametrize("name", ["run", "sense"])
 def test_what_is_compiled_ahead_is_for_the_records_that_fly(nominal, name):
     """Another layout would leave code in the cache that no flight ever asks for."""
-    case, tables, _ = records.build_records(nominal.loaded)
-    compile_ahead.compile_flight_software()
-    compile_ahead.compile_plant(case, tables, nominal.plant, nominal.outputs, np.zeros(1, WORKSPACE))
-    assert sum(getattr(compile_ahead, name).stats.cache_misses.values()) == 0
+    compiled = getattr(compile_ahead, name)
+    before = len(compiled.signatures)
+    compile_ahead.compile_flight_software(["error_state", "radar"])
+    assert len(compiled.signatures) == before >= 1
