@@ -18,6 +18,7 @@ import numba
 from pydantic import BaseModel
 
 from edl6dof import jit
+from edl6dof.config.plugin_scan import VARIABLE
 from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
@@ -31,8 +32,8 @@ from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 # what it leaves is not worth a search for garbage
 _COMMAND = (
-    "import gc, sys; from edl6dof.sim.compile_ahead import compile_flight_software as work; "
-    "work(sys.argv[1:]); gc.freeze()"
+    "import gc, sys; from edl6dof.plugins import activate; activate([]); "
+    "from edl6dof.sim.compile_ahead import compile_flight_software as work; work(sys.argv[1:]); gc.freeze()"
 )
 
 
@@ -46,16 +47,19 @@ def flight_software_beside(scenario: BaseModel) -> Iterator[Collection[str] | No
     """Compile the flight software beside what the block does; hands out the members of families to compile
     the loop with, ``None`` where there is no need.
 
-    There is none when loop and flight software are compiled already.  With one core only, without a cache
-    that another process can fill, or with members of a family from files outside the package, the flight
-    compiles everything itself; so it does with whatever the other process did not manage.
+    There is none when loop and flight software are compiled already.  With one core only, or without a cache
+    that another process can fill, the flight compiles everything itself; so it does with whatever the other
+    process did not manage.
     """
-    if is_compiled() or jit.outside_sources or _cores() < 2:
+    if is_compiled() or _cores() < 2:
         yield None
         return
     members = sorted(names().intersection(_words(scenario)))
     other = subprocess.Popen(
-        [sys.executable, "-c", _COMMAND, *members], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-c", _COMMAND, *members],
+        stdin=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, VARIABLE: os.pathsep.join(jit.outside_sources)},
     )
     try:
         yield members
