@@ -61,7 +61,8 @@ def add_push(landing, flat, plan):
 
 @kernel
 def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
-    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies.
+    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies; the square of
+    how far, extrapolation left out.
 
     Args:
         landing: ``LANDING`` record.
@@ -71,8 +72,9 @@ def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
         extrapolation: of the multipliers.
         plan: ``PLAN`` record.
     """
+    changed = 0.0
     if landing.slope < 0.0:
-        return
+        return changed
     slope = landing.slope
     u, w, glide, row = plan.u, plan.w, plan.glide, plan.row
     x, y, z = landing.position[0], landing.position[1], landing.position[2]
@@ -94,9 +96,12 @@ def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
             glide[k, 2] + sigma * row[k] * z,
             slope,
         )
-        glide[k, 0] += extrapolation * (px - glide[k, 0])
-        glide[k, 1] += extrapolation * (py - glide[k, 1])
-        glide[k, 2] += extrapolation * (pz - glide[k, 2])
+        dx, dy, dz = px - glide[k, 0], py - glide[k, 1], pz - glide[k, 2]
+        changed += dx * dx + dy * dy + dz * dz
+        glide[k, 0] += extrapolation * dx
+        glide[k, 1] += extrapolation * dy
+        glide[k, 2] += extrapolation * dz
+    return changed
 
 
 @kernel

@@ -30,8 +30,8 @@ STEP, EXTRAPOLATION = 0.1, 1.7
 BATCH = 10
 #: Largest primer; that of a landing that can be flown is of the order of 1.
 LARGEST_PRIMER = 20.0
-#: Converged when the multipliers ask of all thrust less than this to put the end right (m/s2), and the primer
-#: changes by less than this.
+#: Converged when the multipliers ask of all thrust less than this to put the end and the glide slope right
+#: (m/s2), and the primer changes by less than this.
 THRUST_TOLERANCE, PRIMER_TOLERANCE = 1e-4, 5e-4
 
 
@@ -116,7 +116,7 @@ def solve(landing, most, plan):
             x, y, z = x + dx, y + dy, z + dz
             ex, ey, ez = ex + step * flat * x, ey + step * flat * y, ez + step * flat * z
             fx, fy, fz = fx + step * slant * x, fy + step * slant * y, fz + step * slant * z
-        follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
+        changed = follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
         for k in range(CONTROLS):
             for axis in range(3):
                 u[k, axis] += EXTRAPOLATION * (w[k, axis] - u[k, axis])
@@ -132,7 +132,7 @@ def solve(landing, most, plan):
         if plan.iterations % BATCH == 0:
             weigh(landing, plan)
             plan.change = flat * sqrt(moved) * sigma
-            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz)
+            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz + changed)
             if off < THRUST_TOLERANCE and plan.change < PRIMER_TOLERANCE:
                 plan.converged = 1
     qx, qy, qz = qx / norm, qy / norm, qz / norm
