@@ -236,7 +236,7 @@ def _heat(heat: Heat, number: str) -> dict[str, Any]:
         "showlegend": False,
     }
     if heat.labels:
-        found.update(text=[list(row) for row in heat.labels], hoverinfo="text", xgap=0.5, ygap=0.5)
+        found |= {"text": [list(row) for row in heat.labels], "hoverinfo": "text", "xgap": 0.5, "ygap": 0.5}
     return found
 
 

@@ -34,7 +34,7 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
     if not len(values):
         return np.empty(0, int)
     finite = np.where(np.isfinite(values), values, np.nan)
-    gap = np.any(np.isnan(finite), axis=1)
+    gap = np.isnan(finite.min(axis=1, initial=np.inf))
     rows = np.flatnonzero(~gap | ~np.append(True, gap[:-1]) | ~np.append(gap[1:], True))
     ends = np.array([0, len(values) - 1])
     low, high = np.where(np.isnan(finite), np.inf, finite), np.where(np.isnan(finite), -np.inf, finite)
