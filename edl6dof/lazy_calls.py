@@ -69,7 +69,7 @@ class LazyCall:
         def call(
             _: Any, _index: types.Type, arguments: types.BaseTuple
         ) -> tuple[Signature, Callable[..., Any]]:
-            given = tuple(types.unliteral(kind) for kind in arguments)
+            given = tuple(types.unliteral(kind) for kind in arguments.types)
             self.given.add(given)
 
             def generate(context: Any, builder: Any, _: Signature, values: Sequence[Any]) -> Any:
