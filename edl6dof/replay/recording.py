@@ -18,6 +18,7 @@ import numpy as np
 
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.relevant import relevant
 from edl6dof.replay.scene.arrows import Arrows, scales
 from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
@@ -64,7 +65,7 @@ def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
     shown = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
-    return History(flight, shown, (*charts.COLUMNS, *navigation))
+    return History(flight, shown, relevant((*charts.COLUMNS, *navigation), flight.scenario))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be

@@ -28,6 +28,8 @@ COVERED = 0.55
 USUAL = 0.99
 #: Shortest arrow that is drawn, in the vehicle's diameters.
 LEAST = 0.006
+#: Share of the aerodynamic force below which none of it is lift: a sphere has none.
+_NO_LIFT = 1e-3
 
 
 class Arrow(NamedTuple):
@@ -160,10 +162,11 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
     lift = force - (force * way).sum(axis=-1, keepdims=True) * way
+    lifting = np.linalg.norm(lift, axis=-1) > _NO_LIFT * np.linalg.norm(force, axis=-1)
     thrust = flight["truth.engine_thrust_n"][rows]
     torque = turns.rotate(turn, vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
     found = (
-        ("lift", LIFT, lift, flight.t[rows] < flight.when.get("mortar", np.inf), "N"),
+        ("lift", LIFT, lift, lifting & (flight.t[rows] < flight.when.get("mortar", np.inf)), "N"),
         ("thrust", THRUST, -thrust[:, None] * turn_x(turn), thrust > 1.0, "N"),
         ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
     )

@@ -124,7 +124,9 @@ class Layout:
         right = rrb.Vertical(self.views.chase(), self.views.site(), row_shares=[1, 1])
         return rrb.Horizontal(self.views.above(self.flown.scanned), right, column_shares=[1, 1], name=HAZARDS)
 
-    def _control(self) -> rrb.Container:
+    def _control(self) -> rrb.Container | None:
+        if not self.flown.jets:
+            return None
         rrb = self.rrb
         bounds = rrb.VisualBounds2D(x_range=[-1.25, 1.1], y_range=[-0.78, 0.92])
         recent = window(rrb, 12.0)
@@ -233,11 +235,13 @@ def lanes_of(page: str, spans: Iterable[str]) -> str:
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:
-    """First and last time (s) of the pages that do not show the whole flight."""
+    """First and last time (s) of the pages that do not show the whole flight: of those parts that it has."""
     first, last = flown_s
     mortar, shell = when.get("mortar", last), when.get("backshell", last)
-    return {
+    spans = {
         "Entry": (first, min(mortar + 3.0, last)),
         "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
         POWERED: (min(shell - 5.0, last - 1.0), last),
     }
+    begun = {"Entry": True, "Parachute": "mortar" in when, POWERED: "backshell" in when}
+    return {page: span for page, span in spans.items() if begun[page]}

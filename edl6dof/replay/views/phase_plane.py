@@ -51,7 +51,7 @@ class PhasePlanes(Recorder):
 
     def statics(self) -> None:
         """Grid and scales."""
-        if self.number:
+        if self.number or not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
         upright = [[[squeeze(k), -y], [squeeze(k), y]] for k in TICKS]
@@ -75,7 +75,7 @@ class PhasePlanes(Recorder):
 
     def motions(self) -> None:
         """Zones by phase, the way of the last seconds, and the present state."""
-        if self.number or len(self.t) < 5:
+        if self.number or len(self.t) < 5 or not self.flight.jets:
             return
         rr = self.rr
         error = vector(self.flight.columns, "control.error", "roll pitch yaw", "_deg")
