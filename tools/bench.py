@@ -1,8 +1,8 @@
 """Speed and memory of edl6dof, and its speed beside JSBSim and Basilisk.
 
-    python tools/bench.py                          # everything; two to three minutes, up to one of them
-    compiling python tools/bench.py --only loop --profile --in-place     # quick, with the repository's own
-    cache python tools/bench.py --json bench.json        # all samples, and the machine
+    python tools/bench.py                                    # everything, some minutes, the first compiling
+    python tools/bench.py --only loop --profile --in-place   # quick, with the repository's own cache
+    python tools/bench.py --json bench.json                  # all samples, and the machine
 
 The sections (``--only`` chooses):
 
@@ -13,18 +13,17 @@ processes   whole processes as a user starts them, not pinned: ``edl6dof fly tia
 loop        the nominal flight in this process, pinned to one core: the compiled loop alone, ``edl6dof.fly``
             (records + loop), and ``edl6dof.load`` (reading and validating the files).
 peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are
-formed pair by pair.
-            The peers come with ``pip install "edl6dof[bench]"``; a missing one is reported and left out.
+            formed pair by pair.  The peers come with ``pip install "edl6dof[bench]"``; a missing one is
+            reported and left out.
 
-How to read it.  A step is one integration step of a cycle; steps that events, a canopy or the
-ground split are not counted.
-Seconds are CPU
-seconds where it says so: on a machine with other work they are what repeats, wall seconds are not.  No peer
-flies the whole chain, so every case of theirs contains less than our flight (``tools/peers_*.py`` list what
-they lack).  Beside the flight therefore stands ours with an empty mission, the like of a ballistic entry
-("free entry": 6-DOF, Runge-Kutta, the same vehicle, atmosphere, wind, navigation and 50 Hz log, but no
-guidance, control or events).  JSBSim evaluates the forces once a step, Basilisk four times, edl6dof four
-times and once more in every cycle of the flight software; the last column compares evaluations a second.
+How to read it. A step is one integration step of a cycle; steps that events, a canopy or the ground split are
+not counted. Seconds are CPU seconds where it says so: on a machine with other work they are what repeats,
+wall seconds are not. No peer flies the whole chain, so every case of theirs contains less than our flight
+(``tools/peers_*.py`` list what they lack). Beside the flight therefore stands ours with an empty mission, the
+like of a ballistic entry ("free entry": 6-DOF, Runge-Kutta, the same vehicle, atmosphere, wind, navigation
+and 50 Hz log, but no guidance, control or events). JSBSim evaluates the forces once a step, Basilisk four
+times, edl6dof four times and once more in every cycle of the flight software; the last column compares
+evaluations a second.
 """
 
 from __future__ import annotations
@@ -48,20 +47,12 @@ from pathlib import Path
 from typing import Any
 
 from bench_processes import ROOT, SCENARIO, Lap, measure_processes, snapshot
+from bench_tables import show_comparison, show_laps, show_phases
 from rich.console import Console
-from rich.table import Table
 
 SECTIONS = ("processes", "loop", "peers")
 PEERS = ("peers_jsbsim", "peers_basilisk")
 FREE_ENTRY = ("mission.phases=[]", "simulation.time_limit_s=250")
-#: Budgets of the design: seconds, MiB.
-BUDGETS = {
-    "first flight ever": 60.0,
-    "fly, all files": 4.0,
-    "--help": 0.3,
-    "peak memory": 400e6 / 2**20,
-    "compiled loop": 0.25,
-}
 PROFILE_CHUNK_S = 0.2
 
 
@@ -80,14 +71,6 @@ def stopwatch(work: Callable[[], Any]) -> tuple[Lap, Any]:
     wall, cpu = time.perf_counter(), time.process_time()
     result = work()
     return Lap(time.perf_counter() - wall, time.process_time() - cpu), result
-
-
-def spread(values: list[float], digits: int = 3, scale: float = 1.0) -> str:
-    """``median (min .. max)``."""
-    low, middle, high = (
-        f"{x * scale:,.{digits}f}" for x in (min(values), statistics.median(values), max(values))
-    )
-    return f"{middle} ({low} .. {high})"
 
 
 # ---------------------------------------------------------------- the loop in this process
@@ -211,69 +194,7 @@ def compare(peer: Any, repeats: int) -> dict[str, Any]:
     }
 
 
-# ---------------------------------------------------------------- what comes out
-
-
-def show_laps(console: Console, title: str, laps: dict[str, list[Lap]]) -> None:
-    """Table of laps; seconds are wall seconds for processes, and CPU seconds stand beside them."""
-    table = Table(title=title, title_justify="left")
-    for name in ("", "n", "wall s: median (min .. max)", "CPU s", "steps/CPU s", "peak MiB", "budget"):
-        table.add_column(name, justify="left" if not name else "right")
-    for name, runs in laps.items():
-        rates = f"{statistics.median(r.rate for r in runs):,.0f}" if runs[0].steps else ""
-        peak = f"{max(r.peak_mib for r in runs):.0f}" if runs[0].peak_mib else ""
-        limits = [f"{BUDGETS[name]:g} s"] if name in BUDGETS else []
-        limits += [f"{BUDGETS['peak memory']:.0f} MiB"] if name == "fly, all files" else []
-        cpu = f"{statistics.median(r.cpu_s for r in runs):.3f}"
-        table.add_row(
-            name, str(len(runs)), spread([r.wall_s for r in runs]), cpu, rates, peak, ", ".join(limits)
-        )
-    console.print(table)
-
-
-def show_comparison(console: Console, peer: str, result: dict[str, Any]) -> None:
-    """Rates of the peer and of ours, and the ratio ours / theirs of each round."""
-    laps = result["laps"]
-    table = Table(title=f"{peer} {result['version']}: {result['case']}", title_justify="left")
-    for name in (
-        "",
-        "n",
-        "steps",
-        "thousand steps/CPU s",
-        "ours/theirs, CPU",
-        "ours/theirs, wall",
-        "force evaluations, CPU",
-    ):
-        table.add_column(name, justify="left" if not name else "right")
-    for name, runs in laps.items():
-        row = [name, str(len(runs)), f"{runs[0].steps:,}", spread([r.rate for r in runs], 0, 1e-3)]
-        if name != peer:
-            pairs = list(zip(runs, laps[peer], strict=True))
-            ratios = [ours.rate / theirs.rate for ours, theirs in pairs]
-            walls = [(ours.steps / ours.wall_s) / (theirs.steps / theirs.wall_s) for ours, theirs in pairs]
-            row += [
-                spread(ratios, 2),
-                spread(walls, 2),
-                f"{statistics.median(ratios) * result['evaluations_ratio']:.2f}",
-            ]
-        table.add_row(*row)
-    console.print(table)
-    console.print(
-        f"  {peer} has {result['has']}\n  and lacks {result['lacks']}; ended finite at "
-        f"{_numbers(result['ended'])}"
-    )
-
-
-def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
-    """Nanoseconds a step by mission phase."""
-    table = Table(title="Compiled loop by mission phase", title_justify="left")
-    for name in ("phase", "flown s", "ns/step, CPU: median (min .. max)", "share"):
-        table.add_column(name, justify="left" if name == "phase" else "right")
-    for row in phases:
-        table.add_row(
-            row["phase"], f"{row['flown_s']:.1f}", spread(row["ns_per_step"], 0), f"{row['share']:.0%}"
-        )
-    console.print(table)
+# ---------------------------------------------------------------- all of it
 
 
 def machine() -> dict[str, Any]:
@@ -299,10 +220,6 @@ def machine() -> dict[str, Any]:
         "load_average": os.getloadavg()[0],
         "date": time.strftime("%Y-%m-%d %H:%M"),
     }
-
-
-def _numbers(values: dict[str, float]) -> str:
-    return ", ".join(f"{name} {value:.1f}" for name, value in values.items())
 
 
 def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str, Any]:

@@ -36,7 +36,7 @@ _FLIGHTS_PER_TERM = 10
 _REDRAWN, _ENDS = 400, (0.025, 0.975)
 
 #: Flights are drawn again one by one, of more than these in as many blocks.
-_BLOCKS = 1000
+_BLOCKS = 300
 
 #: Least singular value of regressors, as a share of the largest, and least eigenvalue of a correlation.
 _DEGENERATE = 1e-6
@@ -132,39 +132,48 @@ def _told_from_chance(
     terms: Mapping[str, np.ndarray], target: np.ndarray, chance: float
 ) -> tuple[list[str], float]:
     """Groups taken up, in their order, and the least share that one more would have to explain."""
-    taken, known, left = [], np.zeros((len(target), 0)), dict(terms)
-    rest = target - target.mean()
-    whole = float(rest @ rest)
-    least = 1.0
-    while left and rest @ rest > _DEGENERATE * whole:
-        tried = {name: _orthonormal(basis - known @ (known.T @ basis)) for name, basis in left.items()}
-        free = {name: len(target) - 1 - known.shape[1] - basis.shape[1] for name, basis in tried.items()}
-        tests = {
-            name: _p_value(basis, rest, free[name])
-            for name, basis in tried.items()
-            if basis.size and free[name] > 0
+    columns = np.column_stack([*terms.values(), target - target.mean()])
+    columns /= np.linalg.norm(columns, axis=0)
+    correlation = columns.T @ columns
+    ends = np.cumsum([basis.shape[1] for basis in terms.values()])
+    left = {
+        name: np.arange(end - basis.shape[1], end)
+        for (name, basis), end in zip(terms.items(), ends, strict=True)
+    }
+    taken, known, unexplained, least = [], np.empty(0, int), 1.0, 1.0
+    while unexplained > _DEGENERATE:
+        free = {name: len(target) - 1 - len(known) - len(own) for name, own in left.items()}
+        after = {
+            name: 1.0 - _explained(correlation, np.append(known, own))
+            for name, own in left.items()
+            if free[name] > 0
         }
-        if not tests:
+        if not after:
             break
-        level = -np.expm1(np.log1p(-chance) / len(tests))  # Sidak: for each of them
-        least = min(_critical(tried[name].shape[1], free[name], level) for name in tests)
-        least *= float(rest @ rest) / whole
-        best = min(tests, key=lambda name: tests[name])
-        if tests[best] > level:
+        level = -np.expm1(np.log1p(-chance) / len(after))  # Sidak: for each of them
+        least = unexplained * min(_critical(len(left[name]), free[name], level) for name in after)
+        p_values = {
+            name: _p_value(rest / unexplained, len(left[name]), free[name]) for name, rest in after.items()
+        }
+        best = min(p_values, key=lambda name: p_values[name])
+        if p_values[best] > level:
             break
         taken.append(best)
-        known = np.hstack([known, tried[best]])
-        rest = rest - tried[best] @ (tried[best].T @ rest)
-        del left[best]
-    return taken, least
+        known, unexplained = np.append(known, left.pop(best)), after[best]
+    return taken, float(least)
 
 
-def _p_value(basis: np.ndarray, rest: np.ndarray, free: int) -> float:
-    """Probability that regressors which do nothing explain as much of the rest: the F test, by the beta
-    distribution of the share that stays unexplained.
+def _explained(correlation: np.ndarray, columns: np.ndarray) -> float:
+    """R2 of the figure, the last row, on some regressors."""
+    own, aim = correlation[np.ix_(columns, columns)], correlation[columns, -1]
+    return float(aim @ np.linalg.pinv(own, rcond=_DEGENERATE, hermitian=True) @ aim)
+
+
+def _p_value(unexplained: float, terms: int, free: int) -> float:
+    """Probability that regressors which do nothing leave as little unexplained: the F test, by the beta
+    distribution of that share.
     """
-    unexplained = 1.0 - float(np.sum((basis.T @ rest) ** 2)) / float(rest @ rest)
-    return float(betainc(0.5 * free, 0.5 * basis.shape[1], max(unexplained, 0.0)))
+    return float(betainc(0.5 * free, 0.5 * terms, min(max(unexplained, 0.0), 1.0)))
 
 
 def _critical(terms: int, free: int, level: float) -> float:

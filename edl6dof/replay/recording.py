@@ -27,6 +27,7 @@ from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
 from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
@@ -35,6 +36,7 @@ from edl6dof.replay.views.curves import axis_range, drawn, ends
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
+from edl6dof.replay.views.scale_bar import ScaleBar
 from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
@@ -44,8 +46,10 @@ PARTS: tuple[type[Recorder], ...] = (
     Globe,
     Track,
     Cameras,
+    ScaleBar,
     Vehicle,
     Flames,
+    NearGround,
     Arrows,
     Beams,
     Descent,

@@ -221,7 +221,7 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
 
 def _heat(heat: Heat, number: str) -> dict[str, Any]:
     values = np.asarray(heat.values, "<f4")
-    found = {
+    found: dict[str, Any] = {
         "type": "heatmap",
         "x": packed(heat.x),
         "y": packed(heat.y),

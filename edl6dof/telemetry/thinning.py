@@ -34,7 +34,7 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
     if not len(values):
         return np.empty(0, int)
     finite = np.where(np.isfinite(values), values, np.nan)
-    gap = np.isnan(finite).any(axis=1)
+    gap = np.any(np.isnan(finite), axis=1)
     rows = np.flatnonzero(~gap | ~np.append(True, gap[:-1]) | ~np.append(gap[1:], True))
     ends = np.array([0, len(values) - 1])
     low, high = np.where(np.isnan(finite), np.inf, finite), np.where(np.isnan(finite), -np.inf, finite)
@@ -64,6 +64,6 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
     found = [np.array([0, n - 1]), starts.ravel()]
     for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
         found.append((starts + pick(np.where(np.isnan(parts), fill, parts), axis=1)).ravel())
-    gap = np.isnan(values).any(axis=1)
+    gap = np.any(np.isnan(values), axis=1)
     edge = np.flatnonzero(gap[1:] != gap[:-1])
     return np.unique(np.concatenate([*found, edge, edge + 1]))

@@ -65,7 +65,7 @@ def test_inputs_drawn_together_are_one_group_and_quantiles_have_bounds(edl6dof, 
         1,
     )
     status, out, _ = edl6dof("campaign", "runs/drops", "--resume")
-    assert "95 % (bounds at 95 %)" in out and "99 % takes 368 and 99.87 % takes 2,836" in out
+    assert "95 % (bounds at 95 %)" in out and "99 % takes 368, 99.87 % takes 2,836" in out
 
 
 def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):

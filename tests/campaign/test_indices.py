@@ -136,8 +136,8 @@ def test_design_flown_and_told(edl6dof, tmp_path):
     known = Results(Path("runs/drops"))
     assert len(known.cases) == 64 and set(known.swapped("end_s")) == {"A", "B", *known.groups, PROFILES}
     _, table = indices(known)
-    rows = {row[1]: row for row in table.rows}
+    rows = {row[0].strip(): row for row in table.rows}
     assert edl6dof("report", "runs/drops")[0] == 0
     assert "Sobol indices" in Path("runs/drops/report.html").read_text(encoding="utf-8")
-    assert table.rows[0][:2] == ["peak dynamic pressure", "atmosphere.density_factor"]
-    assert rows["atmosphere.density_factor"][4].bar > 0.9 > 0.1 > rows[PROFILES][4].bar
+    assert list(rows)[:2] == ["peak dynamic pressure", "atmosphere.density_factor"]
+    assert rows["atmosphere.density_factor"][3].bar > 0.9 > 0.1 > rows[PROFILES][3].bar

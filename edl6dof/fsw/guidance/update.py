@@ -80,6 +80,7 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
+        goal.full_wanted = 0
         north, east, up, tilt_limit = powered_guidance(
             p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal
         )

@@ -27,8 +27,6 @@ _FAR = 0.97
 _GLOBE, _HAZE = 4e5, 0.55
 #: Arc (m) up to which the ground is laid out as a plane.
 _PLANE = 3e4
-#: Direction to the sun, east north up: low in the west-south-west, so that relief throws light and dark.
-SUN = np.array([-0.72, -0.42, 0.55])
 #: Share of the surface that craters of each size class cover.
 _COVER = 0.055
 #: The square on which a landing area is drawn: half its side, and the spacing of its vertices, m.
@@ -204,12 +202,13 @@ def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.nda
     """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north."""
     dark, light = np.array(site.appearance.ground_dark), np.array(site.appearance.ground_light)
     colours: np.ndarray = dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]
-    return colours * sunlight(rise_east, rise_north)[..., None]
+    return colours * sunlight(site.light, rise_east, rise_north)[..., None]
 
 
-def sunlight(rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-    """Brightness of ground that rises so per metre towards east and north, 1 where it is level."""
-    towards = SUN / np.linalg.norm(SUN)
+def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Brightness of ground that rises so per metre towards east and north, in light from ``towards``; 1 where
+    it is level.
+    """
     cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
         1.0 + rise_east**2 + rise_north**2
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.replay.scene.sun import light, sun_direction
 from edl6dof.scenario.relief import Relief
 from edl6dof.spatial import rotations as turns
 
@@ -26,6 +27,8 @@ class Site:
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.altitude = scenario.site_areoid_m + terrain.site_elevation_m  #: of its origin, m
         self.appearance = planet.appearance
+        self.sun = sun_direction(scenario)  #: towards it, unit vector; None where nobody knows
+        self.light = light(self.sun)  #: where the light of the pictures comes from
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)

@@ -6,7 +6,6 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder
-from edl6dof.replay.scene.mesh import revolve
 
 
 class Track(Recorder):
@@ -47,7 +46,6 @@ class Track(Recorder):
         )
         self._drop_line(rows[motion.height[rows] < 20e3])
         self._trail(np.arange(len(self.t)))  # as often as the pose, or it would end behind the vehicle
-        self._shadow(np.flatnonzero(motion.height < 300.0))
 
     def _colour(self, phase: int) -> np.ndarray:
         """The phase's colour; beside other flights, the flight's own."""
@@ -81,16 +79,3 @@ class Track(Recorder):
             self.t[rows[1:]],
             self.rr.LineStrips3D.columns(strips=segments, colors=colours),
         )
-
-    def _shadow(self, rows: np.ndarray) -> None:
-        """Dark disc under the vehicle, by which the eye estimates the height."""
-        if len(rows) == 0:
-            return
-        disc = revolve([(0.0, 1.3), (0.0, 1e-4)], (70, 38, 24), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))
-        self.at(
-            self.t[rows[0]],
-            f"{self.root}/shadow",
-            self.mesh(disc._replace(normals=np.zeros_like(disc.normals))),
-        )
-        place = self.motion.centre[rows] - np.outer(self.motion.height[rows] - 0.03, [0.0, 0.0, 1.0])
-        self.columns(f"{self.root}/shadow", self.t[rows], self.rr.Transform3D.columns(translation=place))

@@ -36,8 +36,10 @@ _NOT_CHASE = (
     "velocity_frame",
     "vehicle/attitude_frame",
 )
-_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels")
-_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
+#: What belongs to one camera alone.
+_OWN = ("camera/scale_bar",)
+_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
+_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels", *_OWN)
 
 
 class Shown(NamedTuple):
@@ -131,7 +133,7 @@ class Views:
 
     def away(self) -> rrb.Spatial3DView:
         """What fell away last."""
-        return self._following("/site/camera_away", "What falls away")
+        return self._view("What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), EYE, np.zeros(3))
 
     def _following(self, camera: str, name: str) -> rrb.Spatial3DView:
         return self._view(name, camera, _NOT_CHASE, EYE, np.zeros(3))
@@ -205,6 +207,7 @@ class Views:
             "markers",
             "labels",
             "drop_line",
+            *_OWN,
         )
         return self._view("Hazards from above", "/site", (*hidden, "trail", "sky"), place, target)
 

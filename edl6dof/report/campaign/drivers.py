@@ -10,7 +10,7 @@ import numpy as np
 
 from edl6dof.campaign.design.swaps import A, B
 from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
-from edl6dof.campaign.indices import sobol_indices
+from edl6dof.campaign.indices import Index, sobol_indices
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
@@ -21,8 +21,12 @@ _FIGURES = (
     *("landing_east_m", "landing_north_m", "landing_distance_m"),
     *("parachute_height_m", "propellant_used_kg", "touchdown_s"),
 )
+#: Before an input that stands below its figure.
+_INDENT = "\u2003"
 #: Inputs of each figure whose Sobol indices are told.
 _SHOWN = 5
+#: Interval of a total index beyond which a figure's indices tell nothing.
+_WIDEST = 1.0
 #: Letters of a line of a figure's name beside the bars.
 _LETTERS = 24
 
@@ -52,7 +56,7 @@ def blocks(results: Results) -> Iterator[Block]:
     )
     if any(one.drivers.found for one in told):
         yield chart([one for one in told if one.drivers.found])
-    yield Table(["figure", "input", "share>", "95 % interval>", "effect"], list(_rows(told)))
+    yield Table(["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(told)))
 
 
 def indices(results: Results) -> Iterator[Block]:
@@ -62,15 +66,19 @@ def indices(results: Results) -> Iterator[Block]:
     rows: list[Row] = []
     for name in _figures(results):
         matrices = results.swapped(name)
-        found = sobol_indices(matrices.pop(A), matrices.pop(B), matrices)
-        for k, index in enumerate(found[:_SHOWN]):
-            label = figure_of_merit(name).meaning if k == 0 else ""
-            rows.append([label, index.name, *_shares(index.first), *_shares(index.total)])
+        a, b = matrices.pop(A), matrices.pop(B)
+        found = sobol_indices(a, b, matrices)[:_SHOWN]
+        if not all(map(_is_told, found)):
+            found = []
+        words = "" if found else f": cannot be told with {len(a):,} rows"
+        rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
+        for index in found:
+            rows.append([_INDENT + index.name, *_shares(index.first), *_shares(index.total)])
     yield Text(
         "Sobol indices: the share of a figure's variance that goes when an input is known (alone), and that "
         f"stays when all others are known (in all), with 95 % intervals; the {_SHOWN} largest of each figure."
     )
-    yield Table(["figure", "input", "alone>", "95 %>", "in all>", "95 %>"], rows)
+    yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
 
 
 def _told(results: Results) -> Iterator[Told]:
@@ -80,8 +88,13 @@ def _told(results: Results) -> Iterator[Told]:
         yield Told(figure_of_merit(name), drivers(results.groups, values, level))
 
 
+def _is_told(index: Index) -> bool:
+    _, low, high = index.total
+    return high - low <= _WIDEST
+
+
 def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
-    value, low, high = index
+    value, low, high = (min(max(bound, 0.0), 1.0) for bound in index)
     return Cell(f"{value:.0%}", bar=value), f"{low:.0%} .. {high:.0%}"
 
 
@@ -97,18 +110,18 @@ def _moves(values: np.ndarray) -> bool:
 
 
 def _rows(told: list[Told]) -> Iterator[Row]:
+    """A line that says what of a figure can be told, and below it its drivers."""
     for one in told:
-        found, label = one.drivers.found, one.figure.meaning
-        for k, driver in enumerate(found):
-            interval = f"{driver.low:.0%} .. {driver.high:.0%}"
+        least = f"{one.drivers.least:.0%}"
+        flights = f"cannot be told with {one.drivers.flights:,} flights"
+        if not one.drivers.found:
+            yield [f"{one.figure.meaning}: {flights}, no share above {least}", "", "", ""]
+            continue
+        remains = f"{max(1.0 - one.drivers.explained, 0.0):.0%} remains, shares below {least} {flights}"
+        yield [f"{one.figure.meaning}: {remains}", "", "", ""]
+        for driver in one.drivers.found:
             share = Cell(f"{driver.share:.0%}", bar=driver.share)
-            yield [label if k == 0 else "", driver.name, share, interval, driver.effect]
-        flights = f"cannot be told with {one.drivers.flights} flights"
-        if found:
-            remains = max(1.0 - one.drivers.explained, 0.0)
-            yield ["", f"remains; shares below {one.drivers.least:.0%} {flights}", f"{remains:.0%}", "", ""]
-        else:
-            yield [label, f"{flights}: no share above {one.drivers.least:.0%}", "", "", ""]
+            yield [_INDENT + driver.name, share, f"{driver.low:.0%} .. {driver.high:.0%}", driver.effect]
 
 
 def chart(told: list[Told]) -> Figure:

@@ -102,7 +102,7 @@ def note(results: Results) -> str:
         return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
     flights = len(results.cases)
     too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
-    takes = " and ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
+    takes = ", ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
     refused = f" Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
     return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
 

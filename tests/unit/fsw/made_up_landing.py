@@ -6,12 +6,10 @@ The solution is integrated by the rule by which the truth was made, so that inst
 
 import numpy as np
 
-from edl6dof.config.dtype import dtype_of, fill
-from edl6dof.fsw.navigation.filters.error_state import ErrorStateParams, correct, start
+from edl6dof.fsw.navigation.filters.error_state import correct, start
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.kalman.states import ERROR_STATE, STATES
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
 from edl6dof.spatial.frames import from_geodetic
@@ -31,47 +29,6 @@ MU, RADIUS, SPIN = 4.282837e13, 3396190.0, 7.088218e-5
 FLATTENING = 1.0 / 169.89
 LATITUDE, LONGITUDE, SITE = np.radians(25.0), np.radians(110.0), -4100.0
 ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
-
-
-def onboard_record():
-    """Belief: planet, site and instruments with the error figures of the sheets."""
-    record = np.zeros(1, ONBOARD)
-    planet, site, unit = record[0]["planet"], record[0]["site"], record[0]["instruments"]
-    planet["mu"], planet["equatorial_radius"] = MU, RADIUS
-    planet["flattening"], planet["rotation_rate"] = FLATTENING, SPIN
-    site["altitude"] = SITE
-    tilt = np.radians(54.7356)
-    for k in range(6):
-        around = k * np.pi / 3.0
-        axis = np.cos(tilt), np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around)
-        unit["gyro_axis"][k] = unit["accelerometer_axis"][k] = axis
-    unit["n_gyros"] = unit["n_accelerometers"] = 6
-    degree_per_hour = np.radians(1.0) / 3600.0
-    unit["gyro_noise"] = np.radians(0.01) / 60.0
-    unit["gyro_bias"], unit["gyro_bias_walk"] = 0.03 * degree_per_hour, 0.003 * degree_per_hour / 60.0
-    unit["gyro_scale"] = 5e-5
-    unit["accelerometer_noise"] = 20e-6 * 9.81
-    unit["accelerometer_bias"], unit["accelerometer_bias_walk"] = 30e-6 * 9.81, 1e-6 * 9.81 / 60.0
-    unit["accelerometer_scale"] = 7e-5
-    unit["star_sigma"], unit["star_bias"] = np.radians(0.005), np.radians(0.004)
-    unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
-    unit["antenna_position"] = ARM
-    lean = np.radians(25.0)
-    for k in range(4):
-        around = np.pi / 4.0 + k * np.pi / 2.0
-        unit["beam_axis"][k] = np.cos(lean), np.sin(lean) * np.cos(around), np.sin(lean) * np.sin(around)
-    unit["n_beams"] = 4
-    unit["range_sigma"], unit["range_sigma_relative"] = 0.1, 0.01 / 3.0
-    unit["speed_sigma"], unit["speed_sigma_relative"] = 0.1 / 3.0, 0.01 / 3.0
-    unit["range_bias"], unit["range_scale"], unit["speed_scale"] = 0.1, 0.0015, 0.0005
-    return record
-
-
-def params_record(**changes):
-    record = np.zeros(1, dtype_of(ErrorStateParams))
-    # the made-up planet attracts as the flight computer believes
-    fill(record[0], ErrorStateParams(**{"gravity_m_s2": 0.0, **changes}))
-    return record
 
 
 @kernel

@@ -2,6 +2,7 @@
 does with beams that lie or are lost.
 """
 
+import made_up_belief as belief
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -17,10 +18,10 @@ from edl6dof.fsw.navigation.filters.kalman.speeds import speed_row
 from edl6dof.fsw.navigation.filters.kalman.states import MOVING, STATES, WIDTH
 from edl6dof.fsw.navigation.filters.kalman.transition import fill_transition
 
-ONBOARD, PARAMS = landing.onboard_record(), landing.params_record()
+ONBOARD, PARAMS = belief.onboard_record(), belief.params_record()
 #: Every reading counts fully, as in the textbook.
-ALL_COUNT = landing.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
-UNSURE = landing.params_record(unknown_rate_deg_s=60.0)
+ALL_COUNT = belief.params_record(gate=20.0, huber=20.0, gravity_m_s2=1e-3)
+UNSURE = belief.params_record(unknown_rate_deg_s=60.0)
 CENTRE, ARM = np.array(landing.CENTRE), np.array(landing.ARM)
 
 

@@ -1,5 +1,6 @@
 """The velocity and height filters: the fit against numpy's least squares, when they correct, and how well."""
 
+import made_up_belief as belief
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.navigation.filters.kalman.antenna import level_axes
 from edl6dof.fsw.navigation.filters.two_filter import TWO_FILTER, TwoFilterParams, correct, start
 
-ONBOARD = landing.onboard_record()
+ONBOARD = belief.onboard_record()
 
 
 @pytest.fixture(scope="module")

@@ -4,80 +4,12 @@ from math import radians
 
 import numpy as np
 import pytest
+from sequencing import DT, VEHICLE, Sequencer, last, plan, trigger
 
-from edl6dof.fsw.guidance.command import GUIDE
-from edl6dof.fsw.mission.phases import (
-    GUIDANCE,
-    MISSION,
-    Condition,
-    Event,
-    MissionParams,
-    Phase,
-    Trigger,
-    WayOut,
-)
-from edl6dof.fsw.mission.sequencer import SEQUENCE, sequence
-from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.vehicle_state import VEHICLE_STATE
-from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.fsw.mission.phases import GUIDANCE, Event, MissionParams, Phase
 from edl6dof.interface.events import ACTIONS
-from edl6dof.scenario.events import event_problems, fill_mission, way_problems
+from edl6dof.scenario.events import event_problems
 from edl6dof.scenario.schema import load_scenario
-
-DT = 0.02
-
-
-def trigger(quantity, goes, value, **window):
-    return Trigger(quantity=quantity, goes=goes, value=float(value), **window)
-
-
-VEHICLE = load_scenario("tianwen1").scenario.vehicle
-
-
-def plan(*phases):
-    """Record of a mission of Tianwen-1, and the mission."""
-    mission, record = MissionParams(phases=list(phases)), np.zeros(1, MISSION)
-    assert event_problems(mission, VEHICLE) == {}
-    fill_mission(record[0], mission, VEHICLE)
-    return record[0], mission
-
-
-class Sequencer:
-    """Runs the sequencer over a history of navigated quantities; keeps (time, event) and (time, phase)."""
-
-    def __init__(self, plan, start=0.0):
-        (self.mission, params), self.k, self.start = plan, 0, start
-        self.names = list(params.events)
-        self.nav, self.guide, self.fsw = np.zeros(1, NAV)[0], np.zeros(1, GUIDE)[0], np.zeros(1, SEQUENCE)[0]
-        self.vehicle = np.zeros(1, VEHICLE_STATE)[0]
-        self.fsw["phase_start"] = start
-        self.events, self.entered = [], [(start, 0)]
-
-    def run(self, duration, **quantities):
-        for _ in range(round(duration / DT)):
-            t = self.start + self.k * DT
-            self.nav["t"] = t
-            for name, value in quantities.items():
-                self.set(name, value(t) if callable(value) else value)
-            request, before = np.zeros(MAX_EVENTS, np.int64), int(self.fsw["phase"])
-            sequence(self.mission, self.nav, self.vehicle, self.guide, self.fsw, request)
-            self.events += [(t, self.names[i]) for i in np.flatnonzero(request)]
-            if self.fsw["phase"] != before:
-                self.entered.append((t, int(self.fsw["phase"])))
-            self.k += 1
-        return self
-
-    def set(self, name, value):
-        if name in ("time_to_go", "downrange_to_go", "spot_chosen"):
-            self.guide[name] = value
-        elif name == "descent_rate":
-            self.nav["v_N"][2] = value
-        else:
-            self.nav[name] = value
-
-
-def last(name="last"):
-    return Phase(name=name)
 
 
 def test_phases_follow_in_order_and_the_last_goes_on_for_ever():
@@ -298,57 +230,9 @@ def test_an_event_with_a_thing_that_is_not_there_is_refused():
     }
 
 
-def way(*conditions, **more):
-    return WayOut(when=[Condition(**condition) for condition in conditions], **more)
-
-
-LOW = {"quantity": "height_m", "goes": "below", "value": 100.0}
-SLOW = {"quantity": "speed_m_s", "goes": "below", "value": 50.0}
-
-
-@pytest.mark.parametrize(
-    "join, height, speed, leaves",
-    [
-        ("all", 50.0, 90.0, False),
-        ("all", 50.0, 20.0, True),
-        ("any", 50.0, 90.0, True),
-        ("any", 500.0, 90.0, False),
-    ],
-)
-def test_conditions_of_a_way_out_are_joined(join, height, speed, leaves):
-    table = plan(Phase(name="a", ways_out=[way(LOW, SLOW, join=join, next="c")]), last("b"), last("c"))
-    s = Sequencer(table).run(0.5, height=height, speed=speed)
-    assert [phase for _, phase in s.entered] == ([0, 2] if leaves else [0])
-
-
-def test_the_first_way_that_is_open_is_taken_and_until_comes_last():
-    ways = [way(LOW, earliest_s=2.0, next="low"), way(SLOW, next="slow", latest_s=8.0)]
-    phases = (
-        Phase(name="a", ways_out=ways, until=trigger("mach", "below", 1.0)),
-        *(last(name) for name in ("b", "low", "slow")),
-    )
-    fast_and_low = {"height": 50.0, "speed": 20.0, "mach": 0.5}
-    assert Sequencer(plan(*phases)).run(1.0, **fast_and_low).entered[1][1] == 3
-    high = {"height": 500.0, "speed": 90.0, "mach": 2.0}
-    s = Sequencer(plan(*phases)).run(3.0, **high).run(0.1, **{**high, "height": 50.0})
-    assert s.entered[1][1] == 2
-    assert Sequencer(plan(*phases)).run(1.0, **{**high, "mach": 0.5}).entered[1][1] == 1
-    late = Sequencer(plan(*phases)).run(9.0, **high)
-    assert late.entered[1] == (pytest.approx(8.0), 3)
-
-
 def test_an_event_of_two_phases_happens_once():
     now = trigger("phase_time_s", "above", -1.0)
     shield = Event(name="off", action="jettison", thing="heat_shield", when=now)
     again = Phase(name="b", events=[shield])
     s = Sequencer(plan(Phase(name="a", events=[shield], until=trigger("phase_time_s", "above", 1.0)), again))
     assert [name for _, name in s.run(3.0).events] == ["off"] and s.fsw["phase"] == 1
-
-
-def test_a_way_to_a_phase_that_is_not_there_is_refused():
-    phases = [Phase(name="a", ways_out=[way(LOW, next="nowhere")]), last()]
-    assert way_problems(MissionParams(phases=phases)) == {
-        "mission.phases.0.ways_out.0.next": "no phase named 'nowhere'; names: a, last"
-    }
-    lost = way_problems(MissionParams(phases=[Phase(name="a", ways_out=[way(LOW)])]))
-    assert "name the phase that follows" in lost["mission.phases.0.ways_out.0"]

@@ -105,7 +105,8 @@ def throttle(engine, out):
 @kernel
 def start_or_throttle(engine, full_time, full_again, elapsed, out):
     """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; back
-    to it where the demand is far beyond the band, as after a fast release or of a weak engine.
+    to it where the demand is far beyond the band, as after a fast release or of a weak engine, and whenever
+    the law asks for it.
 
     Args:
         engine: ``ENGINE_ABILITY`` record of those that burn.
@@ -115,7 +116,7 @@ def start_or_throttle(engine, full_time, full_again, elapsed, out):
         out: ``GUIDE`` record: thrust and engine mode are written.
     """
     beyond = full_again if out.engine_mode == ENGINE_THROTTLE else 1.0
-    if out.thrust > beyond * engine.throttle_max or elapsed < full_time:
+    if out.full_wanted != 0 or out.thrust > beyond * engine.throttle_max or elapsed < full_time:
         out.engine_mode = ENGINE_FULL
         out.thrust = engine.full_thrust
     else:

@@ -1,0 +1,108 @@
+"""What holds of faults of every kind: nothing before their time, something from then on, no command changed;
+and which cannot be.
+"""
+
+import pytest
+from broken_vehicle import CYCLE, IGNITION, MORTAR, broken
+
+import edl6dof
+from edl6dof.config.errors import ConfigError
+from edl6dof.vehicle.actuate import actuate
+from edl6dof.vehicle.faults.registry import FAULT_KINDS, components_of
+from edl6dof.vehicle.parachutes.parachute import INFLATING
+
+INSTRUMENTS = (
+    "sensors.carried=[perfect, imu, inertial_unit, star_tracker, ground_tracking, radar, flow_meters, "
+    "landing_camera, lidar, stereo]"
+)
+NAMED = {
+    "landing_camera": "stereo: stereo, ",
+    "thruster": "thruster: D7, ",
+    "branch": "branch: D47, ",
+    "gyro": "gyro: g2, ",
+    "beam": "beam: b3, ",
+}
+
+
+def of_kind(tables, kind, time_s):
+    """A vehicle with a fault of this kind, and a sound one."""
+    name = NAMED.get(components_of(kind)[0], "")
+    fault = f"{{{name}kind: {kind}, at: {{time_s: {time_s}}}}}"
+    return broken(tables, fault, others=[INSTRUMENTS]), broken(tables)
+
+
+def put_to_use(command, *plants):
+    """Mortar, parachute, engine, wing and thrusters, so that each kind finds something to break."""
+    command["closes"][:22], command["thrust"], command["request"][[MORTAR, IGNITION]] = 0.7, 3000.0, 1
+    for plant in plants:
+        plant["canopy"] = INFLATING
+
+
+@pytest.mark.parametrize("kind", FAULT_KINDS.names)
+def test_no_kind_does_anything_before_its_time(tables, kind):
+    (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 1.0)
+    put_to_use(command, plant, sound)
+    for k in range(40):
+        plant["t"] = sound["t"] = k * CYCLE
+        actuate(case, command, plant)
+        actuate(sound_case, command, sound)
+    sound["phase_seen"] = plant["phase_seen"]
+    assert plant.tobytes() == sound.tobytes()
+
+
+@pytest.mark.parametrize("kind", FAULT_KINDS.names)
+def test_every_kind_breaks_the_vehicle_and_changes_no_command(tables, kind):
+    (case, plant, command), (sound_case, sound, _) = of_kind(tables, kind, 0.1)
+    put_to_use(command, plant, sound)
+    before = command.tobytes()
+    for k in range(40):
+        plant["t"] = sound["t"] = k * CYCLE
+        actuate(case, command, plant)
+        actuate(sound_case, command, sound)
+    assert plant["fault_since"][0] == pytest.approx(0.1)
+    sound["phase_seen"], sound["fault_since"] = plant["phase_seen"], plant["fault_since"]
+    assert plant.tobytes() != sound.tobytes()
+    assert command.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        (
+            "{thruster: D9, kind: stuck_off, at: {time_s: 1}}",
+            "faults.0.thruster: no thruster named 'D9'; names: D1, D2",
+        ),
+        (
+            "{thruster: D7, kind: stuck_off, at: {phase: hazard}}",
+            "faults.0.at.phase: no phase named 'hazard'; names: trim_aoa",
+        ),
+        ("{thruster: D7, kind: stuck, at: {time_s: 1}}", "faults.0.kind: unknown name"),
+        ("{kind: stuck_off, at: {time_s: 1}}", "faults.0: stuck_off must name its thruster"),
+        ("{kind: hardover, at: {time_s: 1}}", "faults.0: hardover must name one gyro or accelerometer"),
+        (
+            "{beam: b1, kind: hardover, at: {time_s: 1}}",
+            "faults.0: hardover is about one gyro or accelerometer and nothing else (got beam 'b1')",
+        ),
+        (
+            "{gyro: g1, accelerometer: a1, kind: hardover, at: {time_s: 1}}",
+            "and nothing else (got gyro 'g1', accelerometer 'a1')",
+        ),
+        (
+            "{kind: false_lock, at: {time_s: 1}}",
+            "faults.0: false_lock must name its beam; names: b1, b2, b3, b4",
+        ),
+        (
+            "{thruster: D7, kind: wing_lost, at: {time_s: 1}}",
+            "faults.0: wing_lost is about one surface and nothing else (got thruster 'D7')",
+        ),
+        (
+            "{thruster: D7, kind: stuck_off, at: {time_s: 1, phase: lift}}",
+            "faults.0.at: must name either a phase",
+        ),
+        ("{thruster: D7, kind: stuck_off}", "faults.0.at: "),
+    ],
+)
+def test_fault_that_cannot_be_is_refused_at_its_key(fault, words):
+    with pytest.raises(ConfigError) as refusal:
+        edl6dof.load("tianwen1", [f"faults=[{fault}]"])
+    assert words in str(refusal.value)
