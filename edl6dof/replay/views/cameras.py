@@ -48,7 +48,7 @@ class Cameras(Recorder):
         """The flight's name above it, where there are several."""
         if self.label:
             name = self.rr.Points3D(
-                [[0.0, 0.0, 0.9 - 0.18 * self.number]],
+                [[0.0, 0.0, 1.25 - 0.2 * self.number]],
                 labels=[self.label],
                 colors=self.own,
                 radii=-2.0,

@@ -86,7 +86,7 @@ class Layout:
         )
         middle = rrb.Vertical(readout, around, row_shares=[5, 2])
         return rrb.Horizontal(
-            self.views.chase(), middle, self._grid("Flight", 1), column_shares=[9, 4, 10], name="Flight"
+            self.views.chase(), middle, self._grid("Flight", 1), column_shares=[9, 5, 10], name="Flight"
         )
 
     def _entry(self) -> rrb.Container:
