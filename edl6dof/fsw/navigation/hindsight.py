@@ -8,7 +8,8 @@ from the one of the riser alone.  That difference is fitted for pitch and yaw ea
 with f the specific force and s the time over the gap: the pull beside the believed centre of mass, a wrong
 inertia or arm, and the torque of the air, which goes from one side to the other and may bulge in between.
 By how much the rate was off when the gyros came back is one more equation, which the bulge answers first.
-Integrated twice over the gap it is the angle that was lacking; what was added on arrival is taken off.
+Integrated twice over the gap, in the axes of the turning body, it is the angle that was lacking; what was
+added on arrival is taken off.
 
 Left out: roll, about which nothing pulls; the velocity that the wrong attitude cost, which the radar mends.
 Source: this project; least squares with prior: Gelb, Applied Optimal Estimation (1974), section 4.
@@ -22,7 +23,7 @@ from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import cross, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, scale, sub, take3
 
 #: Cycles before and after the gap that are looked at, and all that are kept.
 BEFORE, AFTER, KEPT = 25, 15, 256
@@ -41,12 +42,14 @@ HINDSIGHT = np.dtype(
         ("hung", FLAG),  # whether a riser pulls
         ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
         ("dt", "f8", (KEPT,)),  # s
+        ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
         ("force", "f8", (KEPT, 3)),  # m/s2, B
         ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration that the riser does not give
         ("off", "f8", (3,)),  # rad/s, B: by how much the bridged rate was off
         ("added", "f8", (3,)),  # rad, B: what was added to the angle on arrival
         ("q_I2B", "f8", (4,)),  # attitude on arrival
         ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
+        ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
     ],
     align=True,
 )
@@ -95,7 +98,7 @@ def _keep(body, arm, motion, memory):
     )
     memory.dt[row] = motion.dt
     for i in range(3):
-        memory.force[row, i] = force[i]
+        memory.force[row, i], memory.turning[row, i] = force[i], middle[i]
         change = (motion.rate[i] - memory.rate[i]) / motion.dt
         memory.unexplained[row, i] = change - torque[i] / body.inertia[i]
 
@@ -120,7 +123,15 @@ def _follow(added, memory, solution):
 @kernel
 def _turn(memory, solution):
     """Turn the attitude by what the bridge lacked about pitch and yaw axis as they were on arrival."""
-    lacked = (0.0, _lacked(1, 2, memory) - memory.added[1], _lacked(2, 1, memory) - memory.added[2])
+    begins = memory.kept - memory.after - memory.gap
+    length = 0.0
+    for k in range(begins, begins + memory.gap):
+        length += memory.dt[k % KEPT]
+    _find(1, 2, length, memory)
+    _find(2, 1, length, memory)
+    x, y, z = _lacked(begins, length, memory)
+    # about the roll axis what was added stays
+    lacked = (x, y - memory.added[1], z - memory.added[2])
     q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
     now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     turned = turn_by(now, to_frame(now, from_frame(q, lacked)))
@@ -129,16 +140,13 @@ def _turn(memory, solution):
 
 
 @kernel
-def _lacked(axis, lateral, memory):
-    """Angle (rad) about an ``axis`` of B that the bridge lacked on arrival; ``lateral``: axis of the force
-    whose lever turns about it.
+def _find(axis, lateral, length, memory):
+    """Fit a to e about an ``axis`` of B over a gap of ``length`` s; ``lateral``: axis of the force that turns
+    about it by its lever.
     """
     ends = memory.kept - memory.after
     begins = ends - memory.gap
     first = max(begins - BEFORE, 0)
-    length = 0.0
-    for k in range(begins, ends):
-        length += memory.dt[k % KEPT]
     equations = memory.equations
     equations[:] = 0.0
     for i in range(UNKNOWNS):
@@ -146,23 +154,40 @@ def _lacked(axis, lateral, memory):
     at = 0.0
     for k in range(first, begins):
         at -= memory.dt[k % KEPT]
-    rate, angle = (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
+    rate = (0.0, 0.0, 0.0, 0.0, 0.0)
     for k in range(first, memory.kept):
         row = k % KEPT
         dt = memory.dt[row]
         terms = _terms((at + 0.5 * dt) / length, memory.force[row, 0], memory.force[row, lateral])
         at += dt
-        if begins <= k <= ends:  # on arrival the rate is set right, and the angle is measured
+        if begins <= k <= ends:  # the rate is set right on arrival
             rate = _plus(rate, dt, terms)
-            angle = _plus(angle, dt * max(length - at + 0.5 * dt, 0.0), terms)
         else:
             _equate(terms, memory.unexplained[row, axis], _SCATTER, equations)
     _equate(rate, memory.off[axis], _RATE, equations)
     _solve(equations)
-    lacked = 0.0
     for i in range(UNKNOWNS):
-        lacked += angle[i] * equations[i, UNKNOWNS]
-    return lacked
+        memory.found[axis, i] = equations[i, UNKNOWNS]
+
+
+@kernel
+def _lacked(begins, length, memory):
+    """Angle (rad, B) that the bridge lacked where the gap ends, by what was found."""
+    rate, angle = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    at = 0.0
+    for k in range(begins, begins + memory.gap):
+        row = k % KEPT
+        dt, force = memory.dt[row], take3(memory.force[row], 0)
+        s = (at + 0.5 * dt) / length
+        pitch = _times(memory.found[1], _terms(s, force[0], force[2]))
+        yaw = _times(memory.found[2], _terms(s, force[0], force[1]))
+        half = scale(0.5 * dt, (0.0, pitch, yaw))
+        rate = add(rate, half)
+        turning = add(take3(memory.turning[row], 0), rate)
+        angle = add(angle, scale(dt, sub(rate, cross(turning, angle))))
+        rate = add(rate, half)
+        at += dt
+    return angle
 
 
 @kernel
@@ -170,6 +195,15 @@ def _terms(s, force, lateral):
     """The five terms at the share ``s`` of the gap; the bulge is of the gap alone."""
     bulge = 6.0 * s * (1.0 - s) if 0.0 < s < 1.0 else 0.0
     return force, lateral, 1.0, s - 0.5, bulge
+
+
+@kernel
+def _times(found, terms):
+    """The sum of the terms with what was found."""
+    total = 0.0
+    for i in range(UNKNOWNS):
+        total += found[i] * terms[i]
+    return total
 
 
 @kernel

@@ -63,8 +63,8 @@ def error_after_gap(centre_error=NOTHING, air=lambda t: NOTHING, gap=1.0, begins
 
 
 def rising(t):
-    """Torque of the air that a pitching body feels as its parachute opens, N m."""
-    return np.array([0.0, -30.0 - 140.0 * np.clip(t - 0.9, 0.0, 1.3), 25.0 + 30.0 * t])
+    """Torque of the air on a body that pitches up more and more, N m."""
+    return np.array([0.0, -60.0 - 80.0 * t, 25.0 + 30.0 * t])
 
 
 def test_a_sound_model_is_left_alone():
@@ -72,18 +72,13 @@ def test_a_sound_model_is_left_alone():
     assert soon < 0.02 and late < 0.02
 
 
-@pytest.mark.parametrize("gap", [0.3, 1.0, 2.5])
+@pytest.mark.parametrize("gap", [0.3, 1.0, 2.0])
 @pytest.mark.parametrize("seed", range(4))
 def test_centre_of_mass_elsewhere_and_the_torque_of_the_air_are_found_in_hindsight(gap, seed):
     rng = np.random.default_rng(seed)
     centre_error, size = rng.normal(0.0, 0.002, 3), rng.uniform(0.5, 1.5, 3)
-    soon, late = error_after_gap(centre_error, lambda t: size * rising(t), gap, ends=begins_and(gap))
-    assert late < 0.5 * soon + 0.02
-    assert late < 0.4 * gap
-
-
-def begins_and(gap):
-    return 1.0 + gap + 1.0
+    soon, late = error_after_gap(centre_error, lambda t: size * rising(t), gap, ends=gap + 2.0)
+    assert late < 0.25 * soon + 0.05
 
 
 def test_gap_that_began_before_the_riser_pulled_is_not_looked_at():
