@@ -66,9 +66,7 @@ class LazyCall:
         """Function ``call(index, arguments)`` for kernels; ``arguments``: a tuple."""
 
         @intrinsic
-        def call(
-            _: Any, _index: types.Type, arguments: types.Tuple
-        ) -> tuple[Signature, Callable[..., Any]]:
+        def call(_: Any, _index: types.Type, arguments: types.Tuple) -> tuple[Signature, Callable[..., Any]]:
             given = tuple(types.unliteral(kind) for kind in arguments.types)
             self.given.add(given)
 
