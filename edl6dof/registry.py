@@ -7,18 +7,21 @@ that integer through :meth:`Family.switch`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numba.extending import overload
+from numba import types
 from pydantic import create_model
 
 from edl6dof.config.base import Params, group, param
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.dispatch import Choice, lazy, static
 
 EMPTY_MEMORY = np.dtype([("unused", "f8")], align=True)
+#: Arguments that hold a section for each member of a family.
+OWN = ("params", "plan", "unit", "memory")
 
 #: Members from outside the package by title of their family, and the titles of the families that exist
 #: already.
@@ -123,47 +126,14 @@ class Family:
         """Record with the planned tables of every member."""
         return np.dtype([(member.name, member.tables) for member in self.members], align=True)
 
-    def switch(self, role: str, *arguments: str) -> Callable[..., Any]:
+    def switch(self, role: str, *arguments: str, returns: types.Type | None = None) -> Callable[..., Any]:
         """Function ``f(index, *arguments)`` that calls the ``role`` kernel of member ``index``, from Python
         and from kernels.
 
         Of the arguments named in ``OWN``, which hold a section for each member, a member gets its own alone.
+        With ``returns``, what the kernels return, a member is compiled when a flight first calls it; without,
+        every member is compiled with the caller, for small kernels in the equations of motion.
         """
-        passed = [_own(arguments, member) for member in self.members]
-        return _dispatch([member.kernels[role] for member in self.members], arguments, passed)
-
-
-#: Arguments that hold a section for each member of a family.
-OWN = ("params", "plan", "unit", "memory")
-
-
-def switch(kernels: Sequence[Callable[..., Any]], *arguments: str) -> Callable[..., Any]:
-    """Function ``f(index, *arguments)`` that calls kernel ``index``, from Python and from kernels."""
-    return _dispatch(kernels, arguments, [", ".join(arguments)] * len(kernels))
-
-
-def _own(arguments: Sequence[str], member: Member) -> str:
-    """The arguments as one member gets them."""
-    return ", ".join(f"{name}['{member.name}']" if name in OWN else name for name in arguments)
-
-
-def _dispatch(
-    kernels: Sequence[Callable[..., Any]], arguments: Sequence[str], passed: Sequence[str]
-) -> Callable[..., Any]:
-    """Function of ``arguments`` that calls kernel ``index`` with the arguments ``passed[index]``.
-
-    numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
-    ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
-    """
-    names = ", ".join(arguments)
-    lines = [f"def chain(index, {names}):"]
-    for i in range(1, len(kernels)):
-        lines += [f"    if index == {i}:", f"        return f{i}({passed[i]})"]
-    lines.append(f"    return f0({passed[0]})")
-    scope: dict[str, Any] = {f"f{i}": kernel for i, kernel in enumerate(kernels)}
-    exec("\n".join(lines), scope)
-    exec(f"def dispatch(index, {names}): return chain(index, {names})", scope)
-    dispatch = scope["dispatch"]
-    exec(f"def choose(index, {names}): return chain", scope)
-    overload(dispatch)(scope["choose"])
-    return dispatch
+        kernels = [member.kernels[role] for member in self.members]
+        choice = Choice(f"{self.title}: {role}", kernels, arguments, OWN, self.names)
+        return static(choice) if returns is None else lazy(choice, returns)

@@ -34,6 +34,7 @@ class CampaignOptions:
     quiet: bool
     as_json: bool
     command: str = "campaign"
+    sampling: str | None = None
 
 
 def run_campaign(options: CampaignOptions) -> int:

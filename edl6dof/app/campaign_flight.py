@@ -31,7 +31,9 @@ def fly_new(options: CampaignOptions) -> int:
         ConfigError: the campaign is wrong, or there is something in its folder that it must not replace.
     """
     _check(options)
-    plan = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
+    plan = _plan(options)
+    if plan.swaps is not None and options.until is not None:
+        raise problem("--until", "sobol_indices flies its whole design: its flights are not independent")
     return fly_plan(plan, Store(options.out or Path("runs") / plan.name), options)
 
 
@@ -100,14 +102,18 @@ def _check(options: CampaignOptions) -> None:
             raise problem("--until", str(error)) from None
 
 
+def _plan(options: CampaignOptions) -> Plan:
+    return load_plan(stated(options.scenario), options.sets, options.cases, options.seed, options.sampling)
+
+
 def _folder(options: CampaignOptions) -> Path:
     """The folder of a campaign, which its file may stand for."""
     folder = Path(stated(options.scenario))
     if not lexists(folder / "campaign.json") and not folder.is_dir():
-        given = load_plan(stated(options.scenario), options.sets, options.cases, options.seed)
+        given = _plan(options)
         folder = options.out or Path("runs") / given.name
         require_plan(Store(folder), given, options)
-    elif options.sets or options.cases is not None or options.seed is not None:
+    elif options.sets or any(given is not None for given in (options.cases, options.seed, options.sampling)):
         raise refused(folder, "has its plan; it takes no other values when it goes on")
     return folder
 

@@ -7,10 +7,9 @@ import sys
 
 def announce_compiling(talk: bool) -> bool:
     """Whether the simulator has yet to be compiled; with ``talk``, standard error says so."""
-    from edl6dof.jit import is_cached
-    from edl6dof.sim.loop import fly as compiled_loop
+    from edl6dof.sim.compile_ahead import is_compiled
 
-    if is_cached(compiled_loop):
+    if is_compiled():
         return False
     if talk:
         print(

@@ -26,6 +26,11 @@ from edl6dof.sim.flight import fly
 from edl6dof.telemetry.landing_map import LandingMap
 
 RECORDING = "replay.rrd"
+#: Which flight of a campaign is followed where none is named, and why.
+NOMINAL = (
+    "the nominal flight, in which nothing is dispersed and nothing fails: the cases are spread about it. It "
+    "is none of them; to follow another flight, name its run folder after the campaign's."
+)
 
 
 @dataclass(frozen=True)
@@ -82,6 +87,8 @@ def run_replay(options: ReplayOptions) -> int:
     targets = [path for path in (options.html, options.screenshot) if path is not None]
     for path in targets:
         refuse_existing_file(path, options.force)
+    if options.at_s is not None and options.screenshot is None:
+        raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
     for run in options.runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
@@ -103,7 +110,7 @@ def _show(recording: Path, options: ReplayOptions) -> None:
     title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
     if options.screenshot is not None:
         with atomic_file(options.screenshot, options.force) as partial:
-            viewer.screenshot(recording, partial, _time(options))
+            viewer.screenshot(recording, partial, _time(recording, options.at_s))
     if options.html is not None:
         with atomic_file(options.html, options.force) as partial:
             partial.write_bytes(page.page(recording, title))
@@ -152,6 +159,7 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
         return
     from edl6dof.app.ensemble import campaign_plan, is_campaign, trajectories
     from edl6dof.replay.recording import history, write_replay
+    from edl6dof.replay.scene.ensemble import Ensemble
 
     plan = campaign_plan(alone) if is_campaign(alone) else None
     flights = [history(FlownRun(folder)) for folder in options.runs[1 if plan else 0 :]]
@@ -159,8 +167,13 @@ def _recording(options: ReplayOptions) -> Iterator[Path]:
         flights = [history(fly(plan.loaded))]
     if not all(len(flight.t) for flight in flights):
         raise refusal(alone, "no row of the telemetry can be drawn")
-    labels = _labels(options.runs[-len(flights) :]) if len(flights) > 1 else ()
-    ensemble = trajectories(plan) if plan is not None else ()
+    labels = _labels(options.runs[1 if plan else 0 :])
+    ensemble = None
+    if plan is not None:
+        followed = f"{labels[0]}, the first run named after the campaign." if labels else NOMINAL
+        labels, ensemble = labels or ["nominal flight"], Ensemble(trajectories(plan), followed)
+    elif len(flights) == 1:
+        labels = []
     with TemporaryDirectory(prefix="edl6dof-") as folder:
         write_replay(flights, Path(folder) / RECORDING, labels, options.page or "Flight", ensemble)
         yield Path(folder) / RECORDING
@@ -172,8 +185,19 @@ def _labels(runs: Sequence[Path]) -> list[str]:
     return names if len(set(names)) == len(names) else ["/".join(run.resolve().parts[-2:]) for run in runs]
 
 
-def _time(options: ReplayOptions) -> float:
-    """The time asked for, or the end of the first flight."""
-    if options.at_s is not None:
-        return options.at_s
-    return float(Run(options.runs[0]).events[-1]["t_s"])
+def _time(recording: Path, asked_s: float | None) -> float:
+    """The time of the picture, s: what was asked for, or the end of the recording.
+
+    Raises:
+        ConfigError: the recording does not reach so far.
+    """
+    from edl6dof.replay.recording import recorded_span
+
+    first, last = recorded_span(recording)
+    if asked_s is None:
+        return last
+    if not first <= asked_s <= last:
+        raise refusal(
+            "--at", f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
+        )
+    return asked_s

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from scipy.special import ndtri
+from scipy.special import stdtrit
 from scipy.stats import binomtest
 
+from edl6dof.campaign.design.case import BELIEF, TRUTH
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.files import refused
 from edl6dof.campaign.storage.store import Store
@@ -26,7 +27,9 @@ _ENDS = {"case", "success", "cause", "outcome", "profile"}
 
 @dataclass(frozen=True)
 class Difference:
-    """Mean of a figure in both, and of the paired difference B - A with its 95 % interval."""
+    """Mean of a figure in both, and of the paired difference B - A with its 95 % interval; ``clear`` where no
+    difference is excluded at 95 % for all figures together.
+    """
 
     figure: str
     pairs: int
@@ -34,11 +37,7 @@ class Difference:
     mean_b: float
     difference: float
     half_width: float
-
-    @property
-    def clear(self) -> bool:
-        """Whether the interval excludes no difference."""
-        return abs(self.difference) > self.half_width
+    clear: bool
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> No
     shared = [
         name
         for name in a.column_names
-        if name in b.column_names and name.startswith(("truth.", "belief.", "profile"))
+        if name in b.column_names and name.startswith((TRUTH, BELIEF, "profile"))
     ]
     different = [name for name in shared if not a[name].equals(b[name])]
     if not shared or different:
@@ -113,20 +112,23 @@ def _pairs(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:
-    z, found = float(ndtri(0.975)), []
-    for name in a.column_names:
-        numeric = name in b.column_names and all(pa.types.is_floating(table[name].type) for table in (a, b))
-        if not numeric or name in _ENDS or name.startswith(("truth.", "belief.")):
-            continue
-        x, y = (table[name].to_numpy(zero_copy_only=False) for table in (a, b))
-        usable = np.isfinite(x) & np.isfinite(y)
-        if (pairs := int(usable.sum())) < 2:
-            continue
-        apart = (y - x)[usable]
-        half = z * float(apart.std(ddof=1)) / sqrt(pairs)
-        found.append(
-            Difference(
-                name, pairs, float(x[usable].mean()), float(y[usable].mean()), float(apart.mean()), half
-            )
-        )
+    apart = {name: pair for name in a.column_names if len((pair := _both(a, b, name))[0]) > 1}
+    found = []
+    for name, (x, y) in apart.items():
+        difference = float((y - x).mean())
+        deviation = float((y - x).std(ddof=1)) / sqrt(len(x))
+        one, all_of_them = (stdtrit(len(x) - 1, 1.0 - 0.025 / tests) for tests in (1, len(apart)))
+        clear = abs(difference) > all_of_them * deviation  # Bonferroni: for all figures together
+        means = float(x.mean()), float(y.mean()), difference
+        found.append(Difference(name, len(x), *means, float(one) * deviation, bool(clear)))
     return found
+
+
+def _both(a: pa.Table, b: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """A figure in those pairs in which both have it; nothing where a column is no figure."""
+    numeric = name in b.column_names and all(pa.types.is_floating(table[name].type) for table in (a, b))
+    if not numeric or name in _ENDS or name.startswith((TRUTH, BELIEF)):
+        return np.empty(0), np.empty(0)
+    x, y = (table[name].to_numpy(zero_copy_only=False) for table in (a, b))
+    usable = np.isfinite(x) & np.isfinite(y)
+    return x[usable], y[usable]

@@ -8,9 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 import edl6dof
 from edl6dof.campaign.design.plan import Plan, parse_plan
+from edl6dof.campaign.design.swaps import MATRIX, A, B
 from edl6dof.campaign.engines import Engine
 from edl6dof.campaign.fault_figures import fault_figures
 from edl6dof.campaign.rows import table_of
@@ -116,6 +118,10 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
     if plan.fault_matrix is not None:
         faults = fault_figures(parts.table(range(done)).to_pylist())
         ended = ended.model_copy(update={"faults": faults})
+    if plan.swaps is not None:
+        success = independent_success(parts.table(range(done), ["success", MATRIX]))
+        update = {"p_success": success.value, "p_success_95": list(success.interval)}
+        ended = ended.model_copy(update=update)
     store.finish(done, ended)
     return tally
 
@@ -143,6 +149,12 @@ def summary(plan: Plan, tally: Tally, causes: list[Cause], engine: str) -> Summa
         flown_in_this_run=tally.here,
         flights_per_second=tally.rate,
     )
+
+
+def independent_success(table: pa.Table) -> Proportion:
+    """Share of successes among those flights of a design of Sobol indices that share nothing with another."""
+    rows = table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))
+    return Proportion(sum(rows["success"].to_pylist()), len(rows))
 
 
 def causes(table: pa.Table) -> list[Cause]:

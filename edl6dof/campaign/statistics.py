@@ -1,13 +1,12 @@
-"""Statistics of a campaign: success probability with its interval, quantiles, ellipses, what drives what."""
+"""Statistics of a campaign: success probability with its interval, and ellipses."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import binomtest, spearmanr, zscore
+from scipy.stats import binomtest
 
 
 @dataclass(frozen=True)
@@ -92,47 +91,3 @@ def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndar
     return vectors @ (
         np.sqrt(np.maximum(values, 0.0))[:, None] * sigmas * np.stack([np.cos(angle), np.sin(angle)])
     )
-
-
-@dataclass(frozen=True)
-class Driver:
-    """How much one input drives a figure: rank correlation, and standardised regression coefficient."""
-
-    name: str
-    rank_correlation: float
-    regression: float
-
-
-def drivers(inputs: dict[str, np.ndarray], figure: np.ndarray) -> tuple[list[Driver], float]:
-    """Inputs by the size of their effect on a figure, and the share of its variance that the regression
-    explains.
-
-    Spearman's rank correlation finds every monotonic effect; the standardised regression coefficients add up
-    in squares to the explained share (R2) when the inputs are independent, and then equal first-order Sobol
-    indices of a linear model.
-    """
-    usable = np.isfinite(figure)
-    columns = (
-        {name: values[usable] for name, values in inputs.items() if np.ptp(values[usable]) > 0.0}
-        if usable.any()
-        else {}
-    )
-    target = figure[usable]
-    if len(target) <= len(columns) + 1 or not columns or np.ptp(target) == 0.0:
-        return [], float("nan")
-    scaled, aim = zscore(np.stack(list(columns.values()), axis=1)), zscore(target)
-    coefficients, *_ = np.linalg.lstsq(scaled, aim, rcond=None)
-    explained = 1.0 - float(np.var(aim - scaled @ coefficients))
-    found = [
-        Driver(name, float(spearmanr(values, target).statistic), float(coefficient))
-        for (name, values), coefficient in zip(columns.items(), coefficients, strict=True)
-    ]
-    return sorted(
-        found, key=lambda driver: -max(abs(driver.rank_correlation), abs(driver.regression))
-    ), explained
-
-
-def quantiles(values: np.ndarray, at: Sequence[float] = (0.0013, 0.01, 0.5, 0.99, 0.9987)) -> list[float]:
-    """Quantiles of the finite values; NaN when there are none."""
-    finite = values[np.isfinite(values)]
-    return [float(q) for q in np.quantile(finite, at)] if len(finite) else [float("nan")] * len(at)

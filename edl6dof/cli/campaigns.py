@@ -23,6 +23,16 @@ def campaign(
         typer.Option("-n", "--cases", metavar="N", min=1, help="Flights (at each point of a sweep)."),
     ] = None,
     seed: Annotated[int | None, typer.Option(metavar="N", min=0, help="Seed of the dispersions.")] = None,
+    sampling: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "monte_carlo, latin_hypercube, sobol, or sobol_indices: N rows of the design that tells "
+                "which dispersion drives what, alone and with others."
+            ),
+        ),
+    ] = None,
     engine: Annotated[str, typer.Option(metavar="NAME", help="threads (this machine) or dask.")] = "threads",
     cluster: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler, such as tcp://127.0.0.1:8786.")
@@ -77,6 +87,7 @@ def campaign(
         until,
         quiet,
         as_json,
+        sampling=sampling,
     )
     raise typer.Exit(run_campaign(options))
 

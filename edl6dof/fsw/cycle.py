@@ -18,6 +18,7 @@ from edl6dof.fsw.diagnosis.diagnose import diagnose, isolate_dead, restart
 from edl6dof.fsw.diagnosis.exercise import pair_to_test
 from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
+from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.hazard.update import detect_hazards
@@ -40,6 +41,16 @@ def command_angles_and_engine(vehicle, goal, state, command):
     command.alpha = 0.0 if state.wing_commanded != 0 else goal.alpha
     command.engine_mode = goal.engine_mode if state.ignited != 0 else ENGINE_OFF
     share_thrust(vehicle, goal.thrust, state, command.thrust)
+
+
+@kernel
+def commanded_thrust(vehicle, t, state, command):
+    """Thrust (N) that the engines are to give now, all together."""
+    thrust = 0.0
+    if t >= state.ignition_time:
+        for i in range(vehicle.n_engines):
+            thrust += command.thrust[i]
+    return thrust
 
 
 @kernel
@@ -124,6 +135,13 @@ def run(onboard, sensed, k, fsw):
         control_dt,
         fsw.estimation,
         disturbance,
+    )
+    state.thrust_lost = engine_shortfall(
+        onboard.estimation.engine_shortfall,
+        commanded_thrust(vehicle, nav.t, state, command),
+        -disturbance.unexplained[0],
+        control_dt,
+        fsw.estimation.engine_shortfall,
     )
 
     # fault isolation

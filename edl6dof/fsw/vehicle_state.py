@@ -32,7 +32,8 @@ VEHICLE_STATE = np.dtype(
         ("wing_time", "f8"),  # s, flight time: when
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
-        ("engine", ENGINE_ABILITY),  # of them together
+        ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
+        ("engine", ENGINE_ABILITY),  # of them together, less that
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],
     align=True,
@@ -83,10 +84,11 @@ def follow_events(vehicle, mission, t, request, state):
 
 @kernel
 def take_together(engines, count, state):
-    """What those of ``count`` ``engines`` that burn can do together; their specific impulse is the mean that
-    uses the propellant that all use.
+    """What those of ``count`` ``engines`` that burn can do together, less what is believed to be missing;
+    their specific impulse is the mean that uses the propellant that all use.
     """
     full = low = high = flow = 0.0
+    left = 1.0 - state.thrust_lost
     for i in range(count):
         if state.burning[i] != 0:
             one = engines[i]
@@ -95,7 +97,8 @@ def take_together(engines, count, state):
             high += one.throttle_max
             flow += one.full_thrust / one.specific_impulse
     state.ignited = 1 if full > 0.0 else 0
-    state.engine.full_thrust, state.engine.throttle_min, state.engine.throttle_max = full, low, high
+    state.engine.full_thrust = left * full
+    state.engine.throttle_min, state.engine.throttle_max = left * low, left * high
     state.engine.specific_impulse = full / flow if full > 0.0 else 0.0
 
 

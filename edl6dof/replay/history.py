@@ -94,6 +94,7 @@ class History:
 
     Attributes:
         t: time of the rows, s.
+        series: telemetry columns of plots by name, and ``t_s``, at all rows that can be drawn.
         columns: telemetry columns by name at these rows, those that the flight has.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
         jets: names of the thrusters.
@@ -104,8 +105,8 @@ class History:
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
 
-    def __init__(self, flight: Flown, names: Iterable[str]) -> None:
-        """Take the columns ``names`` besides the poses."""
+    def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
+        """Take the columns ``names`` besides the poses, thinned, and the columns ``plotted`` whole."""
         table = flight.telemetry
         self.name, self.outcome, self.success, self.scenario = (
             flight.name,
@@ -117,6 +118,7 @@ class History:
         self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
+        self.series = {name: table[name][rows] for name in ("t_s", *plotted) if name in table}
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]
         components = flight.scenario.components if on_instruments(flight) else {}
         wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])

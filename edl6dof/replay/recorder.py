@@ -10,8 +10,8 @@ import numpy as np
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.mesh import Mesh
 from edl6dof.replay.scene.motion import Motion
-from edl6dof.replay.views.layout import PHASES
-from edl6dof.replay.views.spatial import TIMELINE
+from edl6dof.replay.views.layout import FLIGHTS, PHASES
+from edl6dof.replay.views.spatial import TIMELINE, root_of
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -26,8 +26,9 @@ class Recorder:
     """Writes one part of one flight.
 
     Attributes:
-        number: of this flight in the recording; 0 owns the camera and the ground.
+        number: of this flight in the recording; 0 owns the ground and the lanes.
         label: tells this flight from others in the recording; empty when it is alone.
+        own: colour that does.
         root: entity under which lies what belongs to this flight alone.
     """
 
@@ -39,7 +40,8 @@ class Recorder:
         self.rr, self.rec = rr, recording
         self.flight, self.vehicle = flight, flight.scenario.vehicle
         self.motion, self.t, self.when = motion, flight.t, flight.when
-        self.number, self.label, self.root = number, label, f"site/flight_{number}" if number else "site"
+        self.number, self.label, self.root = number, label, root_of(number)
+        self.own = FLIGHTS[number % len(FLIGHTS)]
         self.names = flight.phase_names or ["free flight"]
         self.phase = np.clip(np.nan_to_num(flight["guide.phase"]).astype(int), 0, len(self.names) - 1)
         place = np.cumsum(np.isin(range(len(self.names)), self.phase)) - 1  # among the phases that were flown

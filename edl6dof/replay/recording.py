@@ -2,11 +2,11 @@
 
 Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle
 lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and
-grows under the
-parachute: seen from it, capsule and canopy both fill the view.  Further flights lie under ``/site/flight_1``
+grows under the parachute: seen from it, capsule and canopy both fill the view; ``/site/camera_away`` follows
+what fell away.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
-planes, ``/phase``, ``/configuration``, ``/engine``, ``/rcs`` and ``/instruments`` the lanes, ``/events`` the
-timeline.
+planes, ``/Flight``, ``/Entry``, ``/Parachute``, ``/Powered-descent``, ``/rcs`` and ``/instruments`` the
+lanes, ``/events`` the timeline.
 """
 
 from __future__ import annotations
@@ -18,22 +18,27 @@ import numpy as np
 
 from edl6dof.replay.history import Flown, History, on_instruments
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene.arrows import Arrows
+from edl6dof.replay.relevant import relevant
+from edl6dof.replay.scene.arrows import Arrows, scales
 from edl6dof.replay.scene.beams import Beams
 from edl6dof.replay.scene.descent import Descent
-from edl6dof.replay.scene.ensemble import Trajectory, write_ensemble
+from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
 from edl6dof.replay.scene.flames import Flames
 from edl6dof.replay.scene.globe import Globe
 from edl6dof.replay.scene.ground import Ground
 from edl6dof.replay.scene.hazards import NAVIGATED, Hazards
 from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.scene.near_ground import NearGround
 from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
-from edl6dof.replay.views import charts, lanes
-from edl6dof.replay.views.layout import Layout
+from edl6dof.replay.views import charts, lanes, phase_plane, readout
+from edl6dof.replay.views.cameras import Cameras
+from edl6dof.replay.views.curves import axis_range, drawn, ends
+from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
-from edl6dof.replay.views.spatial import Shown
+from edl6dof.replay.views.scale_bar import ScaleBar
+from edl6dof.replay.views.spatial import TIMELINE, Shown
 
 #: What writes the recording.
 PARTS: tuple[type[Recorder], ...] = (
@@ -41,21 +46,26 @@ PARTS: tuple[type[Recorder], ...] = (
     Hazards,
     Globe,
     Track,
+    Cameras,
+    ScaleBar,
     Vehicle,
     Flames,
+    NearGround,
     Arrows,
     Beams,
     Descent,
     charts.Charts,
     PhasePlanes,
     lanes.Lanes,
+    readout.Readout,
 )
 
 
 def history(flight: Flown) -> History:
     """What a replay needs of a flight; the flight's telemetry may be let go afterwards."""
     navigation = charts.NAVIGATION_COLUMNS if on_instruments(flight) else ()
-    return History(flight, (*charts.COLUMNS, *lanes.READOUT, *navigation, *NAVIGATED))
+    shown = (*phase_plane.COLUMNS, *readout.COLUMNS, *NAVIGATED)
+    return History(flight, shown, relevant((*charts.COLUMNS, *navigation), flight.scenario))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a flight that diverged is drawn as far as it can be
@@ -64,12 +74,12 @@ def write_replay(
     path: Path,
     labels: Sequence[str] = (),
     page: str = "Flight",
-    ensemble: Sequence[Trajectory] = (),
+    ensemble: Ensemble | None = None,
 ) -> None:
     """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
 
-    ``labels`` tell several flights apart; a single one needs none.  ``ensemble`` are the trajectories of a
-    campaign.
+    ``labels`` tell several flights apart, or one from the trajectories of a campaign in ``ensemble``; a
+    flight alone needs none.
     """
     import pyarrow as pa
     import rerun as rr
@@ -78,9 +88,8 @@ def write_replay(
     motions = [Motion(flight) for flight in flights]
     name = first.name if len(flights) == 1 else " and ".join(labels)
     with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
-        recording.save(
-            str(path), default_blueprint=Layout(_shown(flights, motions[0], bool(ensemble))).blueprint(page)
-        )
+        shown = _shown(flights, motions[0], labels, ensemble is not None)
+        recording.save(str(path), default_blueprint=Layout(shown).blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         drawable = [
             (k, flight, motion)
@@ -94,7 +103,7 @@ def write_replay(
         ]
         for part in parts:
             part.statics()
-        if ensemble:
+        if ensemble is not None:
             write_ensemble(recording, ensemble)
         recording.flush()  # or the viewer would find them at the end of the file
         for part in parts:
@@ -103,7 +112,26 @@ def write_replay(
     pa.default_memory_pool().release_unused()
 
 
-def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
+def recorded_span(path: Path) -> tuple[float, float]:
+    """First and last time (s) at which a recording knows where its first flight is.
+
+    Raises:
+        ValueError: it knows of no flight.
+    """
+    from rerun.chunk import RrdReader
+
+    poses = RrdReader(path).stream().filter(content=["/site/near"], is_static=False).to_chunks()
+    times = [
+        chunk.to_record_batch().column(TIMELINE).to_numpy(zero_copy_only=False).astype("timedelta64[ns]")
+        for chunk in poses
+    ]
+    if not times:
+        raise ValueError("not drawn by this version of edl6dof; --page Flight draws a run folder anew")
+    seconds = np.concatenate(times) / np.timedelta64(1, "s")
+    return float(seconds.min()), float(seconds.max())
+
+
+def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], ensemble: bool) -> Shown:
     first = flights[0]
     span = (
         (float(first.t[0]), max(float(flight.t[-1]) for flight in flights if len(flight.t)))
@@ -120,16 +148,35 @@ def _shown(flights: Sequence[History], motion: Motion, ensemble: bool) -> Shown:
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.columns)),
+        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.series)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
         scanned=_scanned(first, places),
-        flights=len(flights),
+        labels=tuple(labels) or ("",),
+        size=motion.shape.size,
+        scales=scales(first, motion) if len(first.t) > 2 else "",
+        ranges=_ranges(flights, span),
         ensemble=ensemble,
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
+
+
+def _ranges(
+    flights: Sequence[History], whole: tuple[float, float]
+) -> dict[tuple[str, str], tuple[float, float]]:
+    """First and last value on the axis of each plot in the time of each page, by page and entity, such that
+    the curves of all flights lie on it.
+    """
+    spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
+    for plot in PLOTS:
+        own = [flight for flight in flights if set(plot.columns) <= set(flight.series)]
+        curves = [drawn(plot, flight.series, flight.when) for flight in own]
+        for page, span in spans.items():
+            if values := [value for one in curves for value in ends(*one, span)]:
+                found[page, plot.entity] = axis_range(min(values), max(values))
+    return found
 
 
 def _scanned(flight: History, places: np.ndarray) -> np.ndarray | None:

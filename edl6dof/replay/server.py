@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import os
 import socketserver
+import subprocess
 import sys
-import threading
-import webbrowser
 from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler
@@ -89,11 +88,18 @@ class _Request(BaseHTTPRequestHandler):
 def serve(page: bytes) -> None:
     """Serve the page, tell where, open a browser if there is one, and go on until interrupted (Ctrl-C)."""
     with PageServer(page) as server:
-        print(f"{server.url} shows the replay, to this machine only; Ctrl-C ends it", flush=True)
+        print(f"{server.url}\nCtrl-C stops it; nobody but this machine can open it", flush=True)
         if _has_display():
-            threading.Thread(target=webbrowser.open, args=(server.url,), daemon=True).start()
+            _open(server.url)
         with suppress(KeyboardInterrupt):
             server.serve_forever()
+
+
+def _open(url: str) -> None:
+    """Open a browser that neither writes into this terminal nor ends with Ctrl-C."""
+    silent = subprocess.DEVNULL
+    words = [sys.executable, "-m", "webbrowser", url]
+    subprocess.Popen(words, stdin=silent, stdout=silent, stderr=silent, start_new_session=True)
 
 
 def _has_display() -> bool:

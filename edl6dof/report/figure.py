@@ -17,6 +17,8 @@ from typing import Literal
 
 import numpy as np
 
+from edl6dof.telemetry.thinning import bends, rows_to_draw
+
 Kind = Literal["line", "points", "steps", "bars", "region"]
 Dash = Literal["solid", "dash", "dot", "dashdot"]
 
@@ -26,9 +28,14 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1b1b",
 )  # fmt: skip
 GREY = "#8a8f98"
+#: Words, lines of the grid, lines of axes and zero, and the ground of a drawing.
+INK, RULE, AXIS, PAPER = "#1f2933", "#e3e6ea", "#c3c8cf", "#ffffff"
 GOOD, WARN, BAD = "#00795a", "#a86700", "#b3261e"
 #: Colours of mission phases, in their order; light enough to lie behind lines.
 PHASES = ("#cfe3f3", "#f6d9c4", "#cdeadd", "#f1dcea", "#fbe7c0", "#d8effb", "#e6e6e6", "#dcd9f2")
+#: Grounds of cells that are judged, light enough for what is drawn on them: from the best to the worst, and
+#: those of which nothing can be known.
+SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = "#b7e3c8", "#aeb4bc", "#f7d08a", "#e79a7c", "#e6e8eb"
 #: Sequential scale from paper white to dark blue: it saves ink, and lightness alone tells its order.
 SEQUENTIAL = ("#f7f9fb", "#cfe1f2", "#93c4de", "#4a97c9", "#1764ab", "#08306b")
 
@@ -41,6 +48,18 @@ class Axis:
     range: tuple[float, float] | None = None
     log: bool = False
     names: Sequence[str] = ()
+
+    def decades(self, span: tuple[float, float]) -> list[float]:
+        """Numbers written along a logarithmic axis: 1, 2, 5 of each decade, of many decades 1 alone; none
+        where fewer than two of them lie in the span.
+        """
+        low, high = (int(np.floor(np.log10(bound))) for bound in span)
+        steps = (1, 2, 5) if high - low <= 3 else (1,)
+        found = [step * 10.0**power for power in range(low, high + 1) for step in steps]
+        found = [
+            value for value in found if span[0] <= value * (1.0 + 1e-9) and value <= span[1] * (1.0 + 1e-9)
+        ]
+        return found if len(found) > 1 else []
 
 
 @dataclass(frozen=True)
@@ -113,6 +132,14 @@ class Heat:
         return (self.low - 0.5, self.high + 0.5) if self.kinds else (self.low, self.high)
 
 
+def cell_edges(centres: np.ndarray) -> np.ndarray:
+    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
+    if len(centres) == 1:
+        return centres[0] + np.array([-0.5, 0.5])
+    half = 0.5 * np.diff(centres)
+    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])
+
+
 @dataclass(frozen=True)
 class Band:
     """A shaded rectangle; a bound of ``None`` is the edge of the panel."""
@@ -166,11 +193,10 @@ class Panel:
             return mine.range
         if mine.names:
             return -0.5, len(mine.names) - 0.5
-        every = [
-            np.asarray(getattr(item, axis), float) for item in (*self.traces, *filter(None, [self.heat]))
-        ]
-        if axis == "x":
-            every += [trace.edges() for trace in self.traces if trace.kind == "bars"]
+        every = [np.asarray(getattr(trace, axis), float) for trace in self.traces]
+        every += [cell_edges(getattr(self.heat, axis))] if self.heat is not None else []
+        bars = [trace for trace in self.traces if trace.kind == "bars"]
+        every += [trace.edges() if axis == "x" else np.zeros(1) for trace in bars]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
         values = np.concatenate([np.empty(0), *every])
         values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]
@@ -181,13 +207,15 @@ class Panel:
             return low / 1.2, high * 1.2
         if low == high:
             room = 0.1 * max(abs(high), 1.0)  # more than the rounding of a large number
-        elif axis == "x" and not any(
-            trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces
+        elif (
+            self.heat is not None
+            or axis == "x"
+            and not any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
         ):
             room = 0.0
         else:
             room = (0.12 if any(trace.labels for trace in self.traces) else 0.05) * (high - low)
-        return low - room, high + room
+        return low - room * (axis == "x" or not bars or low < 0.0), high + room
 
     def coloured(self) -> list[Trace]:
         """The traces, those without a colour given the next one of the palette."""
@@ -229,25 +257,20 @@ class Figure:
         return (min(low for low, _ in x), max(high for _, high in x)), panel.span("y")
 
 
-def thinned(trace: Trace, buckets: int = 1000) -> Trace:
-    """The trace without points that no one would see: of each bucket of rows the first and the extremes of x
-    and y stay, and all gaps.
+def thinned(trace: Trace, most: int = 4000) -> Trace:
+    """The trace without points that no one would see, of one over rising ``x`` about ``most`` at most.
 
-    A peak keeps its height and its place, whatever the length of the flight.
+    A peak keeps its height and its place, whatever the length of the flight; a curve in a plane, in which
+    every point is seen, is thinned where it is straight alone.
     """
     n = len(trace.x)
-    if trace.kind not in ("line", "steps") or n <= 4 * buckets or trace.labels:
+    if trace.kind not in ("line", "steps") or n <= most // 2 or trace.labels:
         return trace
-    size = -(-n // buckets)
-    whole = n - n % size
     x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
-    keep = np.zeros(n, bool)
-    keep[::size] = keep[whole :: max(size // 4, 1)] = keep[-1] = True
-    for values in (y,) if np.all(np.diff(x) > 0.0) else (x, y):
-        rows = values[:whole].reshape(-1, size)
-        for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-            keep[np.arange(0, whole, size) + pick(np.where(np.isnan(rows), fill, rows), axis=1)] = True
-    gap = np.isnan(x) | np.isnan(y)
-    edge = np.flatnonzero(gap[1:] != gap[:-1])
-    keep[edge] = keep[edge + 1] = True
-    return replace(trace, x=x[keep], y=y[keep])
+    if trace.kind == "steps":
+        rows = np.union1d([0, n - 1], 1 + np.flatnonzero(y[1:] != y[:-1]))
+    elif np.all(np.diff(x) > 0.0):
+        rows = rows_to_draw(x, y[:, None], most)
+    else:
+        rows = bends(np.arange(n), np.stack([x, y], axis=1))
+    return replace(trace, x=x[rows], y=y[rows])

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import BLACK, GREY, Axis, Figure, Heat, Panel, Trace, thinned
+from edl6dof.report.figure import (
+    BLACK,
+    GREY,
+    INK,
+    RULE,
+    Axis,
+    Figure,
+    Heat,
+    Panel,
+    Trace,
+    cell_edges,
+    thinned,
+)
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.container import BarContainer
     from matplotlib.figure import Figure as Canvas
+    from matplotlib.figure import SubFigure
 
     Shown = Artist | BarContainer
 
@@ -25,18 +39,18 @@ PIXELS_PER_INCH = 1000.0 / WIDTH
 STYLE: Any = {
     "font.family": "sans-serif",
     "font.size": 8.0,
-    "axes.titlesize": 8.5,
+    "axes.titlesize": "medium",
     "axes.titleweight": "bold",
     "axes.edgecolor": GREY,
     "axes.linewidth": 0.7,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#e3e6ea",
+    "grid.color": RULE,
     "grid.linewidth": 0.6,
     "legend.frameon": False,
-    "legend.fontsize": 7.5,
-    "xtick.color": "#1f2933",
-    "ytick.color": "#1f2933",
+    "legend.fontsize": "medium",
+    "xtick.color": INK,
+    "ytick.color": INK,
     "pdf.fonttype": 42,
     "svg.fonttype": "none",
     "path.simplify": True,
@@ -81,10 +95,30 @@ def matplotlib_figure(figure: Figure) -> Canvas:
     """The figure on a canvas as wide as the text of a page."""
     from matplotlib.figure import Figure as Canvas
 
+    canvas = Canvas(figsize=(WIDTH, height(figure)), layout="constrained")
+    draw(canvas, figure)
+    return canvas
+
+
+def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
+    """Height (in) of a drawing ``letters`` wide whose panels are drawn smaller by a factor."""
+    weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
+    titled = 1 if figure.share_x else figure.rows
+    names = {trace.name for panel in figure.panels for trace in panel.traces if trace.name and trace.legend}
+    entries = 13.0 * -(-len(names) // _entries_in_line(names, letters)) if len(names) > 1 else 0.0
+    words = 46.0 * titled + 14.0 * figure.rows + 20.0 + entries
+    return shrink * (figure.height * weights + words) / PIXELS_PER_INCH
+
+
+def _entries_in_line(names: Collection[str], letters: int) -> int:
+    """Entries of a legend beside each other."""
+    return max(min(len(names), letters // (max(map(len, names)) + 9)), 1)
+
+
+def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None:
+    """Draw a figure on a canvas, or on a part of one, ``letters`` wide."""
     weights = [panel.weight for panel in figure.panels[:: figure.columns]]
-    height = (figure.height * sum(weights) + 60.0 * figure.rows + 20.0) / PIXELS_PER_INCH
-    canvas = Canvas(figsize=(WIDTH, height), layout="constrained")
-    canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=9.5, fontweight="bold")
+    canvas.suptitle(figure.title, x=0.01, ha="left", fontsize="large", fontweight="bold")
     grid = canvas.add_gridspec(figure.rows, figure.columns, height_ratios=weights)
     named: dict[str, Shown] = {}
     for index, panel in enumerate(figure.panels):
@@ -96,14 +130,12 @@ def matplotlib_figure(figure: Figure) -> Canvas:
         else:
             axes.tick_params(labelbottom=False)
     if len(named) > 1:
-        widest = max(len(name) for name in named)
         canvas.legend(  # type: ignore[call-overload]  # takes containers of bars too
             named.values(),
             named.keys(),
             loc="outside lower left",
-            ncols=max(min(len(named), 110 // (widest + 9)), 1),
+            ncols=_entries_in_line(named, letters),
         )
-    return canvas
 
 
 def _panel(
@@ -127,7 +159,7 @@ def _panel(
             edgecolor=edge,
             alpha=band.opacity,
             linewidth=0.8,
-            zorder=0.5 if panel.heat is None else 2.0,
+            zorder=2.0 if band.opacity == 1.0 or panel.heat is not None else 0.5,
         )
         if band.label:
             axes.annotate(
@@ -138,7 +170,7 @@ def _panel(
                 ha="right",
                 va="top",
                 color=GREY,
-                fontsize=7,
+                fontsize="small",
             )
     for mark in panel.marks:
         style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
@@ -154,11 +186,11 @@ def _panel(
             axes.axhline(mark.at, **style)
             place = {"xy": (0.995, mark.at), "xycoords": ("axes fraction", "data"), "va": "bottom"}
         if x[0] <= mark.at <= x[1] if mark.axis == "x" else y[0] <= mark.at <= y[1]:
-            axes.annotate(mark.label, ha="right", color=mark.colour, fontsize=6.5, **place)
+            axes.annotate(mark.label, ha="right", color=mark.colour, fontsize="small", **place)
     if panel.heat is not None:
         _heat(axes, panel.heat)
     for trace in panel.coloured():
-        artist = _trace(axes, thinned(trace, 1500))
+        artist = _trace(axes, thinned(trace))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
 
@@ -166,6 +198,10 @@ def _panel(
 def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, float]) -> None:
     if axis.log:
         axes.set(**{f"{which}scale": "log"})
+        written = axis.decades(span)
+        if written and written[0] >= 1e-3 and written[-1] < 1e5:
+            words = [f"{value:,.10g}" for value in written]
+            axes.set(**{f"{which}ticks": written, f"{which}ticklabels": words})
     axes.set(**{f"{which}lim": span})
     if axis.names:
         axes.set(**{f"{which}ticks": range(len(axis.names)), f"{which}ticklabels": axis.names})
@@ -178,7 +214,7 @@ def _trace(axes: Axes, trace: Trace) -> Shown:
     beside = cycle(_BESIDE)
     for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
         axes.annotate(
-            words, (x, y), fontsize=6.5, color=trace.colour, textcoords="offset points", **next(beside)
+            words, (x, y), fontsize="small", color=trace.colour, textcoords="offset points", **next(beside)
         )
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8
@@ -206,7 +242,7 @@ def _write_cells(axes: Axes, heat: Heat) -> None:
     for y, line, words in zip(heat.y, heat.values, heat.labels, strict=True):
         for x, value, word in zip(heat.x, line, words, strict=True):
             ink = "white" if value > middle else BLACK
-            axes.annotate(word, (x, y), ha="center", va="center", fontsize=6, color=ink)
+            axes.annotate(word, (x, y), ha="center", va="center", fontsize="x-small", color=ink)
 
 
 def _heat(axes: Axes, heat: Heat) -> None:
@@ -214,8 +250,8 @@ def _heat(axes: Axes, heat: Heat) -> None:
 
     low, high = heat.limits
     cells = axes.pcolormesh(
-        _edges(heat.x),
-        _edges(heat.y),
+        cell_edges(heat.x),
+        cell_edges(heat.y),
         np.ma.masked_invalid(heat.values),
         cmap=LinearSegmentedColormap.from_list("scale", heat.scale),
         vmin=low,
@@ -227,11 +263,3 @@ def _heat(axes: Axes, heat: Heat) -> None:
         _write_cells(axes, heat)
     if not heat.kinds:
         axes.figure.colorbar(cells, ax=axes, label=heat.title, pad=0.01)
-
-
-def _edges(centres: np.ndarray) -> np.ndarray:
-    """Edges of cells about their centres, one more than these; a lone cell is 1 wide."""
-    if len(centres) == 1:
-        return centres[0] + np.array([-0.5, 0.5])
-    half = 0.5 * np.diff(centres)
-    return np.concatenate([centres[:1] - half[:1], centres[:-1] + half, centres[-1:] + half[-1:]])

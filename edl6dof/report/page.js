@@ -1,20 +1,36 @@
 "use strict";
-// Draws every figure when the page opens, a few at a time, so that the words can be read meanwhile; and again at paper width to print.
+// Draws every figure when the page opens, a few at a time, so that the words can be read meanwhile; again where the
+// window turns narrow or the reader's colours dark; and at paper width, in the colours of paper, to print.
 (async () => {
-  const figures = JSON.parse(document.getElementById("figure-data").textContent);
+  const read = (id) => JSON.parse(document.getElementById(id).textContent);
+  const figures = read("figure-data");
+  const darkColours = read("dark-colours");
   const places = [...document.querySelectorAll("div.plot")];
-  const PAPER_WIDTH = 686; // px, the text of an A4 page
-  const SHRINK = 0.76;
-  const SIZES = new Set(["size", "height", "l", "r", "t", "b", "standoff"]);
+  const narrow = matchMedia("(max-width: 640px)");
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const PAPER_WIDTH = 328, PAPER_WIDE = 686; // px, a column and the whole text of an A4 page
+  const SHRINK = 0.6;
+  const SIZES = new Set(["size", "height", "l", "r", "t", "b", "standoff", "thickness"]);
   const config = (key) => ({
     responsive: true,
     displaylogo: false,
     modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
     toImageButtonOptions: { format: "svg", filename: key },
   });
+  const inDark = (key, value) => {
+    if (typeof value !== "string" || value[0] !== "#") return value;
+    const found = darkColours[value.slice(0, 7)];
+    return found ? found + value.slice(7) : value;
+  };
+  const shown = (place) => {
+    const { data, layout, narrow: stacked } = figures[place.dataset.figure];
+    const drawing = { data, layout: narrow.matches && stacked ? stacked : layout };
+    return JSON.parse(JSON.stringify(drawing), dark.matches ? inDark : undefined);
+  };
   const draw = (place) => {
-    const { data, layout } = figures[place.dataset.figure];
-    return Plotly.newPlot(place, data, layout, config(place.dataset.figure));
+    const { data, layout } = shown(place);
+    place.style.minHeight = `${layout.height}px`;
+    return Plotly.react(place, data, layout, config(place.dataset.figure));
   };
   const drawAll = async () => {
     for (const place of places) {
@@ -23,22 +39,23 @@
     }
     document.documentElement.dataset.drawn = places.length;
   };
-  for (const place of places) place.style.minHeight = `${figures[place.dataset.figure].layout.height}px`;
-  const shrunk = (layout) => JSON.parse(JSON.stringify(layout), (key, value) =>
+  const shrunk = (drawing) => JSON.parse(JSON.stringify(drawing), (key, value) =>
     (typeof value === "number" && SIZES.has(key) ? value * SHRINK : value));
   const forPaper = (place) => {
-    const { data, layout } = figures[place.dataset.figure];
+    const { data, layout } = shrunk(figures[place.dataset.figure]);
+    layout.width = place.closest("figure").classList.contains("wide") ? PAPER_WIDE : PAPER_WIDTH;
     place.style.minHeight = 0;
-    Plotly.react(place, data, { ...shrunk(layout), width: PAPER_WIDTH }, { staticPlot: true });
+    Plotly.react(place, data, layout, { staticPlot: true });
   };
-  const unfold = (open) => document.querySelectorAll("details").forEach((part) => { part.open = open; });
   const unpacked = async (id) => {
     const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
     return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   };
+  for (const place of places) place.style.minHeight = `${figures[place.dataset.figure].layout.height}px`;
   document.head.append(Object.assign(document.createElement("script"), { text: await unpacked("plotly") }));
-  addEventListener("beforeprint", () => { places.forEach(forPaper); unfold(true); });
-  addEventListener("afterprint", () => { places.forEach(draw); unfold(false); });
+  addEventListener("beforeprint", () => places.forEach(forPaper));
+  addEventListener("afterprint", () => places.forEach(draw));
+  for (const query of [narrow, dark]) query.addEventListener("change", drawAll);
   drawAll();
 })().catch((problem) => {
   document.querySelectorAll("div.plot").forEach((place) => { place.textContent = `This browser cannot draw the plots: ${problem}`; });

@@ -10,16 +10,20 @@ from __future__ import annotations
 import base64
 import gzip
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from edl6dof.config.base import STATUS_MARKS
+from edl6dof.report.dark import DARK
 from edl6dof.report.document import Cell, Listing, Report, Table
 from edl6dof.report.figure import Figure
-from edl6dof.report.plotly_figure import plotly_figure
+from edl6dof.report.plotly_figure import plotly_figure, plotly_layout
 
 _HERE = Path(__file__).parent
 _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
@@ -35,9 +39,18 @@ def page(report: Report) -> str:
             style=_verbatim(_HERE / "page.css"),
             script=_verbatim(_HERE / "page.js"),
             plotly=_packed(plotly_js()),
-            drawings={figure.key: plotly_figure(figure) for figure in report.figures()},
+            drawings={figure.key: drawing(figure) for figure in report.figures()},
+            dark=DARK,
         )
     )
+
+
+def drawing(figure: Figure) -> dict[str, Any]:
+    """What plotly.js draws; and where panels side by side go in a window too narrow for them."""
+    drawn = plotly_figure(figure)
+    if figure.columns > 1:
+        drawn["narrow"] = plotly_layout(replace(figure, columns=1))
+    return drawn
 
 
 def plotly_js() -> bytes:
@@ -60,7 +73,7 @@ def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
-    environment.filters.update(as_cell=_as_cell, split_at_mark=_split_at_mark)
+    environment.filters.update(as_cell=_as_cell, split_at_mark=_split_at_mark, first_of_words=_first_of_words)
     for name, kind in (("figure", Figure), ("table", Table), ("listing", Listing)):
         environment.tests[name] = lambda block, kind=kind: isinstance(block, kind)
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":")}
@@ -73,6 +86,11 @@ def _verbatim(path: Path) -> Markup:
 
 def _as_cell(item: str | Cell) -> Cell:
     return item if isinstance(item, Cell) else Cell(item)
+
+
+def _first_of_words(columns: Sequence[str]) -> int:
+    """The first column that holds words: in a narrow window it heads the card that a row becomes."""
+    return next((k for k, name in enumerate(columns) if not name.endswith(">")), 0)
 
 
 def _split_at_mark(line: str) -> tuple[str, str, str]:

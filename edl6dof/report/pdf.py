@@ -1,28 +1,36 @@
-"""A report as a PDF: pages of words and tables, then every figure as a vector page."""
+"""A report as a PDF: pages of words and tables, then every figure, drawn by lines, two columns to a page."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from edl6dof.report.document import Cell, Report, Table
-from edl6dof.report.figure import BAD, GOOD, GREY, WARN
-from edl6dof.report.matplotlib_figure import STYLE, matplotlib_figure
+from edl6dof.report.figure import BAD, GOOD, GREY, INK, WARN, Figure
+from edl6dof.report.matplotlib_figure import STYLE, draw, height
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 A4 = (8.27, 11.69)
-ROWS_PER_PAGE = 58
-_MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": "#1f2933"}
+ROWS_PER_PAGE = 70
+#: Panels of a page of figures, as a share of those of a figure alone.
+SHRINK = 0.78
+#: Margin of a page, as a share of it; inches from top to foot of its text, and between figures.
+MARGIN = 0.05
+ROOM, GAP = A4[1] * (1.0 - 2.0 * MARGIN), 0.12
+#: Letters of a page of figures, and how many a column holds.
+COLUMN = 76
+LETTERS: Any = {"font.size": 6.0, "lines.markersize": 3.0}
+_MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": INK}
 
 
 def write_pdf(report: Report, path: Path) -> None:
-    """Headline and tables on A4 pages, then every figure on a page of its own size."""
+    """Headline and tables on A4 pages, then the figures on A4 pages."""
     import matplotlib
 
     with matplotlib.rc_context(STYLE):
@@ -33,8 +41,62 @@ def write_pdf(report: Report, path: Path) -> None:
         ) as pages:
             for canvas in _word_pages(report):
                 pages.savefig(canvas)
-            for figure in report.figures():
-                pages.savefig(matplotlib_figure(figure))
+            with matplotlib.rc_context(LETTERS):
+                for placed in figure_pages(report.figures()):
+                    pages.savefig(_figure_page(placed))
+
+
+class Placed(NamedTuple):
+    """A figure on a page: inches from the top of the text to its top and foot, and the columns it fills."""
+
+    figure: Figure
+    top: float
+    foot: float
+    columns: Sequence[int]
+
+
+def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
+    """The figures of each page, in their order: panels side by side go across both columns, others into the
+    one that ends higher.
+    """
+    page: list[Placed] = []
+    feet = [0.0, 0.0]
+    for figure in figures:
+        columns = _columns(figure, feet)
+        size = min(height(figure, SHRINK, COLUMN * len(columns)), ROOM)
+        top = max(feet[column] for column in columns)
+        if top + size > ROOM:
+            yield page
+            page, feet, top = [], [0.0, 0.0], 0.0
+            columns = _columns(figure, feet)
+        page.append(Placed(figure, top, top + size, columns))
+        for column in columns:
+            feet[column] = top + size + GAP
+    if page:
+        yield page
+
+
+def _columns(figure: Figure, feet: Sequence[float]) -> Sequence[int]:
+    return (0, 1) if figure.columns > 1 else (int(np.argmin(feet)),)
+
+
+def _figure_page(placed: Sequence[Placed]) -> Canvas:
+    """A page of figures."""
+    from matplotlib.figure import Figure as Canvas
+
+    canvas = Canvas(figsize=A4, layout="constrained")
+    around = (MARGIN, 1.0 - 2.0 * MARGIN, MARGIN)
+    parts: Any = canvas.subfigures(3, 3, width_ratios=around, height_ratios=around)
+    text = parts[1, 1]
+    edges = sorted({0.0, ROOM, *(edge for one in placed for edge in (one.top, one.foot))})
+    grid = text.add_gridspec(
+        len(edges) - 1, 3, width_ratios=(1.0, GAP, 1.0), height_ratios=np.diff(edges).tolist()
+    )
+    for figure, top, foot, columns in placed:
+        across = slice(2 * columns[0], 2 * columns[-1] + 1)
+        part = text.add_subfigure(grid[edges.index(top) : edges.index(foot), across])
+        draw(part, figure, COLUMN * len(columns))
+    return canvas
 
 
 def _word_pages(report: Report) -> Iterator[Canvas]:
@@ -54,7 +116,7 @@ def _word_pages(report: Report) -> Iterator[Canvas]:
 #: Words at places of a line: place 0..1, alignment, text, style.
 Line = list[tuple[float, str, str, dict[str, Any]]]
 
-_SMALL = {"fontsize": 7.5}
+_SMALL = {"fontsize": 7.0}
 #: Lines at the head of a table: its caption and the names of its columns.
 _HEAD = 2
 
@@ -65,8 +127,9 @@ def _pages(report: Report) -> Iterator[list[Line]]:
     for section in report.sections:
         for table in (block for block in section.blocks if isinstance(block, Table)):
             lines = list(_table_lines(table, table.caption or section.title))
-            if len(page) + len(lines) > ROWS_PER_PAGE >= len(lines):
-                yield page
+            begun = len(lines) if len(lines) <= ROWS_PER_PAGE else _HEAD + 1
+            if len(page) + begun > ROWS_PER_PAGE:
+                yield page[:ROWS_PER_PAGE]
                 page = []
             page += lines
             while len(page) > ROWS_PER_PAGE:
@@ -82,15 +145,15 @@ def _summary(report: Report) -> Iterator[Line]:
     """What stands above the tables: title, headline and facts."""
     yield [(0.0, "left", report.title, {"fontsize": 17, "fontweight": "bold"})]
     yield []
-    yield [(0.0, "left", report.subtitle, {"fontsize": 9, "color": GREY})]
+    yield [(0.0, "left", report.subtitle, {"fontsize": 8, "color": GREY})]
     yield [
-        (0.0, "left", report.headline, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[report.mood]})
+        (0.0, "left", report.headline, {"fontsize": 10, "fontweight": "bold", "color": _MOODS[report.mood]})
     ]
     yield []
     for first in range(0, len(report.facts), 4):
         facts = list(enumerate(report.facts[first : first + 4]))
         yield [
-            (k / 4, "left", fact.value, {"fontsize": 11, "fontweight": "bold", "color": _MOODS[fact.mood]})
+            (k / 4, "left", fact.value, {"fontsize": 9.5, "fontweight": "bold", "color": _MOODS[fact.mood]})
             for k, fact in facts
         ]
         yield [(k / 4, "left", fact.label, {**_SMALL, "color": GREY}) for k, fact in facts]

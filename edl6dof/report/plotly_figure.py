@@ -7,10 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, Axis, Band, Figure, Heat, Mark, Panel, Trace, thinned
+from edl6dof.report.figure import (
+    AXIS,
+    GREY,
+    INK,
+    PAPER,
+    RULE,
+    Axis,
+    Band,
+    Figure,
+    Heat,
+    Mark,
+    Panel,
+    Trace,
+    thinned,
+)
 
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
-INK, RULE = "#1f2933", "#e3e6ea"
 #: Pixels around and between panels.
 TOP, BOTTOM, GAP_SHARED, GAP, TITLE = 34, 52, 26, 84, 22
 #: Share of the width between columns.
@@ -23,37 +36,50 @@ _DASHES = {"solid": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 def plotly_figure(figure: Figure) -> dict[str, Any]:
     """``{"data": [...], "layout": {...}}`` for ``Plotly.newPlot``."""
     data: list[dict[str, Any]] = []
-    layout = _layout(figure)
     named: set[str] = set()
     for index, panel in enumerate(figure.panels):
-        number = "" if index == 0 else str(index + 1)
+        number = _number(index)
+        if panel.heat is not None:
+            data.append(_heat(panel.heat, number))
+        for trace in panel.coloured():
+            shown = trace.legend and bool(trace.name) and trace.name not in named
+            named.add(trace.name)
+            data.append(_trace(thinned(trace), number, shown))
+    return {"data": data, "layout": plotly_layout(figure)}
+
+
+def plotly_layout(figure: Figure) -> dict[str, Any]:
+    """Where everything stands; that of the figure with other ``columns`` fits the same data."""
+    layout = _frame(figure)
+    for index, panel in enumerate(figure.panels):
+        number = _number(index)
         xs, ys = _domains(figure, index)
         spans = dict(zip("xy", figure.spans(index), strict=True))
         last = index + figure.columns >= len(figure.panels)
         layout[f"xaxis{number}"] = _axis(panel.x, spans["x"], xs, f"y{number}", last or not figure.share_x)
         layout[f"yaxis{number}"] = _axis(panel.y, spans["y"], ys, f"x{number}")
         if figure.share_x and index >= figure.columns:
-            layout[f"xaxis{number}"]["matches"] = (
-                "x" if index % figure.columns == 0 else f"x{index % figure.columns + 1}"
-            )
+            layout[f"xaxis{number}"]["matches"] = f"x{_number(index % figure.columns)}"
         if panel.equal:
             layout[f"yaxis{number}"].update(scaleanchor=f"x{number}", scaleratio=1)
-        layout["shapes"] += [_band(band, number, spans, panel.heat is not None) for band in panel.bands] + [
-            _mark(mark, number) for mark in panel.marks
-        ]
+        layout["shapes"] += [
+            _band(band, number, spans, band.opacity == 1.0 or panel.heat is not None) for band in panel.bands
+        ] + [_mark(mark, number) for mark in panel.marks]
         layout["annotations"] += _words(panel, number)
         if panel.heat is not None:
-            data.append(_heat(panel.heat, number, ys))
-        for trace in panel.coloured():
-            shown = trace.legend and bool(trace.name) and trace.name not in named
-            named.add(trace.name)
-            data.append(_trace(thinned(trace), number, shown))
+            layout[f"coloraxis{number}"] = _scale(panel.heat, xs, ys)
     if any(panel.title for panel in figure.panels):  # the legend goes above the titles
         layout["margin"]["t"] += TITLE
         layout["height"] += TITLE
         layout["legend"]["y"] = 1.0 + TITLE / (layout["height"] - layout["margin"]["t"] - BOTTOM)
-    layout["showlegend"] = sum(item.get("showlegend", False) for item in data) > 1
-    return {"data": data, "layout": layout}
+    names = {trace.name for panel in figure.panels for trace in panel.traces if trace.legend and trace.name}
+    layout["showlegend"] = len(names) > 1
+    return layout
+
+
+def _number(index: int) -> str:
+    """What stands behind the names of a panel's axes."""
+    return "" if index == 0 else str(index + 1)
 
 
 def packed(values: Any) -> dict[str, str] | list[Any]:
@@ -65,13 +91,13 @@ def packed(values: Any) -> dict[str, str] | list[Any]:
         return {"dtype": "f4", "bdata": base64.b64encode(array.astype("<f4").tobytes()).decode()}
 
 
-def _layout(figure: Figure) -> dict[str, Any]:
+def _frame(figure: Figure) -> dict[str, Any]:
     return {
         "height": round(_height(figure)),
         "margin": {"l": 68, "r": 20, "t": TOP, "b": BOTTOM},
         "font": {"family": FONT, "size": 13, "color": INK},
-        "paper_bgcolor": "#ffffff",
-        "plot_bgcolor": "#ffffff",
+        "paper_bgcolor": PAPER,
+        "plot_bgcolor": PAPER,
         "hovermode": "closest",
         "hoverlabel": {"font": {"family": FONT, "size": 12}},
         "legend": {
@@ -121,7 +147,7 @@ def _axis(
         "ticks": "outside",
         "tickcolor": GREY,
         "gridcolor": RULE,
-        "zerolinecolor": "#c3c8cf",
+        "zerolinecolor": AXIS,
         "title": {"text": axis.title.replace("\n", "<br>") if show_title else "", "standoff": 6},
         "automargin": True,
         "exponentformat": "power",
@@ -131,12 +157,26 @@ def _axis(
         found["showticklabels"] = False
     if axis.log:
         found["type"] = "log"
+        if written := axis.decades(span):
+            found.update(tickmode="array", tickvals=written, ticktext=[_power(value) for value in written])
     found["range"] = [float(np.log10(bound)) if axis.log else float(bound) for bound in span]
     if axis.names:
         found.update(
-            tickmode="array", tickvals=list(range(len(axis.names))), ticktext=list(axis.names), zeroline=False
+            tickmode="array",
+            tickvals=list(range(len(axis.names))),
+            ticktext=[name.replace("\n", "<br>") for name in axis.names],
+            zeroline=False,
         )
     return found
+
+
+def _power(value: float) -> str:
+    """A number of a logarithmic axis: as it is, or as a power of ten where it is long."""
+    if 1e-3 <= value < 1e5:
+        return f"{value:,.10g}"
+    exponent = int(np.floor(np.log10(value) + 1e-9))
+    step = round(value / 10.0**exponent)
+    return f"{step} x 10<sup>{exponent}</sup>" if step > 1 else f"10<sup>{exponent}</sup>"
 
 
 def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
@@ -156,7 +196,7 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         del found["mode"], found["line"]
         found.update(type="bar", marker={"color": trace.colour})
     elif trace.kind == "points":
-        hollow = {"line": {"color": "#ffffff", "width": 1}}
+        hollow = {"line": {"color": PAPER, "width": 1}}
         found.update(
             mode="markers",
             marker={"color": trace.colour, "size": 4.0 + 2.5 * trace.width, "symbol": trace.symbol, **hollow},
@@ -179,10 +219,9 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
     return found
 
 
-def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
+def _heat(heat: Heat, number: str) -> dict[str, Any]:
     values = np.asarray(heat.values, "<f4")
-    low, high = heat.limits
-    found = {
+    found: dict[str, Any] = {
         "type": "heatmap",
         "x": packed(heat.x),
         "y": packed(heat.y),
@@ -193,21 +232,31 @@ def _heat(heat: Heat, number: str, domain: list[float]) -> dict[str, Any]:
         },
         "xaxis": f"x{number}",
         "yaxis": f"y{number}",
-        "zmin": low,
-        "zmax": high,
+        "coloraxis": f"coloraxis{number}",
+        "showlegend": False,
+    }
+    if heat.labels:
+        found |= {"text": [list(row) for row in heat.labels], "hoverinfo": "text", "xgap": 0.5, "ygap": 0.5}
+    return found
+
+
+def _scale(heat: Heat, across: list[float], up: list[float]) -> dict[str, Any]:
+    """Colours of a field of cells, and the bar that tells them at the right of its panel."""
+    low, high = heat.limits
+    return {
+        "cmin": low,
+        "cmax": high,
         "colorscale": [list(step) for step in heat.scale],
         "showscale": not heat.kinds,
         "colorbar": {
             "title": {"text": heat.title, "side": "right"},
             "thickness": 12,
-            "y": sum(domain) / 2,
-            "len": domain[1] - domain[0],
+            "x": across[1] + 0.01,
+            "xanchor": "left",
+            "y": sum(up) / 2,
+            "len": up[1] - up[0],
         },
-        "showlegend": False,
     }
-    if heat.labels:
-        found.update(text=[list(row) for row in heat.labels], hoverinfo="text", xgap=0.5, ygap=0.5)
-    return found
 
 
 def _place(axis: str, number: str, bounds: tuple[float, float] | None) -> dict[str, Any]:

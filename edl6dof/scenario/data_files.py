@@ -26,6 +26,8 @@ from edl6dof.environment.landing_area.dtm_file import dtm_path
 from edl6dof.environment.profile_file import profile_path, read_profile
 from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_topography_of
 from edl6dof.environment.wind import require_winds
+from edl6dof.interchange.mesh_file import read_mesh_file
+from edl6dof.scenario.mesh_paths import MESHES
 from edl6dof.vehicle.aerodynamics.table import (
     aero_inputs,
     build_aero_table,
@@ -88,6 +90,9 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
             read_static_table(capsule.static_table)
             with _collected(problems, "vehicle.aero.capsule"):
                 build_aero_table(inputs)
+    for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
+        with _collected(problems, f"{'.'.join(MESHES)}.{k}.file"):
+            read_mesh_file(Path(mesh.file))
     return problems
 
 

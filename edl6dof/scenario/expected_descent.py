@@ -130,10 +130,20 @@ def _look(onboard, y, t, nav):
 @kernel
 def _advance(onboard, parachutes, winds, wind, areoid, hanging, t, y):
     a = _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y)
-    b = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, y + 0.5 * STEP * a)
-    c = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, y + 0.5 * STEP * b)
-    d = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + STEP, y + STEP * c)
-    y += STEP / 6.0 * (a + 2.0 * (b + c) + d)
+    b = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, a))
+    c = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, b))
+    d = _rates(onboard, parachutes, winds, wind, areoid, hanging, t + STEP, _moved(y, STEP, c))
+    for i in range(len(y)):
+        y[i] += STEP / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i])
+
+
+@kernel
+def _moved(y, step, rates):
+    """The state after a step (s) at these rates."""
+    moved = np.empty(len(y))
+    for i in range(len(y)):
+        moved[i] = y[i] + step * rates[i]
+    return moved
 
 
 @kernel
@@ -151,7 +161,8 @@ def _rates(onboard, parachutes, winds, wind, areoid, hanging, t, y):
     per_speed = 0.5 * density * speed * area / hanging.mass
     radius = planet.equatorial_radius + y[ALTITUDE]
     rates = np.empty(6)
-    rates[:V_NORTH] = y[V_NORTH:]
+    for i in range(V_NORTH):
+        rates[i] = y[V_NORTH + i]
     rates[V_NORTH] = -per_speed * v_north
     rates[V_EAST] = -per_speed * v_east
     rates[V_UP] = -per_speed * y[V_UP] - planet.mu / (radius * radius)

@@ -32,6 +32,7 @@ from edl6dof.plugins import require
 from edl6dof.scenario.cross_checks import section_problems
 from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
+from edl6dof.scenario.mesh_paths import with_whole_paths
 from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.sensors.registry import SensorParams, instrument_names
 from edl6dof.vehicle.faults.component import Component, vehicle_components
@@ -294,7 +295,7 @@ TRUE_SECTIONS = (
 )
 #: Parameters in them that no flight depends on.
 _LABELS = re.compile(
-    r"(planet|vehicle)\.name|planet\.appearance\..+|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
+    r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
 
 
@@ -369,5 +370,6 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
         document.data.pop(name, None)
         document.forget((name,))
-    document = expand_daveml(document)
-    return check_document(expand_daveml(apply_overrides(document, overrides, Scenario)))
+    document = with_whole_paths(expand_daveml(document))
+    changed = apply_overrides(document, overrides, Scenario)
+    return check_document(with_whole_paths(expand_daveml(changed)))

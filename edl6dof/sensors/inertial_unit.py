@@ -4,8 +4,7 @@ What they count over a cycle follows from the true motion: the integral of the r
 as its rotation vector less the coning term h^2/12 w0 x w1 (rate linear in time); the integral of the specific
 force at the unit from that of the centre of mass, the recoil of separations, and the lever arm l between the
 two: (w1 - w0) x l + h w x (w x l).
-Vibration with the engine is one tone that shakes the unit about and along the axes of B, in proportion to the
-thrust.
+Vibration with the engines shakes the unit about and along the axes of B (``vibration.py``).
 
 Sources: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapters 4, 5 and 11; coning
 term: Savage, J. Guidance, Control, and Dynamics 21(1), 1998.
@@ -13,7 +12,7 @@ term: Savage, J. Guidance, Control, and Dynamics 21(1), 1998.
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin
+from math import exp, pi
 from typing import Annotated
 
 import numpy as np
@@ -27,7 +26,7 @@ from edl6dof.jit import kernel
 from edl6dof.records import COUNT
 from edl6dof.registry import Member
 from edl6dof.sensors.counters import SenseAxis, cone, copy_layout, count, counter_layout, draw_copies, rates
-from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.sensors.vibration import MOUNT, VIBRATION, VibrationParams, draw_mount, shake
 from edl6dof.spatial.quaternion import conjugate, multiply, rotation_vector
 from edl6dof.spatial.vector import add, cross, put3, scale, sub, take3
 from edl6dof.vehicle.plant import ATTITUDE, RATE
@@ -91,16 +90,6 @@ class AccelerometerParams(Params):
         return unique_names(value)
 
 
-class VibrationParams(Params):
-    """Vibration of the unit with the engines at full thrust, the same about and along each axis of B."""
-
-    frequency_hz: float = param(63.0, "frequency of the tone", status="estimate", gt=0.0, le=1e4)
-    rate_deg_s: float = param(0.02, "amplitude of the rate", status="estimate", ge=0.0, le=100.0)
-    acceleration_m_s2: float = param(
-        0.3, "amplitude of the acceleration", status="estimate", ge=0.0, le=1000.0
-    )
-
-
 class InertialUnitParams(Hardware):
     """Inertial unit of real gyros and accelerometers."""
 
@@ -122,7 +111,7 @@ UNIT = np.dtype(
     [
         ("gyro", copy_layout(MAX_GYROS)),
         ("accelerometer", copy_layout(MAX_ACCELEROMETERS)),
-        ("phase", "f8", (3,)),  # rad, of the vibration along each axis
+        ("mount", MOUNT),
     ],
     align=True,
 )
@@ -135,8 +124,7 @@ MEMORY = np.dtype(
         ("q_I2B", "f8", (4,)),
         ("w_B", "f8", (3,)),  # rad/s
         ("gain_B", "f8", (3,)),  # m/s, B: integral of the specific force of the centre of mass
-        ("turn_B", "f8", (3,)),  # rad, B: by which the vibration has the unit turned
-        ("swing_B", "f8", (3,)),  # m/s, B: velocity that the vibration gives it
+        ("vibration", VIBRATION),
         ("lagging_B", "f8", (3,)),  # rad/s, B: rate behind the bandwidth of the gyros
         ("gyro", counter_layout(MAX_GYROS)),
         ("accelerometer", counter_layout(MAX_ACCELEROMETERS)),
@@ -152,11 +140,13 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     first one while there is no older).
     """
     turned, gained, w, dt = motion_since(params, plant, outputs, memory)
-    shaken_rate, shaken_turn, shaken_gain = shake(params.vibration, unit, case, plant, outputs, memory)
+    cycle = memory.taken
+    shaken_rate, shaken_turn, shaken_gain = shake(
+        params.vibration, unit.mount, case, plant, outputs, dt, cycle, memory.vibration
+    )
     turned, gained = add(turned, shaken_turn), add(gained, shaken_gain)
     w = lag(params.gyros, add(w, shaken_rate), dt, memory)
-    now, faults = memory.under_way[memory.taken % DEPTH], plant.instruments
-    cycle = memory.taken
+    now, faults = memory.under_way[cycle % DEPTH], plant.instruments
     count(
         params.gyros, unit.gyro, faults.gyro, turned, plant.t, dt, cycle,
         memory.gyro, now.angle, now.gyro_saturated,
@@ -199,27 +189,6 @@ def motion_since(params, plant, outputs, memory):
 
 
 @kernel
-def shake(vibration, unit, case, plant, outputs, memory):
-    """What the vibration adds: rate now (rad/s), and turn (rad) and velocity (m/s) since the last reading,
-    all in B.
-    """
-    turn = swing = rate = (0.0, 0.0, 0.0)
-    share = thrust_share(case, outputs)
-    if share > 0.0:
-        pulsation = 2.0 * pi * vibration.frequency
-        angle = pulsation * plant.t
-        a, b, c = angle + unit.phase[0], angle + unit.phase[1], angle + unit.phase[2]
-        wave = (-cos(a), -cos(b), -cos(c))
-        rate = scale(share * vibration.rate, (sin(a), sin(b), sin(c)))
-        turn = scale(share * vibration.rate / pulsation, wave)
-        swing = scale(share * vibration.acceleration / pulsation, wave)
-    turned, swung = sub(turn, take3(memory.turn_B, 0)), sub(swing, take3(memory.swing_B, 0))
-    put3(memory.turn_B, 0, turn)
-    put3(memory.swing_B, 0, swing)
-    return rate, turned, swung
-
-
-@kernel
 def lag(gyros, w, dt, memory):
     """The rate ``w`` (B) behind the bandwidth of the gyros."""
     share = 1.0
@@ -247,7 +216,7 @@ def plan(params: InertialUnitParams, rng: np.random.Generator, unit: np.void) ->
     """Draw the errors of the copy that flies."""
     draw_copies(in_si(params.gyros), rng, unit["gyro"])
     draw_copies(in_si(params.accelerometers), rng, unit["accelerometer"])
-    unit["phase"] = rng.uniform(0.0, 2.0 * np.pi, 3)
+    draw_mount(rng, unit["mount"])
 
 
 MEMBER = Member(

@@ -17,6 +17,7 @@ import numpy as np
 
 from edl6dof.config.base import Capacity, param
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.dispatch import NOTHING
 from edl6dof.environment.profiles import SENSOR_STREAM, stream
 from edl6dof.interface.sensed import SENSED
 from edl6dof.jit import kernel
@@ -96,7 +97,9 @@ SENSORS = np.dtype(
 )
 
 _measure = SENSOR_FAMILY.switch(
-    "measure", "params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"
+    "measure",
+    *("params", "unit", "case", "tables", "plant", "outputs", "memory", "sensed"),
+    returns=NOTHING,
 )
 
 

@@ -1,7 +1,8 @@
 """The first flight ever: a second process compiles the flight software, this one all else.
 
-numba compiles on one core.  Both halves are independent until the loop joins them, and it finds both in the
-cache of machine code.
+numba compiles on one core.  The halves are independent, since the loop calls the flight software lazily, and
+the flight finds both in the cache of machine code.  Of families each compiles what the scenario names; what a
+flight calls beyond that is compiled then.
 """
 
 from __future__ import annotations
@@ -9,47 +10,59 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import numba
-import numpy as np
+from pydantic import BaseModel
 
 from edl6dof import jit
+from edl6dof.config.plugin_scan import VARIABLE
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.cycle import run
 from edl6dof.fsw.onboard import FSW, ONBOARD
-from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
+from edl6dof.lazy_calls import compile_named, names
+from edl6dof.scenario.case import CASE
+from edl6dof.scenario.records import TABLES
 from edl6dof.sensors.registry import SENSORS, sense
-from edl6dof.sim.loop import fly, write_row
-from edl6dof.sim.outcome import outcome_of
-from edl6dof.telemetry.channels import BRIEF, TICK
-from edl6dof.vehicle.actuate import actuate
-from edl6dof.vehicle.motion.integrate import advance
-from edl6dof.vehicle.motion.runge_kutta import retrace
+from edl6dof.sim.loop import fly
+from edl6dof.vehicle.plant import OUTPUTS, STATE
 
 # what it leaves is not worth a search for garbage
 _COMMAND = (
-    "import gc; from edl6dof.sim.compile_ahead import compile_flight_software as work; work(); gc.freeze()"
+    "import gc, sys; from edl6dof.plugins import activate; activate([]); "
+    "from edl6dof.sim.compile_ahead import compile_flight_software as work; work(sys.argv[1:]); gc.freeze()"
 )
 
 
-@contextmanager
-def flight_software_beside() -> Iterator[bool]:
-    """Compile the flight software beside what the block does; says whether there was need.
+def is_compiled() -> bool:
+    """Whether loop and flight software are compiled."""
+    return jit.is_cached(fly) and jit.is_cached(run)
 
-    There is none when the loop is compiled already.  With one core only, without a cache that another process
-    can fill, or with members of a family from files outside the package, the loop compiles everything itself;
-    so it does with whatever the other process did not manage.
+
+@contextmanager
+def flight_software_beside(scenario: BaseModel) -> Iterator[Collection[str] | None]:
+    """Compile the flight software beside what the block does; hands out the members of families to compile
+    the loop with, ``None`` where there is no need.
+
+    There is none when loop and flight software are compiled already.  With one core only, or without a cache
+    that another process can fill, the flight compiles everything itself; so it does with whatever the other
+    process did not manage.
     """
-    if jit.is_cached(fly) or jit.is_cached(run) or jit.outside_sources or _cores() < 2:
-        yield False
+    if is_compiled() or _cores() < 2:
+        yield None
         return
+    members = sorted(names().intersection(_words(scenario)))
     other = subprocess.Popen(
-        [sys.executable, "-c", _COMMAND], stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        [sys.executable, "-c", _COMMAND, *members],
+        stdin=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, VARIABLE: os.pathsep.join(jit.outside_sources)},
     )
     try:
-        yield True
+        yield members
     except BaseException:
         other.terminate()
         raise
@@ -57,28 +70,34 @@ def flight_software_beside() -> Iterator[bool]:
         other.wait()
 
 
-def compile_plant(*records: np.ndarray) -> None:
-    """Compile the plant for its records (arrays of one), case, tables, state, outputs and workspace; and then
-    the sensors and what writes a row of the log, so that both processes take the same time.
+def compile_loop(members: Collection[str], *arguments: Any) -> None:
+    """Compile the loop for its arguments, and of the plant's families these members."""
+    fly.compile(tuple(map(numba.typeof, arguments)))
+    compile_named(members)
+
+
+def compile_flight_software(members: Sequence[str]) -> None:
+    """Compile the flight software's cycle, and of its families these members; then the sensors among them,
+    which both processes do, from either end.
     """
-    case, tables, plant, outputs, work = (numba.typeof(array[0]) for array in records)
-    retrace.compile((case, tables, plant, outputs, work))
-    advance.compile((case, tables, plant, outputs, work, numba.float64))
-    actuate.compile((case, numba.from_dtype(COMMAND), plant))
-    outcome_of.compile((case, plant, outputs))
-    sensors, sensed, memory = (numba.from_dtype(layout) for layout in (SENSORS, SENSED, FSW))
-    sense.compile((case, tables, plant, outputs, sensors))
-    write_row.compile((case, plant, outputs, sensed, memory, *map(_log_of, (TICK, BRIEF)), numba.int64))
-
-
-def compile_flight_software() -> None:
-    """Compile the flight software's cycle into the cache."""
     onboard, sensed, memory = (numba.from_dtype(layout) for layout in (ONBOARD, SENSED, FSW))
-    run.compile((onboard, sensed, numba.int64, memory))
+    run.compile(NOTHING(onboard, sensed, numba.int64, memory))
+    compile_named(members)
+    sense.compile(tuple(map(numba.from_dtype, (CASE, TABLES, STATE, OUTPUTS, SENSORS))))
+    compile_named(members[::-1])
 
 
-def _log_of(row: np.dtype) -> numba.types.Array:
-    return numba.typeof(np.zeros(0, row))
+def _words(value: Any) -> Iterator[str]:
+    """Every string in a scenario: whatever it chooses from a family is among them."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, BaseModel):
+        yield from _words([field for _, field in value])
+    elif isinstance(value, dict):
+        yield from _words(list(value.values()))
+    elif isinstance(value, list | tuple):
+        for one in value:
+            yield from _words(one)
 
 
 def _cores() -> int:

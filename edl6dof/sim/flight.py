@@ -19,7 +19,7 @@ from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
 from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.compile_ahead import compile_plant, flight_software_beside
+from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
 from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.happened import happened
@@ -263,7 +263,7 @@ def fly(
         ConfigError: the state does not fit the scenario.
     """
     scenario = loaded.scenario
-    with flight_software_beside() as compiling:
+    with flight_software_beside(scenario) as members:
         case, tables, onboard = parts or records.build_records(loaded)
         outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
         if start is None:
@@ -275,18 +275,19 @@ def fly(
             plant, fsw = duplicate(start.plant), duplicate(start.fsw)
             peaks, sensors, cycle = duplicate(start.peaks), duplicate(start.sensors), start.cycle
             take_up(case, plant, fsw)
-        if compiling:
-            compile_plant(case, tables, plant, outputs, work)
+        if log is None:
+            # zeroed pages cost memory only once they are written, so the log may be as long as the longest
+            # flight allowed
+            log = np.zeros(log_rows(loaded, cycle), TICK)
+        logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
+        state = (case, onboard, tables, plant, outputs, peaks, work, sensors, fsw)
+        if members is not None:
+            compile_loop(members, *state, cycle, cycle, scenario.steps_per_cycle, *logs, 0)
     base = scenario.flight_software.rates.base_hz
     stop = max(_last_cycle(loaded), cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
     chunk = round((QUIET_CHUNK_S if progress is None else CHUNK_S) * base)
     first, code, saved, rows = cycle, FLYING, None, 0
-    if log is None:
-        # zeroed pages cost memory only once they are written, so the log may be as long as the longest flight
-        # allowed
-        log = np.zeros(log_rows(loaded, cycle), TICK)
-    logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
     while code == FLYING and cycle < stop:
         if cycle == save_cycle:
             held = duplicate(plant), duplicate(peaks), duplicate(sensors), duplicate(fsw)
@@ -294,10 +295,7 @@ def fly(
         end = min(cycle + chunk, stop)
         if cycle < save_cycle:
             end = min(end, save_cycle)
-        code, flown, new = fly_cycles(
-            case, onboard, tables, plant, outputs, peaks, work, sensors, fsw,
-            cycle, end, scenario.steps_per_cycle, *logs, rows,
-        )  # fmt: skip
+        code, flown, new = fly_cycles(*state, cycle, end, scenario.steps_per_cycle, *logs, rows)
         rows += new
         cycle += flown
         if progress is not None:

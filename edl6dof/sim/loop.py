@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.cycle import run
 from edl6dof.jit import kernel
 from edl6dof.sensors.registry import sense
@@ -16,6 +17,9 @@ from edl6dof.vehicle.mass import compose
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.peaks import update_peaks
 from edl6dof.vehicle.motion.runge_kutta import evaluate, retrace, survey, undo
+
+#: A cycle of the flight software, which is compiled beside the loop.
+run_software = on_its_own(NOTHING)(run)
 
 
 @kernel
@@ -67,7 +71,7 @@ def fly(
         t = k * cycle
         survey(case, tables, plant, outputs)
         sense(case, tables, plant, outputs, sensors)
-        run(onboard, sensors.sensed, k, fsw)
+        run_software(onboard, sensors.sensed, k, fsw)
         outcome = NOT_FINITE
         if works_with_finite(measured, memory):
             actuate(case, fsw.command, plant)

@@ -21,6 +21,7 @@ from edl6dof.config.errors import Inconsistent
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams
+from edl6dof.vehicle.appearance import VehicleAppearanceParams
 from edl6dof.vehicle.landing_gear import LandingGearParams
 from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams
@@ -79,6 +80,9 @@ class VehicleParams(Hardware):
         None, "parachutes, flown one after the other", factory=list, max_length=MAX_PARACHUTES
     )
     landing_gear: LandingGearParams = group(LandingGearParams, "landing legs")
+    appearance: VehicleAppearanceParams = group(
+        VehicleAppearanceParams, "shapes in pictures; no flight depends on them", record=False
+    )
 
     @field_validator("parts", "tanks", "surfaces", "engines", "parachutes")
     @classmethod
@@ -96,6 +100,7 @@ class VehicleParams(Hardware):
         named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(self.parachutes)}
         named |= {f"parachutes.{k}.carried_by": one.carried_by for k, one in enumerate(self.parachutes)}
         named |= {f"surfaces.{k}.carried_by": one.carried_by for k, one in enumerate(self.surfaces)}
+        named |= {f"appearance.meshes.{k}.part": one.part for k, one in enumerate(self.appearance.meshes)}
         for place, part in named.items():
             if part is not None and part not in names:
                 problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"

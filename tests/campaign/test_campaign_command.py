@@ -12,12 +12,21 @@ from campaign_run import write_drop
 
 from edl6dof.campaign.storage.documents import Info, Summary
 from edl6dof.campaign.storage.files import file_sha256, read_sealed, write_sealed
+from edl6dof.report.campaign.results import Results
 
 GRID = """\
 sweep:
   axes:
     - {path: wind.scale, of: truth, values: [0.0, 1.0]}
     - {path: initial.speed_m_s, first: 40.0, last: 60.0, count: 3}
+"""
+
+#: Two moments of inertia of one mass model, as lines of a campaign section.
+CORRELATED = """\
+  correlated:
+    - paths: [vehicle.mass.entry_inertia_kg_m2.0, vehicle.mass.entry_inertia_kg_m2.1]
+      three_sigma: [30.0, 30.0]
+      correlation: [[1.0, 0.9], [0.9, 1.0]]
 """
 
 
@@ -36,7 +45,27 @@ def test_campaign_refly_and_report(edl6dof, tmp_path):
     status, out, _ = edl6dof("report", "runs/drops")
     page = Path("runs/drops/report.html").read_text(encoding="utf-8")
     assert status == 0 and "60 of 60 flights succeed" in page and "vehicle.mass.entry_kg" in page
+    assert "Quantiles further out cannot be told with 60 flights: 95 % takes 72" in page
     assert edl6dof("refly", "runs/drops", "60")[0] == 2
+
+
+def test_inputs_drawn_together_are_one_group_and_quantiles_have_bounds(edl6dof, tmp_path):
+    lines = "limits: {entry_dynamic_pressure_pa: 900.0}\n"
+    file = Path(write_drop(tmp_path))
+    file.write_text(lines + file.read_text() + CORRELATED)
+    status, out, _ = edl6dof("campaign", str(file), "-n", "80", "--json")
+    result = json.loads(out)["figures"]["peak_dynamic_pressure_pa"]
+    assert status == 0 and [one["share"] for one in result["quantiles"]] == [0.05, 0.5, 0.95]
+    assert all(one["low"] < one["value"] < one["high"] for one in result["quantiles"])
+    assert result["flights_needed"] == {"0.0013": 2836, "0.01": 368, "0.99": 368, "0.9987": 2836}
+    groups = {name: columns.shape for name, columns in Results(Path("runs/drops")).groups.items()}
+    assert groups["vehicle.rcs.thrusters.*.thrust_n"] == (80, 22)
+    assert groups["vehicle.mass.entry_inertia_kg_m2.*"] == (80, 2) and groups["vehicle.mass.entry_kg"] == (
+        80,
+        1,
+    )
+    status, out, _ = edl6dof("campaign", "runs/drops", "--resume")
+    assert "95 % (bounds at 95 %)" in out and "99 % takes 368, 99.87 % takes 2,836" in out
 
 
 def test_refly_notices_a_row_that_is_not_its_own(edl6dof, tmp_path):

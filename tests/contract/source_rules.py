@@ -14,7 +14,18 @@ PACKAGE = Path(edl6dof.__file__).parent
 
 #: Layers from the bottom up (design.md, section 3); a module imports its own layer or lower ones.
 LAYERS = (
-    ("jit", "compile_time", "code_files", "source_stamp", "stale_code", "durable", "records", "__version__"),
+    (
+        "jit",
+        "compile_time",
+        "code_files",
+        "source_stamp",
+        "stale_code",
+        "durable",
+        "records",
+        "__version__",
+        "dispatch",
+        "lazy_calls",
+    ),
     ("config", "manifest", "registry", "plugins"),
     ("spatial",),
     ("interface",),

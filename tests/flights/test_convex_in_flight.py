@@ -39,3 +39,12 @@ def test_it_ends_where_it_was_told_to(flight):
     assert up == pytest.approx(float(target["height"]), abs=2.0)
     assert memory["plans"] > 20
     assert memory["landing_error"] < 1.0
+
+
+@pytest.mark.parametrize("left", [0.85, 0.75, 0.7])
+def test_it_lands_on_an_engine_that_gives_less_than_it_is_told(left):
+    """The flight computer is not told: it sees the specific force, and plans anew with what is left."""
+    weak = f"{{kind: engine_shortfall, engine_shortfall: {{thrust_factor: {left}}}"
+    weak = f"faults=[{weak}, at: {{phase: powered_deceleration}}}}]"
+    flight = edl6dof.fly("tianwen1", [LAW, weak])
+    assert flight.outcome == "landed within limits"

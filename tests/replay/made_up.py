@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from edl6dof.replay.views.spatial import TIMELINE
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.telemetry.channels import CHANNELS
 
@@ -111,7 +112,7 @@ def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
     for chunk in RrdReader(path).stream().filter(content=[entity], is_static=False).to_chunks():
         batch = chunk.to_record_batch()
         times = (
-            batch.column("sim_time").to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64)
+            batch.column(TIMELINE).to_numpy(zero_copy_only=False).astype("timedelta64[ns]").astype(np.int64)
             / 1e9
         )
         columns = {n: batch.column(n).to_pylist() for n in batch.schema.names if ":" in n}
@@ -119,3 +120,10 @@ def read(path: Path, entity: str) -> tuple[np.ndarray, dict[str, list]]:
     rows.sort(key=lambda row: row[0])
     names = sorted({n for _, row in rows for n in row})
     return np.array([t for t, _ in rows]), {n: [row.get(n) for _, row in rows] for n in names}
+
+
+def entities(path: Path) -> set[str]:
+    """Paths of all entities of a recording."""
+    from rerun.chunk import RrdReader
+
+    return {str(one.entity_path) for one in RrdReader(path).stream().collect().schema().component_columns()}

@@ -29,7 +29,7 @@ def replay(flight, tmp_path_factory):
 def test_drawn_ground_is_that_of_the_simulation_and_its_rocks_lie_on_it(flight):
     site = Site(flight.scenario)
     touchdown = np.array([flight.metrics["landing_east_m"], flight.metrics["landing_north_m"], 0.0])
-    landscape = Landscape(site, touchdown, 5e3)
+    landscape = Landscape(site, touchdown)
     near = landscape.near()
     assert np.abs(near.positions[:, :2] - touchdown[:2]).max() == pytest.approx(NEAR)
     some = near.positions[::997]
@@ -50,7 +50,7 @@ def test_drawn_ground_is_that_of_the_simulation_and_its_rocks_lie_on_it(flight):
 
 def test_ground_without_relief_keeps_its_decoration():
     site = Site(edl6dof.load("tianwen1").scenario)
-    assert Landscape(site, np.zeros(3), 5e3).near() is None
+    assert Landscape(site, np.zeros(3)).near() is None
 
 
 def test_map_is_painted_where_it_was_seen_from_the_choice_on(flight, replay):

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 import edl6dof
+from edl6dof.app import ensemble
 from edl6dof.app import replay as command
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
-from edl6dof.replay import viewer
+from edl6dof.replay import recording, viewer
 from edl6dof.replay.program import NoViewer
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.runs.results import write_run
@@ -85,6 +87,35 @@ def test_refusals_name_the_file(run, tmp_path):
     with pytest.raises(ConfigError, match="exists"):
         command.run_replay(options(run, screenshot=tmp_path / "there.png"))
     assert (tmp_path / "there.png").read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize("at_s", [9999.0, -1.0, float("nan")])
+def test_a_time_that_is_not_in_the_recording_is_refused_with_what_is(run, tmp_path, at_s):
+    with pytest.raises(ConfigError, match=r"--at: .* give a time from 0.00 to 20.00 s"):
+        command.run_replay(options(run, screenshot=tmp_path / "x.png", at_s=at_s))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_time_without_a_picture_is_refused(run, shown):
+    with pytest.raises(ConfigError, match="--screenshot FILE"):
+        command.run_replay(options(run, at_s=5.0))
+    assert shown == []
+
+
+def test_a_campaign_says_which_flight_is_followed_and_why(run, tmp_path, monkeypatch):
+    written = []
+    plan = SimpleNamespace(loaded="nominal")
+    monkeypatch.setattr(ensemble, "is_campaign", lambda folder: folder == tmp_path)
+    monkeypatch.setattr(ensemble, "campaign_plan", lambda _: plan)
+    monkeypatch.setattr(ensemble, "trajectories", lambda _: [])
+    monkeypatch.setattr(command, "fly", lambda _: command.FlownRun(run))
+    monkeypatch.setattr(recording, "write_replay", lambda *given: written.append(given))
+    for runs in ((tmp_path,), (tmp_path, run)):
+        with command._recording(options(*runs)):
+            pass
+    (_, _, alone, _, told), (_, _, named, _, other) = written
+    assert alone == ["nominal flight"] and told.followed.startswith("the nominal flight, in which nothing")
+    assert named == ["short"] and other.followed == "short, the first run named after the campaign."
 
 
 def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys):

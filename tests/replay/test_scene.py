@@ -16,9 +16,11 @@ from edl6dof.environment.terrain import ground as true_ground
 from edl6dof.fsw.control import phase_plane as law
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
-from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene.canopy import canopy
 from edl6dof.replay.scene.globe import planet
 from edl6dof.replay.scene.landscape import Landscape
+from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.site import Site
 from edl6dof.replay.views.phase_plane import boundaries, squeeze
 from edl6dof.scenario.landing_ellipse import planned_ellipse
@@ -69,11 +71,11 @@ def test_planned_ellipse_is_56_by_22_km_along_the_flight(scenario):
 
 
 def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
-    landscape, again = (Landscape(site, np.array([200.0, -50.0, 0.0]), 6e5) for _ in range(2))
+    landscape, again = (Landscape(site, np.array([200.0, -50.0, 0.0])) for _ in range(2))
     mesh = landscape.mesh()
     assert np.array_equal(mesh.positions, again.mesh().positions)
     offset = np.hypot(mesh.positions[:, 0] - 200.0, mesh.positions[:, 1] + 50.0)
-    near = mesh.positions[offset < 5.9]
+    near = mesh.positions[(offset < 5.9) & (mesh.positions[:, 2] > -1e3)]
     assert np.allclose(near[:, 2], site.ground(near[:, 0], near[:, 1])[1], atol=1e-6)
     far = mesh.positions[(offset > 200.0) & (offset < 2000.0)]
     relief = far[:, 2] - site.ground(far[:, 0], far[:, 1])[1]
@@ -89,7 +91,8 @@ def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
 
 def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     vehicle = scenario.vehicle
-    shield, shell = shapes.heat_shield(vehicle), shapes.backshell(vehicle)
+    shape = outline(vehicle)
+    shield, shell = aeroshell.heat_shield(shape), aeroshell.backshell(shape)
     radius = np.hypot(shield.positions[:, 1], shield.positions[:, 2])
     assert 2.0 * radius.max() == pytest.approx(vehicle.aero.capsule.diameter_m, rel=1e-9)
     assert shield.positions[:, 0].max() == pytest.approx(0.0, abs=1e-9), "the nose is the origin"
@@ -104,14 +107,14 @@ def test_shapes_have_the_dimensions_of_the_vehicle_file(scenario):
     assert (
         np.hypot(shell.positions[:, 1], shell.positions[:, 2]).max() < 0.51 * vehicle.aero.capsule.diameter_m
     )
-    lander = shapes.lander(vehicle).positions
+    bells = lander.nozzles(vehicle, shape).positions
     for jet in vehicle.rcs.thrusters:
-        assert np.min(np.linalg.norm(lander - jet.position_m, axis=1)) < 0.12, jet.name
-    feet = shapes.legs(vehicle).positions
+        assert np.min(np.linalg.norm(bells - jet.position_m, axis=1)) < 0.12, jet.name
+    feet = lander.legs(vehicle, shape, np.zeros(4)).positions
     for pad in vehicle.landing_gear.footpads_m:
         assert np.min(np.linalg.norm(feet - pad, axis=1)) < 0.01
-    canopy, lines = shapes.canopy(vehicle)
-    assert np.hypot(canopy.positions[:, 1], canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
+    open_canopy, lines = canopy(vehicle, 0)
+    assert np.hypot(open_canopy.positions[:, 1], open_canopy.positions[:, 2]).max() * 2.0 == pytest.approx(
         0.68 * vehicle.main_parachute.diameter_m, rel=0.01
     )
     assert lines[..., 0].max() >= vehicle.main_parachute.line_length_m
@@ -168,9 +171,23 @@ def test_ground_and_globe_have_the_colours_of_the_planet():
     """
     titan = Site(load_scenario("titan_probe").scenario)
     look = titan.appearance
-    near = Landscape(titan, np.zeros(3), 5e3).mesh().colours[-1].astype(float)
+    near = Landscape(titan, np.zeros(3)).mesh().colours[-2].astype(float)
     ratio = near / near[0]
     own = [np.array(tone) / tone[0] for tone in (look.ground_dark, look.ground_light)]
     assert np.all(ratio >= np.minimum(*own) - 0.05) and np.all(ratio <= np.maximum(*own) + 0.05)
     globe = planet(2574.7, titan.relief.map, look.relief).colours
     assert np.all(globe == globe[0]) and tuple(globe[0][:3]) == tuple(look.relief[0][1:])
+
+
+@pytest.mark.parametrize("name", ["tianwen1", "titan_probe", "earth_drop", "nesc/case06"])
+def test_ground_is_a_globe_of_the_planets_own_size(name):
+    """Every vertex lies on the true ground or, for decoration, within a crater's depth of it."""
+    scenario = load_scenario(name).scenario
+    site = Site(scenario)
+    mesh = Landscape(site, np.array([50.0, -20.0, 0.0])).mesh()
+    place = mesh.positions[:-1] + site.axes @ site.origin
+    squash = 1.0 / (1.0 - site.flattening)
+    polar = place @ site.axes[:, 2]
+    radius = np.sqrt((place**2).sum(axis=-1) + (squash**2 - 1.0) * polar**2)
+    assert np.abs(radius / site.radius - 1.0).max() < 25e3 / site.radius
+    assert mesh.positions[:, 2].min() < -1.99 * (1.0 - site.flattening) * site.radius, "its far side is there"

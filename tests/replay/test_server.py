@@ -115,7 +115,8 @@ def command(recording: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
     ) as process:
         try:
             line = process.stdout.readline()
-            assert line.startswith("http://127.0.0.1:") and line.endswith("Ctrl-C ends it\n")
+            assert line.startswith("http://127.0.0.1:") and line.endswith("/\n")
+            assert process.stdout.readline().startswith("Ctrl-C stops it")
             yield process, int(line.split("/")[2].split(":")[1])
         finally:
             process.kill()

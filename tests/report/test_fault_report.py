@@ -106,13 +106,14 @@ def test_map_shows_what_became_of_each_fault_the_worst_of_several(tmp_path):
         and "case 6: landed within limits; A1 stuck_off named, 7.00 s" in words
     )
     assert "case 7: lost" in words
-    drawn = plotly_figure(figure)["data"]
-    kinds = next(item for item in drawn if item["type"] == "heatmap")
+    drawn = plotly_figure(figure)
+    cells = next(item for item in drawn["data"] if item["type"] == "heatmap")
+    kinds = drawn["layout"][cells["coloraxis"]]
     assert kinds["showscale"] is False and kinds["colorscale"][2:4] == [
         [0.2, colours[names[1]]],
         [0.4, colours[names[1]]],
     ]
-    assert (kinds["zmin"], kinds["zmax"]) == (-0.5, 4.5) and kinds["text"][2][2] == words
+    assert (kinds["cmin"], kinds["cmax"]) == (-0.5, 4.5) and cells["text"][2][2] == words
     write_figure(figure, tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 5000
 

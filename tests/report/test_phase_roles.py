@@ -15,6 +15,7 @@ from edl6dof.config.document.locate import resolve_scenario
 from edl6dof.fsw.mission.roles import LIFT, PARACHUTE, TRIM, begun, during, span
 from edl6dof.manifest import seal
 from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.views.spatial import TIMELINE
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.page import page
 from edl6dof.runs.results import write_run
@@ -106,8 +107,8 @@ def rows_of(flight, path, old):
             for name in batch.schema.names
             if ":" in name and name != "RecordingInfo:start_time"
         }
-        if "sim_time" in batch.schema.names:
-            columns["sim_time"] = batch.column("sim_time").cast("int64")
+        if TIMELINE in batch.schema.names:
+            columns[TIMELINE] = batch.column(TIMELINE).cast("int64")
         rows = zip(*(column.to_pylist() for column in columns.values()), strict=True)
         texts = [with_old_names(repr(list(zip(columns, row, strict=True))), old) for row in rows]
         found.setdefault(chunk.entity_path, []).extend(texts)

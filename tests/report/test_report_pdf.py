@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from itertools import combinations
+
+import numpy as np
+
 from edl6dof.report.document import Report, Section, Table
-from edl6dof.report.pdf import ROWS_PER_PAGE, _pages
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.flight.build import flight_report
+from edl6dof.report.pdf import ROOM, ROWS_PER_PAGE, _pages, figure_pages, write_pdf
 
 
 def words(lines):
@@ -20,7 +27,30 @@ def test_tables_are_not_torn():
         rows = [[word for word in page if word.startswith(f"{name} ")] for page in pages]
         assert sum(rows, []) == [f"{name} {k}" for k in range(n)]
         mine = [page for page, found in zip(pages, rows, strict=True) if found]
-        assert len(mine) == {"long": 4}.get(name, 1)
+        assert len(mine) == {"long": 2}.get(name, 1)
         for page in mine:
             assert page[page.index(name) + 1 :][:1] == ["name"]
     assert pages[0][0] == "title" and pages[-1][-1] == "the end"
+
+
+def test_figures_fill_two_columns_and_those_side_by_side_both():
+    line = Trace(np.arange(3.0), np.arange(3.0))
+    panel = Panel(Axis("x (m)"), Axis("y (m)"), [line])
+    figures = [Figure(f"f{k}", "one", [panel], height=150 + 40 * (k % 3)) for k in range(20)]
+    figures.insert(7, Figure("wide", "wide", [panel] * 3, columns=3))
+    pages = list(figure_pages(figures))
+    assert [placed.figure for page in pages for placed in page] == figures
+    assert len(pages) < 6
+    for page in pages:
+        assert max(placed.foot for placed in page) <= ROOM
+        for one, two in combinations(page, 2):
+            apart = one.foot <= two.top or two.foot <= one.top
+            assert apart or not set(one.columns) & set(two.columns)
+    (wide,) = (placed for page in pages for placed in page if placed.figure.key == "wide")
+    assert tuple(wide.columns) == (0, 1)
+
+
+def test_pdf_of_the_nominal_flight_is_short(run, tmp_path):
+    write_pdf(flight_report(run), tmp_path / "report.pdf")
+    pages = re.findall(rb"/Type /Page\b", (tmp_path / "report.pdf").read_bytes())
+    assert 4 < len(pages) <= 12

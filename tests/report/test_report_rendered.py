@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 
@@ -73,6 +74,11 @@ def test_a_curve_stands_where_its_numbers_say(tmp_path):
     assert slope == pytest.approx(-height / width, rel=0.02)
     middle = rows[np.abs(columns - columns.min() - width / 2) < 2]
     assert middle.mean() == pytest.approx(rows.min() + height / 2, abs=4)
+
+
+def test_print_of_the_nominal_flight_is_short(written, tmp_path):
+    pages = re.findall(rb"/Type /Page\b", print_out(written, tmp_path).read_bytes())
+    assert 4 < len(pages) <= 12
 
 
 def test_prints_on_a4_with_every_figure(written, run, tmp_path):

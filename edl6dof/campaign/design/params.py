@@ -9,6 +9,7 @@ from pydantic import model_validator
 
 from edl6dof.campaign.design.distributions.registry import Distribution
 from edl6dof.config.base import REQUIRED, Params, Title, param, section, stated
+from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.vehicle.faults.component import Component
 from edl6dof.vehicle.faults.fault import FaultStart
 
@@ -70,13 +71,14 @@ class FaultDraw(Params):
 class CampaignParams(Params):
     """How many flights, and how each differs from the scenario."""
 
-    cases: int = param(1000, "number of flights", ge=1, le=10_000_000)
+    cases: int = param(1000, "number of flights; of rows of a design of Sobol indices", ge=1, le=10_000_000)
     seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)
-    sampling: Literal["monte_carlo", "latin_hypercube", "sobol"] = param(
+    sampling: Literal["monte_carlo", "latin_hypercube", "sobol", "sobol_indices"] = param(
         "monte_carlo",
         (
-            "independent random cases, one in each of as many strata of every parameter, or a scrambled "
-            "Sobol sequence"
+            "independent random cases, one in each of as many strata of every parameter, a scrambled Sobol "
+            "sequence, or the design of Sobol indices: for each row two cases and one more for each group of "
+            "dispersions"
         ),
     )
     profiles: bool = param(True, "whether each case meets random profiles (density, gusts) of its own")
@@ -96,6 +98,12 @@ class CampaignParams(Params):
     )
     correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
     faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
+
+    @model_validator(mode="after")
+    def _a_design_of_numbers(self) -> Self:
+        if self.sampling == "sobol_indices" and self.faults:
+            raise ValueError("sampling sobol_indices swaps numbers between flights and takes no faults")
+        return self
 
 
 class Axis(Params):
@@ -169,3 +177,21 @@ class CampaignFile(Params):
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")
     fault_matrix: FaultMatrixParams | None = param(None, "flights with faults, one for each cell")
+
+    @property
+    def text(self) -> str:
+        """The sections as YAML: one line for each distribution, axis, group and fault draw."""
+        lines = []
+        for name, given in self.model_dump(mode="json", exclude_none=True).items():
+            lines.append(f"{name}:")
+            for key, value in given.items():
+                if isinstance(value, dict) and value:
+                    lines += [
+                        f"  {key}:",
+                        *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
+                    ]
+                elif isinstance(value, list) and value:
+                    lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
+                else:
+                    lines.append(f"  {key}: {write_flow(value)}")
+        return "\n".join(lines) + "\n"

@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.case import BELIEF, TRUTH, Case
 from edl6dof.campaign.design.dispersions import Draw, Locator, Target, check_faults, check_values, dispersions
 from edl6dof.campaign.design.fault_matrix import Cell, cells, check_matrix
 from edl6dof.campaign.design.params import CampaignFile, CampaignParams, FaultMatrixParams, SweepParams
 from edl6dof.campaign.design.sampling import unit_numbers
+from edl6dof.campaign.design.swaps import MATRIX, ROW, Swaps, swaps_of
 from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.scalars import write_flow, write_scalar
 from edl6dof.config.document.source import Document, Mark, parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
@@ -65,7 +65,15 @@ class Plan:
     @property
     def per_point(self) -> int:
         """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
-        return self.campaign.cases if self.campaign is not None else 1
+        if self.campaign is None:
+            return 1
+        return self.campaign.cases * (self.swaps.width if self.swaps is not None else 1)
+
+    @cached_property
+    def swaps(self) -> Swaps | None:
+        """The design of Sobol indices, where the campaign asks for one."""
+        columns = [_column(target) for draw in self.draws for target in draw.targets]
+        return swaps_of(self.campaign, columns) if self.campaign is not None else None
 
     @property
     def count(self) -> int:
@@ -78,14 +86,13 @@ class Plan:
         targets = [target for draw in self.draws for target in draw.targets] + [
             target for target, _ in self.axes
         ]
-        return [("truth." if target.of == "truth" else "belief.") + target.path for target in targets]
+        return [_column(target) for target in targets]
 
     @cached_property
     def text(self) -> str:
         """The whole plan as YAML, every default written out: enough to fly each case again, bit for bit."""
-        return resolved_text(self.loaded) + _sections_text(
-            CampaignFile(campaign=self.campaign, sweep=self.sweep, fault_matrix=self.fault_matrix)
-        )
+        file = CampaignFile(campaign=self.campaign, sweep=self.sweep, fault_matrix=self.fault_matrix)
+        return resolved_text(self.loaded) + file.text
 
     def cases(self, first: int = 0, last: int | None = None) -> Iterator[Case]:
         """Cases ``first .. last - 1``."""
@@ -109,7 +116,13 @@ class Plan:
                 own = cell.faults if cell else self._base_faults
                 changes["truth"]["faults"] = [*own, *faults[offset]]
             profile = start + offset if self.campaign is not None and self.campaign.profiles else None
-            label = cell.label if cell else {}
+            label: dict[str, Any] = dict(cell.label) if cell else {}
+            if self.swaps is not None:
+                label |= {
+                    MATRIX: self.swaps.matrix(start + offset),
+                    ROW: (start + offset) // self.swaps.width,
+                }
+                profile = self.swaps.profile(start + offset) if profile is not None else None
             yield Case(point * self.per_point + start + offset, **changes, profile=profile, label=label)
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
@@ -117,8 +130,12 @@ class Plan:
         if self.campaign is None:
             return
         names = [name for draw in self.draws for name in draw.names]
-        unit = unit_numbers(
-            self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop
+        unit = (
+            self.swaps.unit_numbers(start, stop)
+            if self.swaps is not None
+            else unit_numbers(
+                self.campaign.sampling, self.campaign.seed, names, self.campaign.cases, start, stop
+            )
         )
         column = 0
         for draw in self.draws:
@@ -146,20 +163,29 @@ class Plan:
         return found
 
 
+def _column(target: Target) -> str:
+    """Column of the results that holds a dispersed or swept value."""
+    return (TRUTH if target.of == "truth" else BELIEF) + target.path
+
+
 def _plain(value: Any) -> Any:
     """A number of Python's own, which JSON and Arrow know."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 def load_plan(
-    name_or_path: str, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None
+    name_or_path: str,
+    sets: tuple[str, ...] = (),
+    cases: int | None = None,
+    seed: int | None = None,
+    sampling: str | None = None,
 ) -> Plan:
     """Read and check a campaign file: nothing flies before all of it is right.
 
     Raises:
         ConfigError: every problem, with file and line.
     """
-    return plan_of(read_document(resolve_scenario(name_or_path)), sets, cases, seed)
+    return plan_of(read_document(resolve_scenario(name_or_path)), sets, cases, seed, sampling)
 
 
 def parse_plan(text: str, file: str) -> Plan:
@@ -168,7 +194,11 @@ def parse_plan(text: str, file: str) -> Plan:
 
 
 def plan_of(
-    document: Document, sets: tuple[str, ...] = (), cases: int | None = None, seed: int | None = None
+    document: Document,
+    sets: tuple[str, ...] = (),
+    cases: int | None = None,
+    seed: int | None = None,
+    sampling: str | None = None,
 ) -> Plan:
     """Check a document that has a campaign or sweep section.
 
@@ -181,7 +211,7 @@ def plan_of(
             [document.problem((), "has no campaign: and no sweep: section; try edl6dof campaign tianwen1_mc")]
         )
     marks = dict(document.marks)
-    for key, value in (("cases", cases), ("seed", seed)):
+    for key, value in (("cases", cases), ("seed", seed), ("sampling", sampling)):
         if value is not None and isinstance(section := own.get("campaign"), dict):
             own["campaign"] = {**section, key: value}
             marks["campaign", key] = Mark(f"--{key}")
@@ -204,6 +234,15 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
         check_faults(campaign, locator)
     if matrix is not None:
         check_matrix(matrix, campaign.cases if campaign is not None else 1, locator)
+    if campaign is not None and campaign.sampling == "sobol_indices":
+        if sweep is not None or matrix is not None:
+            locator.refuse(
+                ("campaign", "sampling"), "sobol_indices is flown alone: without sweep or fault_matrix"
+            )
+        if not draws and not locator.problems:
+            locator.refuse(
+                ("campaign", "sampling"), "sobol_indices has nothing to vary: nothing is dispersed"
+            )
     locator.finish()
     points = tuple(product(cells(matrix) if matrix else [None], product(*(values for _, values in axes))))
     pinned = _with_pins(loaded, draws, axes)
@@ -237,21 +276,3 @@ def _check_draws(plan: Plan, locator: Locator) -> None:
         if all(isinstance(point, int | float) for point in points):
             check_values(target, np.asarray(points, dtype=float), 0, locator)
     locator.finish()
-
-
-def _sections_text(file: CampaignFile) -> str:
-    """The campaign and sweep sections as YAML: one line for each distribution, axis, group and fault draw."""
-    lines = []
-    for name, section in file.model_dump(mode="json", exclude_none=True).items():
-        lines.append(f"{name}:")
-        for key, value in section.items():
-            if isinstance(value, dict) and value:
-                lines += [
-                    f"  {key}:",
-                    *(f"    {write_scalar(path)}: {write_flow(item)}" for path, item in value.items()),
-                ]
-            elif isinstance(value, list) and value:
-                lines += [f"  {key}:", *(f"    - {write_flow(item)}" for item in value)]
-            else:
-                lines.append(f"  {key}: {write_flow(value)}")
-    return "\n".join(lines) + "\n"

@@ -30,7 +30,7 @@ def unit_numbers(
     if not names or last <= first:
         return np.zeros((max(last - first, 0), len(names)))
     if sampling == "sobol":
-        return _sobol(seed, len(names), first, last)
+        return sobol_numbers(seed, len(names), first, last)
     if sampling == "latin_hypercube":
         columns = [_stratified(seed, name, cases)[first:last] for name in names]
     else:
@@ -59,7 +59,8 @@ def _random(seed: int, name: str, first: int, last: int) -> np.ndarray:
     return np.concatenate(blocks)[first - start * _BLOCK : last - start * _BLOCK]
 
 
-def _sobol(seed: int, dimensions: int, first: int, last: int) -> np.ndarray:
+def sobol_numbers(seed: int, dimensions: int, first: int, last: int) -> np.ndarray:
+    """Rows ``first .. last - 1`` of a scrambled Sobol sequence, shape (last - first, dimensions)."""
     engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng((seed, _STREAM)))
     if first:
         engine.fast_forward(first)

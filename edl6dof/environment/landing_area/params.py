@@ -131,6 +131,14 @@ def _laws(params: LandingAreaParams) -> dict[str, Law]:
     craters = params.crater_density_per_km2 * 1e-6 * CRATER_DIAMETER**exponent * exponent
     amount, decay = rock_law(params.rock_abundance)
     return {
-        "craters": Law(craters, exponent, 0.0, params.smallest_crater_m, params.largest_crater_m, 0.5 * EDGE),
-        "rocks": Law(amount, 1.0, decay, params.smallest_rock_m, params.largest_rock_m, 0.5),
+        "craters": Law(
+            craters,
+            exponent,
+            0.0,
+            params.smallest_crater_m,
+            params.largest_crater_m,
+            0.5 * EDGE,
+            stands=False,
+        ),
+        "rocks": Law(amount, 1.0, decay, params.smallest_rock_m, params.largest_rock_m, 0.5, stands=True),
     }

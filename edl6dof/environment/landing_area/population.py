@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.jit import kernel
+from edl6dof.records import FLAG
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.noise import random_bits, random_bits_at
 
@@ -29,6 +30,7 @@ POPULATION = np.dtype(
         ("exponent", "f8"),
         ("decay", "f8"),  # per m
         ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
+        ("stands", FLAG),  # its members stand on the ground, instead of being part of its form
         ("key", "i8", (MAX_CLASSES,)),
         ("smallest", "f8", (MAX_CLASSES,)),  # m
         ("largest", "f8", (MAX_CLASSES,)),  # m
@@ -107,6 +109,7 @@ class Law(NamedTuple):
     smallest: float
     largest: float
     reach: float
+    stands: bool
 
 
 def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Generator) -> None:
@@ -114,6 +117,7 @@ def fill_population(record: np.void, law: Law, lattice: float, rng: np.random.Ge
     classes = _classes(law, lattice)
     record["n"] = len(classes["mean"])
     record["exponent"], record["decay"], record["reach"] = law.exponent, law.decay, law.reach
+    record["stands"] = law.stands
     for name, values in classes.items():
         record[name][: len(values)] = values
     record["empty"][: record["n"]] = np.exp(-classes["mean"])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from edl6dof.environment.landing_area.craters import crater_height
+from edl6dof.environment.landing_area.feature import with_member
 from edl6dof.environment.landing_area.plane import geodetic_of
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, last_cell, member
-from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.environment.landing_area.surface import node_height
 from edl6dof.environment.terrain import regional
 from edl6dof.jit import kernel
@@ -27,8 +26,8 @@ def lay_raster(terrain, grid, north, east, heights):
     area = terrain.landing_area
     i, j = endless_cell(north / area.cell + 0.5), endless_cell(east / area.cell + 0.5)
     heights[:] = 0.0
-    _paint_rocks(area, area.rocks, i, j, heights)
-    _paint_craters(area, area.craters, i, j, heights)
+    _paint(area, area.rocks, i, j, heights)
+    _paint(area, area.craters, i, j, heights)
     for row in range(heights.shape[0]):
         _finish_row(terrain, grid, i + row, j, heights[row])
     return i * area.cell, j * area.cell
@@ -56,43 +55,28 @@ def _regional(terrain, grid, i, j):
 
 
 @kernel
-def _paint_rocks(area, rocks, i, j, heights):
-    """Raise the nodes to the rocks that reach them; ``heights`` begins at the node (``i``, ``j``)."""
+def _paint(area, population, i, j, heights):
+    """Give the nodes what the members of a population that reach them are; ``heights`` begins at the node
+    (``i``, ``j``).
+    """
     step = area.cell
     rows, columns = heights.shape
-    for k in range(rocks.n):
-        for a in range(first_cell(rocks, k, i * step), last_cell(rocks, k, (i + rows) * step) + 1):
-            for b in range(first_cell(rocks, k, j * step), last_cell(rocks, k, (j + columns) * step) + 1):
-                bits = cell_bits(rocks, k, a, b)
-                for n in range(drawn_in(rocks, k, bits)):
-                    north, east, diameter, _ = member(rocks, k, bits, a, b, n)
-                    first, last = nodes_within(north, rocks.reach * diameter, step, i, rows)
-                    left, right = nodes_within(east, rocks.reach * diameter, step, j, columns)
-                    for row in range(first, last):
-                        y2 = ((i + row) * step - north) ** 2
-                        for column in range(left, right):
-                            height = rock_height(diameter, y2 + ((j + column) * step - east) ** 2)
-                            heights[row, column] = max(heights[row, column], height)
-
-
-@kernel
-def _paint_craters(area, craters, i, j, heights):
-    """Add the craters to the nodes that they reach; ``heights`` begins at the node (``i``, ``j``)."""
-    step = area.cell
-    rows, columns = heights.shape
-    for k in range(craters.n):
-        for a in range(first_cell(craters, k, i * step), last_cell(craters, k, (i + rows) * step) + 1):
-            for b in range(first_cell(craters, k, j * step), last_cell(craters, k, (j + columns) * step) + 1):
-                bits = cell_bits(craters, k, a, b)
-                for n in range(drawn_in(craters, k, bits)):
-                    north, east, diameter, character = member(craters, k, bits, a, b, n)
-                    first, last = nodes_within(north, craters.reach * diameter, step, i, rows)
-                    left, right = nodes_within(east, craters.reach * diameter, step, j, columns)
+    for k in range(population.n):
+        for a in range(first_cell(population, k, i * step), last_cell(population, k, (i + rows) * step) + 1):
+            low, high = first_cell(population, k, j * step), last_cell(population, k, (j + columns) * step)
+            for b in range(low, high + 1):
+                bits = cell_bits(population, k, a, b)
+                for n in range(drawn_in(population, k, bits)):
+                    north, east, diameter, character = member(population, k, bits, a, b, n)
+                    first, last = nodes_within(north, population.reach * diameter, step, i, rows)
+                    left, right = nodes_within(east, population.reach * diameter, step, j, columns)
                     for row in range(first, last):
                         y2 = ((i + row) * step - north) ** 2
                         for column in range(left, right):
                             square = y2 + ((j + column) * step - east) ** 2
-                            heights[row, column] += crater_height(diameter, character, square)
+                            heights[row, column] = with_member(
+                                population, heights[row, column], diameter, character, square
+                            )
 
 
 @kernel

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from edl6dof.environment.landing_area.craters import crater_height
+from edl6dof.dispatch import numbers, on_its_own
+from edl6dof.environment.landing_area.feature import with_member
 from edl6dof.environment.landing_area.fractal import fractal_at
 from edl6dof.environment.landing_area.params import FADE
 from edl6dof.environment.landing_area.population import cell_bits, drawn_in, first_cell, member
-from edl6dof.environment.landing_area.rocks import rock_height
 from edl6dof.jit import kernel
 from edl6dof.spatial.lookups import endless_cell
 from edl6dof.spatial.vector import clamp
 
 
+@on_its_own(numbers(3))
 @kernel
 def relief(area, tiles, north, east):
     """Height (m) of the relief at a place (m from the site), and its rise per metre towards north and east:
@@ -36,8 +37,8 @@ def corners(area, tiles, i, j):
     What a node gets does not depend on which cell it is a corner of: all that reaches it is met in the same
     order from each.
     """
-    sw, se, nw, ne = craters_at_corners(area, area.craters, i, j)
-    rocks = rocks_at_corners(area, area.rocks, i, j)
+    sw, se, nw, ne = heights_at_corners(area, area.craters, i, j)
+    rocks = heights_at_corners(area, area.rocks, i, j)
     return (
         node_height(area, tiles, i, j, sw, rocks[0]),
         node_height(area, tiles, i, j + 1, se, rocks[1]),
@@ -60,46 +61,23 @@ def share_at(area, north, east):
 
 
 @kernel
-def craters_at_corners(area, craters, i, j):
-    """What craters add (m) at the corners of a cell of the lattice, in the order of :func:`corners`."""
+def heights_at_corners(area, population, i, j):
+    """What a population gives (m) at the corners of a cell, in the order of :func:`corners`."""
     step = area.cell
     sw = se = nw = ne = 0.0
-    for k in range(craters.n):
-        row, column = first_cell(craters, k, i * step), first_cell(craters, k, j * step)
+    for k in range(population.n):
+        row, column = first_cell(population, k, i * step), first_cell(population, k, j * step)
         for a in range(row, row + 2):
             for b in range(column, column + 2):
-                bits = cell_bits(craters, k, a, b)
-                for n in range(drawn_in(craters, k, bits)):
-                    north, east, diameter, character = member(craters, k, bits, a, b, n)
-                    y2, x2 = (i * step - north) ** 2, (j * step - east) ** 2
-                    yy2, xx2 = ((i + 1) * step - north) ** 2, ((j + 1) * step - east) ** 2
-                    sw += crater_height(diameter, character, y2 + x2)
-                    se += crater_height(diameter, character, y2 + xx2)
-                    nw += crater_height(diameter, character, yy2 + x2)
-                    ne += crater_height(diameter, character, yy2 + xx2)
-    return sw, se, nw, ne
-
-
-@kernel
-def rocks_at_corners(area, rocks, i, j):
-    """Height (m) of the highest rock at the corners of a cell of the lattice, in the order of
-    :func:`corners`.
-    """
-    step = area.cell
-    sw = se = nw = ne = 0.0
-    for k in range(rocks.n):
-        row, column = first_cell(rocks, k, i * step), first_cell(rocks, k, j * step)
-        for a in range(row, row + 2):
-            for b in range(column, column + 2):
-                bits = cell_bits(rocks, k, a, b)
-                for n in range(drawn_in(rocks, k, bits)):
-                    north, east, diameter, _ = member(rocks, k, bits, a, b, n)
+                bits = cell_bits(population, k, a, b)
+                for n in range(drawn_in(population, k, bits)):
+                    north, east, diameter, character = member(population, k, bits, a, b, n)
                     if diameter == 0.0:
                         continue
                     y2, x2 = (i * step - north) ** 2, (j * step - east) ** 2
                     yy2, xx2 = ((i + 1) * step - north) ** 2, ((j + 1) * step - east) ** 2
-                    sw = max(sw, rock_height(diameter, y2 + x2))
-                    se = max(se, rock_height(diameter, y2 + xx2))
-                    nw = max(nw, rock_height(diameter, yy2 + x2))
-                    ne = max(ne, rock_height(diameter, yy2 + xx2))
+                    sw = with_member(population, sw, diameter, character, y2 + x2)
+                    se = with_member(population, se, diameter, character, y2 + xx2)
+                    nw = with_member(population, nw, diameter, character, yy2 + x2)
+                    ne = with_member(population, ne, diameter, character, yy2 + xx2)
     return sw, se, nw, ne

@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.allocation import least_squares, table
 from edl6dof.registry import Family
 
@@ -43,4 +44,5 @@ class AllocationParams(_Methods):
 share_out = ALLOCATORS.switch(
     "share_out",
     *("params", "shared", "vehicle", "healthy", "effectiveness", "demand", "memory", "duty", "unallocated"),
+    returns=NOTHING,
 )

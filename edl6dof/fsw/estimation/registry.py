@@ -11,7 +11,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from edl6dof.config.base import param
+from edl6dof.config.base import group, param
+from edl6dof.dispatch import NOTHING
+from edl6dof.fsw.estimation.engine_shortfall import EngineShortfallParams
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
 from edl6dof.registry import Family
 
@@ -58,6 +60,7 @@ class EstimationParams(_Estimators):
         ge=0.0,
         le=0.02,
     )
+    engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
 
 
-estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out")
+estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect
+from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL
 from edl6dof.fsw.estimation.registry import ESTIMATORS, MEASURED, estimate
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
@@ -24,6 +25,7 @@ ESTIMATION = np.dtype(
         ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
         ("started", FLAG),
         ("law", ESTIMATORS.memory),
+        ("engine_shortfall", ENGINE_SHORTFALL),
     ],
     align=True,
 )

@@ -14,6 +14,7 @@ GUIDE = np.dtype(
         ("thrust_direction_N", "f8", (3,)),  # unit vector, north-east-down
         ("thrust", "f8"),  # demanded engine thrust, N
         ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),
+        ("full_wanted", FLAG),  # the law asks for full level now
         ("translating", FLAG),  # lateral force is demanded of the horizontal thrusters
         ("force_N", "f8", (2,)),  # that force, north and east, N
         ("reference_drag", "f8"),

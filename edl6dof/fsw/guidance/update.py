@@ -80,11 +80,13 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         keep_thrust_axis(nav, goal)
     elif kind == G_POWERED:
         choose_target(p.target, nav, point, memory.target)
+        goal.full_wanted = 0
         north, east, up, tilt_limit = powered_guidance(
             p.law, p, onboard.vehicle, state, nav, memory.target, memory.powered, goal
         )
         command_thrust(mass, (north, east, up), tilt_limit, goal)
-        start_or_throttle(engine, p.full_time, p.full_again, nav.t - state.ignition_time, goal)
+        elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
+        start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, goal)
     if kind not in (G_HOVER, G_AVOID, G_DESCEND):
         return
     standing = standing_force(p.terminal.standing_force, nav, disturbance, dt, memory.terminal.standing)

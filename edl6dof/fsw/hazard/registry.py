@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from edl6dof.config.base import Params, group, param
+from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.hazard.choose import ChoiceParams
 from edl6dof.fsw.hazard.coarse import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
@@ -49,4 +50,6 @@ class HazardParams(_Detectors):
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 
-judge = HAZARD_DETECTION.switch("judge", "params", "chart", "footprint", "radius", "deviation", "out")
+judge = HAZARD_DETECTION.switch(
+    "judge", "params", "chart", "footprint", "radius", "deviation", "out", returns=NOTHING
+)

@@ -9,6 +9,7 @@ from math import cos, sin
 import numpy as np
 
 from edl6dof.config.units import G0
+from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.hazard.choose import CHOICE, choose_spot, least_bad
 from edl6dof.fsw.hazard.coarse import COARSE, choose_part
 from edl6dof.fsw.hazard.distance import ENVELOPE, clearances
@@ -155,6 +156,7 @@ def work_out(params, terminal, deviation, nav, state, memory):
         least_bad(chart, footprint, judged, here_L, memory.choice)
 
 
+@on_its_own(NOTHING)
 @kernel
 def look_ahead(onboard, sensed, nav, memory, point, command):
     """Ask for the image, and make the coarse choice when it is there."""
@@ -168,6 +170,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
         point.coarse_known, memory.image_t = 1, nav.t
 
 
+@on_its_own(NOTHING)
 @kernel
 def look_down(onboard, elapsed, sensed, nav, state, memory, point, command):
     """Ask for the scan, take what it brings, and choose the spot when it is whole."""

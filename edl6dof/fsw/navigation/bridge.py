@@ -6,7 +6,7 @@ pull m f at that place, and without any torque where nothing pulls.  What is rea
 centre, is f and w' x l + w x (w x l) together: one linear equation for w'.
 Once the gyros read again they show by how much the rate is off.  A torque in proportion to the force, as of
 a pull beside the believed centre of mass, makes an error of the angle in proportion to that of the rate:
-it is taken off.
+it is taken off, roughly; :mod:`~edl6dof.fsw.navigation.hindsight` does it better a little later.
 Left out: torque of air and thrusters, but for what grows in the same way.
 
 Source: this project; Euler's equations; a vector and one product: Sherman and Morrison 1950.
@@ -26,6 +26,7 @@ BRIDGE = np.dtype(
     [
         ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
         ("reach", "f8"),  # m: integral of that
+        ("added", "f8", (3,)),  # rad, B: what was added to the angle after the last gap
     ],
     align=True,
 )
@@ -76,6 +77,7 @@ def arrive(body, lever, gain, dt, rate_before, memory, motion):
     put3(motion.rate, 0, rate_before)
     bridge(body, lever, gain, dt, memory, motion)
     off = scale(1.0 / dt, sub(angle, take3(motion.angle, 0)))
-    put3(motion.angle, 0, add(angle, scale(memory.reach / memory.push, off)))
+    put3(memory.added, 0, scale(memory.reach / memory.push, off))
+    put3(motion.angle, 0, add(angle, take3(memory.added, 0)))
     put3(motion.rate, 0, rate)
     memory.push = memory.reach = 0.0

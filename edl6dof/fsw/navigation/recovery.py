@@ -18,6 +18,7 @@ from math import atan2
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.dispatch import NOTHING, on_its_own
 from edl6dof.fsw.navigation.alignment import adopt_attitude
 from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
 from edl6dof.fsw.navigation.filters.kalman.antenna import attitude_at, level_axes
@@ -83,6 +84,13 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
     memory.gap = 0.0
     if memory.lost == 0:
         return
+    _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
+
+
+@on_its_own(NOTHING)
+@kernel
+def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution):
+    """As :func:`recover`, while the attitude is lost and the rate is known."""
     if sensed.stars.valid != 0:
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0

@@ -20,6 +20,7 @@ from edl6dof.fsw.navigation.guard import (
     height_while_lost,
     judge,
 )
+from edl6dof.fsw.navigation.hindsight import HINDSIGHT, look_back
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
@@ -40,6 +41,7 @@ NAVIGATION = np.dtype(
         ("inertial", INERTIAL_MEMORY),
         ("motion", MOTION),
         ("solution", SOLUTION),
+        ("hindsight", HINDSIGHT),
         ("recovery", RECOVERY),
         ("guard", GUARD),
         ("centre", "f8", (3,)),  # m, B: centre of mass that the solution is of
@@ -111,6 +113,7 @@ def navigate(onboard, state, sensed, memory):
             start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
+        look_back(body, motion, memory.inertial.bridge.added, memory.hindsight, solution)
         recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
         solution.looked = 0
         correct_solution(

@@ -1,17 +1,48 @@
-"""Arrows at the vehicle: velocity, lift, thrust, disturbance torque; and the attitude and velocity frames."""
+"""Arrows at the vehicle: velocity, lift, thrust, disturbance torque; the attitude and velocity frames; and
+their names.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.replay.history import thin, vector
+from edl6dof.replay.history import History, thin, vector
 from edl6dof.replay.recorder import SCALAR_HZ, Recorder
 from edl6dof.replay.scene.mesh import RGB
+from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.views.callouts import Label, laid_out, screen
+from edl6dof.replay.views.spatial import body_eye
 from edl6dof.spatial import rotations as turns
 
 VELOCITY, LIFT, THRUST, TORQUE = (110, 230, 240), (130, 235, 120), (255, 190, 90), (240, 110, 220)
+#: Colours of the axes x, y, z, as the viewer draws them.
+AXES: tuple[RGB, ...] = ((255, 110, 110), (120, 230, 120), (130, 150, 255))
+#: Lengths of the axes of the body and of the velocity frame, of the longest arrow, and where the arrow of the
+#: velocity begins and how long it is, in the vehicle's diameters.
+BODY_AXES, VELOCITY_AXES, LONGEST, AHEAD, WAY = 0.6, 0.85, 0.9, 0.42, 0.62
+#: Radius of the disc that the vehicle covers, in its diameters.
+COVERED = 0.55
+#: Share of the time in which an arrow is no longer than the longest one: a shock may be.
+USUAL = 0.99
+#: Shortest arrow that is drawn, in the vehicle's diameters.
+LEAST = 0.006
+#: Share of the aerodynamic force below which none of it is lift: a sphere has none.
+_NO_LIFT = 1e-3
+
+
+class Arrow(NamedTuple):
+    """An arrow at each row: what it is called, its colour, its values in L, shape (rows, 3), where it means
+    something, its unit, and how much of it 1 m stands for.
+    """
+
+    name: str
+    colour: RGB
+    values: np.ndarray
+    shown: np.ndarray
+    unit: str
+    metre: float
 
 
 class Arrows(Recorder):
@@ -19,76 +50,56 @@ class Arrows(Recorder):
 
     def motions(self) -> None:
         """Each arrow from its own start: the velocity ahead of the vehicle, forces at the centre of mass."""
-        motion, columns = self.motion, self.flight.columns
         rows = thin(self.t, SCALAR_HZ)
-        size = self.vehicle.aero.capsule.diameter_m
         if len(rows) < 3:
             return
-        way = np.gradient(motion.centre[rows], self.t[rows], axis=0)
-        speed = np.linalg.norm(way, axis=-1, keepdims=True)
-        way = way / np.maximum(speed, 1e-9)
-        flying = speed[:, 0] > 0.5
-        self._arrow("velocity", VELOCITY, rows, 0.62 * size * way, flying, 0.42 * size * way)
-        force = turns.rotate(motion.rotation[rows], vector(columns, "truth.aero_force", "x y z", "_n")[rows])
-        lift = force - (force * way).sum(axis=-1, keepdims=True) * way
-        before = self.t[rows] < self.when.get("mortar", np.inf)
-        self._arrow("lift", LIFT, rows, _scaled(lift, before, size), before)
-        thrust = self.flight["truth.engine_thrust_n"][rows]
-        up = turns.rotate(motion.rotation[rows], np.array([-1.0, 0.0, 0.0]))
-        full = sum(engine.full_thrust_n for engine in self.vehicle.engines)
-        self._arrow(
-            "thrust",
-            THRUST,
-            rows,
-            0.9 * size * up * (thrust / max(full, 1.0))[:, None],
-            thrust > 1.0,
-        )
-        torque = turns.rotate(
-            motion.rotation[rows], vector(columns, "truth.disturbance", "x y z", "_nm")[rows]
-        )
-        free = ~np.isfinite(motion.canopy[rows, 0])
-        self._arrow("disturbance torque", TORQUE, rows, _scaled(torque, free, size), free)
-        self._frames(rows, way)
+        way, speed = _way(self.motion, rows)
+        size = self.motion.shape.size
+        velocity = Arrow("velocity", VELOCITY, way * speed, speed[:, 0] > 0.5, "m/s", 0.0)
+        arrows = [velocity, *forces(self.flight, self.motion, rows)]
+        starts, vectors = [AHEAD * size * way], [WAY * size * way]
+        for arrow in arrows[1:]:
+            starts.append(np.zeros_like(way))
+            vectors.append(arrow.values / arrow.metre)
+        seen = [
+            arrow.shown & np.isfinite(ahead).all(axis=-1) & (np.linalg.norm(ahead, axis=-1) > LEAST * size)
+            for arrow, ahead in zip(arrows, vectors, strict=True)
+        ]
+        for arrow, start, ahead, shown in zip(arrows, starts, vectors, seen, strict=True):
+            self._arrow(arrow, rows, start, ahead, shown)
+        ends = [start + ahead for start, ahead in zip(starts, vectors, strict=True)]
+        self._names(rows, arrows, ends, seen, self._frames(rows, way))
 
     def _arrow(
-        self,
-        name: str,
-        colour: RGB,
-        rows: np.ndarray,
-        vectors: np.ndarray,
-        shown: np.ndarray,
-        start: Any = 0.0,
+        self, arrow: Arrow, rows: np.ndarray, start: np.ndarray, vectors: np.ndarray, shown: np.ndarray
     ) -> None:
-        """One arrow where ``shown``, from the centre of mass plus ``start``; with its name."""
+        """One arrow where ``shown``, from the centre of mass plus ``start``."""
         rr = self.rr
-        shown = shown & np.isfinite(vectors).all(axis=-1) & (np.linalg.norm(vectors, axis=-1) > 0.02)
         keep = shown | np.append(False, shown[:-1])  # a row without an arrow ends it
         if not shown.any():
             return
-        origins = (self.motion.centre[rows] + start)[shown]
-        entity = f"{self.root}/arrows/{name.replace(' ', '_')}"
-        self.static(
-            entity,
-            rr.Arrows3D.from_fields(
-                colors=colour, radii=0.011 * self.vehicle.aero.capsule.diameter_m, labels=[name]
-            ),
-        )
-        arrows = rr.Arrows3D.columns(origins=origins, vectors=vectors[shown])
-        self.columns(entity, self.t[rows[keep]], arrows.partition(shown[keep].astype(int)))
+        entity = f"{self.root}/arrows/{arrow.name.replace(' ', '_')}"
+        radius = 0.011 * self.motion.shape.size
+        self.static(entity, rr.Arrows3D.from_fields(colors=arrow.colour, radii=radius))
+        drawn = rr.Arrows3D.columns(origins=(self.motion.centre[rows] + start)[shown], vectors=vectors[shown])
+        self.columns(entity, self.t[rows[keep]], drawn.partition(shown[keep].astype(int)))
 
-    def _frames(self, rows: np.ndarray, way: np.ndarray) -> None:
+    def _frames(self, rows: np.ndarray, way: np.ndarray) -> dict[str, np.ndarray]:
         """Body axes B at the centre of mass, and the velocity frame: x along the velocity, z down in its
         vertical plane.
+
+        Returns:
+            ends of the axes from the centre of mass, m in L, shape (rows, 3), by their names.
         """
         rr, motion = self.rr, self.motion
-        size = self.vehicle.aero.capsule.diameter_m
+        size = self.motion.shape.size
         down = -(motion.centre[rows] + motion.site.axes @ motion.site.origin)
         right = np.cross(down, way)
         right /= np.maximum(np.linalg.norm(right, axis=-1, keepdims=True), 1e-9)
         axes = np.stack([way, right, np.cross(way, right)], axis=-1)
         steep = np.abs(np.linalg.det(axes)) < 0.5  # at rest, or falling straight down
         axes[steep] = np.eye(3)
-        self.static(f"{self.root}/velocity_frame", rr.TransformAxes3D(axis_length=0.75 * size))
+        self.static(f"{self.root}/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
         pose = rr.Transform3D.columns(
             translation=motion.centre[rows], quaternion=turns.xyzw(turns.from_axes(axes))
         )
@@ -97,12 +108,113 @@ class Arrows(Recorder):
         self.static(
             f"{self.root}/vehicle/attitude_frame",
             rr.Transform3D(translation=middle),
-            rr.TransformAxes3D(axis_length=0.6 * size),
+            rr.TransformAxes3D(axis_length=BODY_AXES * size),
         )
+        ends = {
+            f"{name}B": BODY_AXES * size * turns.rotate(motion.rotation[rows], one) for name, one in _UNITS
+        }
+        return ends | {f"{name}V": VELOCITY_AXES * size * axes[:, :, k] for k, name in enumerate("xyz")}
+
+    def _names(
+        self,
+        rows: np.ndarray,
+        arrows: list[Arrow],
+        ends: list[np.ndarray],
+        shown: list[np.ndarray],
+        axes: dict[str, np.ndarray],
+    ) -> None:
+        """Name and value of each arrow beyond its end, and the names of the axes: off the vehicle and off
+        each other as the page of the body shows them.
+        """
+        size = self.motion.shape.size
+        plane = screen(body_eye(self.motion.centre[0], self.motion.last, size))
+        texts = [_texts(arrow) for arrow in arrows] + [[name] * len(rows) for name in axes]
+        always = np.ones(len(rows), bool)
+        labels = [
+            Label(plane.seen(end), there, max(map(len, text)), moves)
+            for end, there, text, moves in zip(
+                [*ends, *axes.values()],
+                [*shown, *[always] * len(axes)],
+                texts,
+                [True] * len(arrows) + [False] * len(axes),
+                strict=True,
+            )
+        ]
+        places, there = laid_out(plane, COVERED * size, labels)
+        colours = np.array([arrow.colour for arrow in arrows] + list(AXES) * 2, np.uint8)
+        when, which = np.nonzero(there.T)
+        points = self.rr.Points3D.columns(
+            positions=self.motion.centre[rows[when]] + plane.placed(places[which, when]),
+            labels=[texts[k][row] for row, k in zip(when.tolist(), which.tolist(), strict=True)],
+            colors=colours[which],
+        )
+        entity = f"{self.root}/arrows/names"
+        self.static(entity, self.rr.Points3D.from_fields(radii=-0.01, show_labels=True))
+        self.columns(entity, self.t[rows], points.partition(there.sum(axis=0)))
 
 
-def _scaled(vectors: np.ndarray, shown: np.ndarray, size: float) -> np.ndarray:
-    """Arrows whose longest is about the vehicle's size; small ones stay visible."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    largest = max(float(np.nanmax(np.where(shown[:, None], length, 0.0), initial=0.0)), 1e-9)
-    return 0.9 * size * vectors / np.maximum(length, 1e-9) * np.sqrt(length / largest)
+_UNITS = tuple(zip("xyz", np.eye(3), strict=True))
+
+
+def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
+    """Lift and thrust (N) and disturbance torque (N m) at some rows, those that are ever there."""
+    columns, turn = flight.columns, motion.rotation[rows]
+    way = _way(motion, rows)[0]
+    force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
+    lift = force - (force * way).sum(axis=-1, keepdims=True) * way
+    lifting = np.linalg.norm(lift, axis=-1) > _NO_LIFT * np.linalg.norm(force, axis=-1)
+    thrust = flight["truth.engine_thrust_n"][rows]
+    torque = turns.rotate(turn, vector(columns, "truth.disturbance", "x y z", "_nm")[rows])
+    found = (
+        ("lift", LIFT, lift, lifting & (flight.t[rows] < flight.when.get("mortar", np.inf)), "N"),
+        ("thrust", THRUST, -thrust[:, None] * turn_x(turn), thrust > 1.0, "N"),
+        ("disturbance", TORQUE, torque, ~np.isfinite(motion.canopy[rows, 0]), "N m"),
+    )
+    size = motion.shape.size
+    arrows = []
+    for name, colour, values, shown, unit in found:
+        length = np.linalg.norm(np.nan_to_num(values[shown]), axis=-1)
+        if length.any():
+            largest = float(np.quantile(length[length > 0.0], USUAL))
+            arrows.append(Arrow(name, colour, values, shown, unit, _round_up(largest / (LONGEST * size))))
+    return arrows
+
+
+def scales(flight: History, motion: Motion) -> str:
+    """What 1 m of the arrows stands for."""
+    rows = thin(flight.t, SCALAR_HZ)
+    by_scale: dict[str, list[str]] = {}
+    for arrow in forces(flight, motion, rows):
+        by_scale.setdefault(_amount(arrow.metre, arrow.unit), []).append(arrow.name)
+    told = [f"{scale} ({', '.join(names)})" for scale, names in by_scale.items()]
+    return f"1 m = {', '.join(told)}" if told else ""
+
+
+def turn_x(turn: np.ndarray) -> np.ndarray:
+    """Body axis x in L, shape (rows, 3)."""
+    return turns.rotate(turn, np.array([1.0, 0.0, 0.0]))
+
+
+def _way(motion: Motion, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Direction of the velocity over ground, shape (rows, 3), and speed (m/s), shape (rows, 1)."""
+    way = np.gradient(motion.centre[rows], motion.t[rows], axis=0)
+    speed = np.linalg.norm(way, axis=-1, keepdims=True)
+    return way / np.maximum(speed, 1e-9), speed
+
+
+def _round_up(value: float) -> float:
+    """The next of 1, 2, 5, 10, ..."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * next(digit for digit in (1.0, 2.0, 5.0, 10.0) if digit * power >= 0.999999 * value))
+
+
+def _amount(value: float, unit: str) -> str:
+    """A value with its unit, in thousands from 1000 on, but for a speed."""
+    if value < 1000.0 or unit == "m/s":
+        return f"{value:,.3g} {unit}" if value < 1000.0 else f"{value:,.0f} {unit}"
+    return f"{value / 1000.0:,.3g} k{unit}"
+
+
+def _texts(arrow: Arrow) -> list[str]:
+    values = np.nan_to_num(np.linalg.norm(arrow.values, axis=-1)).tolist()
+    return [f"{arrow.name} {_amount(value, arrow.unit)}" for value in values]

@@ -23,16 +23,25 @@ class Trajectory(NamedTuple):
     cause: str
 
 
-def write_ensemble(recording: rr.RecordingStream, trajectories: Sequence[Trajectory]) -> None:
-    """Write ``/site/campaign``: one entity for the successes and one for each cause, and the counts as
-    text.
+class Ensemble(NamedTuple):
+    """The trajectories of a campaign's cases; and which flight among them the camera follows, and why."""
+
+    trajectories: Sequence[Trajectory]
+    followed: str
+
+
+def write_ensemble(recording: rr.RecordingStream, ensemble: Ensemble) -> None:
+    """Write ``/site/campaign``: one entity for the successes and one for each cause, and as text the counts
+    and whom the camera follows.
     """
     import rerun as rr
 
+    trajectories = ensemble.trajectories
     found = [one.cause for one in trajectories]
     causes = sorted(set(found) - {""}, key=lambda cause: (-found.count(cause), cause))
     lines = [
         f"## {found.count('')} of {len(found)} succeed\n",
+        f"Followed here, in white: {ensemble.followed}\n",
         "| cases | colour | outcome |",
         "|--:|:--|:--|",
     ]

@@ -1,5 +1,5 @@
-"""Flames: one for each firing thruster, as long as its duty; one for the engine, as long as its throttle is
-open.
+"""Flames: one for each firing thruster, as long as its duty; one for each engine, as long as its throttle is
+open.  All is written from the telemetry, shapes too: what never fires has no flame.
 """
 
 from __future__ import annotations
@@ -12,26 +12,22 @@ from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.mesh import plume
 from edl6dof.spatial import rotations as turns
 
+SPARK = (255, 196, 96)
+#: Size (points of the screen) of the spark that shows a firing thruster from however far.
+_SPARK_SIZE = 2.5
+#: Share of the thrust, and duty of a thruster, from which on a flame is seen.
+_LEAST_LEVEL, _LEAST_DUTY = 0.01, 0.02
+#: Length (m) of a flame that is out.
+_GONE = 1e-4
+
 
 class Flames(Recorder):
-    """Writes ``vehicle/thruster_plumes`` and ``vehicle/engine_plume``."""
-
-    def statics(self) -> None:
-        """The shape of a flame: a white core in an orange mantle."""
-        fires = {"thruster_plumes": self.vehicle.rcs.thrusters, "engine_plume": self.vehicle.engines}
-        names = [name for name, those in fires.items() if those]
-        for name in names:
-            for layer in ("core", "mantle"):
-                tint = [255, 255, 255, 255 if layer == "core" else 120]
-                self.static(
-                    f"{self.root}/vehicle/{name}/{layer}",
-                    self.mesh(plume(layer == "core"), albedo_factor=tint),
-                )
+    """Writes ``vehicle/thruster_plumes``, ``vehicle/thruster_sparks`` and ``vehicle/engine_plume``."""
 
     def motions(self) -> None:
-        """Their lengths."""
+        """Their shapes from the first time that one burns, and their lengths."""
         self._thrusters()
-        self._engine()
+        self._engines()
 
     def _thrusters(self) -> None:
         jets = self.vehicle.rcs.thrusters
@@ -41,35 +37,55 @@ class Flames(Recorder):
         back = turns.xyzw(turns.from_x_to(-np.array([jet.direction for jet in jets])))
         places = np.array([jet.position_m for jet in jets])
         size = np.array([1.5 * max(jet.thrust_n / 250.0, 0.05) ** 0.4 for jet in jets])
-        length, shown, rows = _burning(size * (0.35 + 0.65 * duty), duty > 0.02)
-        which = np.nonzero(shown)[1]
-        length = length[shown]
+        firing = duty > _LEAST_DUTY
+        length, shown, rows = _burning(size * (0.35 + 0.65 * duty), firing)
+        if not len(rows):
+            return
+        which, length = np.nonzero(shown)[1], length[shown]
         scales = np.column_stack([length, 0.37 * length, 0.37 * length])
         poses = self.rr.InstancePoses3D.columns(
             translations=places[which], quaternions=back[which], scales=scales
         )
-        self._poses("thruster_plumes", self.t[rows], poses.partition(shown.sum(axis=1)))
+        self._poses("thruster_plumes", rows, poses.partition(shown.sum(axis=1)))
+        self._sparks(rows, places[np.nonzero(firing[rows])[1]], firing[rows].sum(axis=1))
 
-    def _engine(self) -> None:
+    def _sparks(self, rows: np.ndarray, places: np.ndarray, each: np.ndarray) -> None:
+        """Points of one size on the screen at the nozzles that fire, ``each`` so many in a row: a flame is
+        too small to be seen from afar.
+        """
+        entity, rr = f"{self.root}/vehicle/thruster_sparks", self.rr
+        self.static(entity, rr.Points3D.from_fields(colors=SPARK, radii=rr.Radius.ui_points(_SPARK_SIZE)))
+        self.columns(entity, self.t[rows], rr.Points3D.columns(positions=places).partition(each))
+
+    def _engines(self) -> None:
         engines = self.vehicle.engines
         thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         full = sum(engine.full_thrust_n for engine in engines)
-        if full <= 0.0 or thrust.max() <= 0.0:
+        if full <= 0.0:
             return
         level = thrust / full  # telemetry holds the thrust of all engines together
         flicker = 1.0 + 0.06 * np.sin(2.0 * np.pi * 7.3 * self.t)
-        length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], (level > 0.01)[:, None])
+        burns = (level > _LEAST_LEVEL)[:, None]
+        length, shown, rows = _burning(((0.8 + 3.2 * level) * flicker)[:, None], burns)
+        if not len(rows):
+            return
         girth = np.minimum(0.55 + 0.35 * level[rows], length[:, 0])
         scales = np.column_stack([length[:, 0], girth, girth])
+        back = turns.xyzw(turns.from_x_to(-np.array([engine.direction for engine in engines])))
         poses = self.rr.InstancePoses3D.columns(
             translations=np.tile([engine.nozzle_m for engine in engines], (len(scales), 1)),
+            quaternions=np.tile(back, (len(scales), 1)),
             scales=np.repeat(scales, len(engines), axis=0),
         )
-        self._poses("engine_plume", self.t[rows], poses.partition(len(engines) * shown.sum(axis=1)))
+        self._poses("engine_plume", rows, poses.partition(len(engines) * shown.sum(axis=1)))
 
-    def _poses(self, name: str, t: np.ndarray, poses: Any) -> None:
-        for layer in ("core", "mantle"):
-            self.columns(f"{self.root}/vehicle/{name}/{layer}", t, poses)
+    def _poses(self, name: str, rows: np.ndarray, poses: Any) -> None:
+        """A white core in an orange mantle, from the first of ``rows`` on."""
+        for layer, opacity in (("core", 255), ("mantle", 120)):
+            entity = f"{self.root}/vehicle/{name}/{layer}"
+            shape = self.mesh(plume(layer == "core"), albedo_factor=[255, 255, 255, opacity])
+            self.at(self.t[rows[0]], entity, shape)
+            self.columns(entity, self.t[rows], poses)
 
 
 def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -86,8 +102,8 @@ def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.nda
         lengths and shown flames of the rows kept, and the kept rows.
     """
     active: np.ndarray = np.logical_or.reduce(firing, axis=1)
-    keep = np.flatnonzero(active | np.append([True], active[:-1]))
+    keep = np.flatnonzero(active | np.append([False], active[:-1]))
     length, shown = length[keep].copy(), firing[keep].copy()
     silent = ~active[keep]
-    length[silent], shown[silent, 0] = 1e-4, True
+    length[silent], shown[silent, 0] = _GONE, True
     return length, shown, keep

@@ -8,6 +8,7 @@ from edl6dof.environment.appearance import Tint
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.ground import TARGET
+from edl6dof.replay.scene.landscape import tints
 from edl6dof.replay.scene.mesh import Mesh, bright
 
 
@@ -59,8 +60,7 @@ def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
     east = (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / np.maximum(np.cos(lat), 0.15)
     north = np.gradient(height, axis=0)
     light = np.clip(1.0 + (0.9 * east - 0.9 * north) / 9e3, 0.55, 1.35)
-    tints = np.array(relief)
-    tone = np.stack([np.interp(height / 1e3, tints[:, 0], tints[:, k]) for k in (1, 2, 3)], axis=-1)
+    tone = tints(relief, height / 1e3)
     ice = np.clip((np.abs(np.degrees(lat)) - 78.0) / 6.0, 0.0, 1.0)[..., None] * float(heights.any())
     colours = tone * light[..., None] + (np.array([244.0, 240.0, 238.0]) - tone * light[..., None]) * ice
     place = radius_km * np.stack(

@@ -6,12 +6,14 @@ import numpy as np
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.landscape import Landscape, sky
-from edl6dof.replay.scene.mesh import rock
+from edl6dof.replay.scene.mesh import disc, rock
 from edl6dof.scenario.landing_ellipse import planned_ellipse
 from edl6dof.spatial import rotations as turns
 
 TARGET = (90, 220, 230)
-SKY_RADIUS_M = 3e6
+SUNLIGHT = (255, 250, 235)
+#: Radius of the sun's disc on the dome of unit radius: four times the true one, or it would be a point.
+_SUN_SIZE = 0.025
 KINDS_OF_ROCK = 4
 
 
@@ -25,7 +27,7 @@ class Ground(Recorder):
         rr, motion = self.rr, self.motion
         self.static("site", rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
-        landscape = Landscape(motion.site, motion.last, reach)
+        landscape = Landscape(motion.site, motion.last)
         self.static("site/ground", self.mesh(landscape.mesh()))
         if (near := landscape.near()) is not None:
             self.static("site/ground/near", self.mesh(near))
@@ -59,7 +61,11 @@ class Ground(Recorder):
         if len(rows) == 0:
             return
         self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
-        scale = np.full((len(rows), 3), SKY_RADIUS_M)
+        if (sun := self.motion.site.sun) is not None and sun[2] > 0.0:
+            self.at(self.t[rows[0]], "site/sky/sun", self.mesh(disc(0.97 * sun, sun, _SUN_SIZE, SUNLIGHT)))
+        # beyond the farthest ground that is seen from where there is a sky
+        reach = 1.5 * np.sqrt(look.sky_top_m * (2.0 * self.motion.site.radius + look.sky_top_m))
+        scale = np.full((len(rows), 3), reach)
         place = self.rr.Transform3D.columns(translation=self.motion.centre[rows], scale=scale)
         self.columns("site/sky", self.t[rows], place)
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)
@@ -84,7 +90,7 @@ class Ground(Recorder):
         return np.column_stack([east, north, landscape.height(east, north) + 0.1 + 2e-3 * radius])
 
     def _rocks(self, landscape: Landscape) -> None:
-        rocks = landscape.rocks()
+        rocks, look = landscape.rocks(), self.motion.site.appearance
         upright = turns.xyzw(turns.about_z(rocks.headings))
         for kind in range(KINDS_OF_ROCK):
             some = slice(kind, None, KINDS_OF_ROCK)
@@ -92,5 +98,5 @@ class Ground(Recorder):
                 translations=rocks.places[some], quaternions=upright[some], scales=rocks.sizes[some]
             )
             self.static(
-                f"site/ground/rocks/{kind}", self.mesh(rock(kind, self.motion.site.appearance.rock)), poses
+                f"site/ground/rocks/{kind}", self.mesh(rock(kind, look.rock, self.motion.site.light)), poses
             )

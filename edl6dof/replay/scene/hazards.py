@@ -80,7 +80,7 @@ class Hazards(Recorder):
         up = self.motion.site.ground(east, north)[1]
         rise_north, rise_east = np.gradient(up, float(found.cell_m) * _EVERY)
         paint = np.array([PAINT[name] for name in VERDICTS], float)[verdict]
-        colours = paint * sunlight(rise_east, rise_north)[..., None]
+        colours = paint * sunlight(self.motion.site.light, rise_east, rise_north)[..., None]
         triangles = open_grid_triangles(*verdict.shape)
         whole = seen.ravel()[triangles].all(axis=1)
         places = np.stack([east, north, up + _ABOVE], axis=-1).reshape(-1, 3)

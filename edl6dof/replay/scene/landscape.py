@@ -1,25 +1,32 @@
 """The ground as the eye sees it: the simulation's relief, and where that has nothing finer than the map,
 craters, ripples and rocks that are decoration.
 
-The mesh widens geometrically from the touchdown, so that it is fine where the camera ends up; the ground of a
-landing area is drawn on a square grid there besides, with the rocks that lie on it.  Decoration is the same
-for every flight to a site, fades out where a vehicle stands, and is unknown to the simulation.
+The mesh widens geometrically from the touchdown to the other side of the planet, so that it is fine where the
+camera ends up and a globe from afar; the ground of a landing area is drawn on a square grid there besides,
+with the rocks that lie on it.  Decoration is the same for every flight to a site, fades out where a vehicle
+stands, and is unknown to the simulation.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.config.base import Vec3
+from edl6dof.environment.appearance import Tint
 from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, open_grid_triangles
 from edl6dof.replay.scene.site import Site
 
 RINGS, SPOKES = 190, 180
-#: Direction to the sun, east north up: low in the west-south-west, so that relief throws light and dark.
-SUN = np.array([-0.72, -0.42, 0.55])
+#: Share of the way to the other side of the planet at which the last ring lies.
+_FAR = 0.97
+#: Arc (m) beyond which the ground has the colours of the globe, and the share of haze before that.
+_GLOBE, _HAZE = 4e5, 0.55
+#: Arc (m) up to which the ground is laid out as a plane.
+_PLANE = 3e4
 #: Share of the surface that craters of each size class cover.
 _COVER = 0.055
 #: The square on which a landing area is drawn: half its side, and the spacing of its vertices, m.
@@ -39,14 +46,14 @@ class Rocks(NamedTuple):
 
 
 class Landscape:
-    """Ground around ``touchdown`` out to ``reach`` (m)."""
+    """The planet's ground, in arcs around ``touchdown``."""
 
-    def __init__(self, site: Site, touchdown: np.ndarray, reach: float) -> None:
+    def __init__(self, site: Site, touchdown: np.ndarray) -> None:
         self._seed = np.abs([site.origin[0], site.origin[1], site.origin[2]]).astype(np.int64)
         self._random = np.random.default_rng(self._seed)
         self._site = site
         self._centre = np.asarray(touchdown, float)[:2]
-        self._radius = np.geomspace(1.5, reach, RINGS)
+        self._radius = np.geomspace(1.5, _FAR * pi * site.radius, RINGS)
         turn = np.linspace(0.0, 2.0 * pi, SPOKES, endpoint=False)
         self._cos, self._sin = np.cos(turn), np.sin(turn)
         # from the touchdown
@@ -59,29 +66,45 @@ class Landscape:
         else:
             calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
             self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
-        self._elevation, self._up = site.ground(self._east + self._centre[0], self._north + self._centre[1])
+        self._elevation, self._place = self._laid()
         self._middle = float(site.ground(*self._centre)[1])
         self._shade = shade
 
+    def _laid(self) -> tuple[np.ndarray, np.ndarray]:
+        """Elevation (m) and places of the vertices on the true ground: straight above the plane of the site
+        near it, and around the planet.
+        """
+        elevation, place = self._site.around(self._centre, self._east, self._north)
+        near = self._radius < _PLANE
+        east, north = self._east[near] + self._centre[0], self._north[near] + self._centre[1]
+        elevation[near], up = self._site.ground(east, north)
+        place[near] = np.stack([east, north, up], axis=-1)
+        return elevation, place
+
     def mesh(self) -> Mesh:
         """The surface, coloured and shaded."""
-        outward = np.gradient(self._elevation + self._decoration, self._radius, axis=0)
+        rise = np.gradient(self._elevation + self._decoration, self._radius, axis=0)
         around = self._around(self._elevation + self._decoration)
-        rise_east = outward * self._cos - around * self._sin
-        rise_north = outward * self._sin + around * self._cos
+        rise_east = rise * self._cos - around * self._sin
+        rise_north = rise * self._sin + around * self._cos
         colours = soil(self._site, self._shade, rise_east, rise_north)
-        haze = (0.55 * (1.0 - np.exp(-self._radius / 3e4)))[:, None, None]
-        colours += (np.array(self._site.appearance.haze) - colours) * haze
-        place = np.stack(
-            [self._east + self._centre[0], self._north + self._centre[1], self._up + self._decoration],
-            axis=-1,
-        )
-        middle = [*self._centre, self._middle]
-        positions = np.append(place.reshape(-1, 3), [middle], axis=0)
-        colours = np.append(colours.reshape(-1, 3), [colours[0].mean(axis=0)], axis=0)
-        j = np.arange(SPOKES)
-        fan = np.stack([np.full(SPOKES, RINGS * SPOKES), j, (j + 1) % SPOKES], axis=-1)
-        return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), fan]), colours)
+        look, far = self._site.appearance, np.clip(self._radius / _GLOBE - 0.1, 0.0, 1.0)[:, None, None]
+        globe = tints(look.relief, self._elevation / 1e3) * (0.75 + 0.5 * self._shade[..., None])
+        colours += (globe - colours) * far
+        haze = _HAZE * (1.0 - np.exp(-self._radius / 3e4))[:, None, None] * (1.0 - 0.5 * far)
+        colours += (np.array(look.haze) - colours) * haze
+        outward = self._place + self._site.axes @ self._site.origin
+        outward /= np.linalg.norm(outward, axis=-1, keepdims=True)
+        place = self._place + self._decoration[..., None] * outward
+        ends = [[*self._centre, self._middle], place[-1].mean(axis=0)]
+        positions = np.append(place.reshape(-1, 3), ends, axis=0)
+        colours = np.append(colours.reshape(-1, 3), colours[[0, -1]].mean(axis=1), axis=0)
+        j, last = np.arange(SPOKES), (RINGS - 1) * SPOKES
+        fans = [
+            np.stack([np.full(SPOKES, RINGS * SPOKES + k), ring + j, ring + (j + 1) % SPOKES], axis=-1)
+            for k, ring in ((0, 0), (1, last))
+        ]
+        return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), *fans]), colours)
 
     def near(self) -> Mesh | None:
         """The ground of a landing area around the touchdown; None where there is none."""
@@ -169,16 +192,23 @@ class Landscape:
         )
 
 
+def tints(relief: Sequence[Tint], height_km: np.ndarray) -> np.ndarray:
+    """Colours of the globe at heights (km) above the areoid."""
+    table = np.array(relief)
+    return np.stack([np.interp(height_km, table[:, 0], table[:, k]) for k in (1, 2, 3)], axis=-1)
+
+
 def soil(site: Site, tone: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
     """Colours of ground of a tone (0 dark, 1 light) that rises so towards east and north."""
     dark, light = np.array(site.appearance.ground_dark), np.array(site.appearance.ground_light)
     colours: np.ndarray = dark + (light - dark) * np.clip(tone, 0.0, 1.0)[..., None]
-    return colours * sunlight(rise_east, rise_north)[..., None]
+    return colours * sunlight(site.light, rise_east, rise_north)[..., None]
 
 
-def sunlight(rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
-    """Brightness of ground that rises so per metre towards east and north, 1 where it is level."""
-    towards = SUN / np.linalg.norm(SUN)
+def sunlight(towards: np.ndarray, rise_east: np.ndarray, rise_north: np.ndarray) -> np.ndarray:
+    """Brightness of ground that rises so per metre towards east and north, in light from ``towards``; 1 where
+    it is level.
+    """
     cosine = (towards[2] - towards[0] * rise_east - towards[1] * rise_north) / np.sqrt(
         1.0 + rise_east**2 + rise_north**2
     )

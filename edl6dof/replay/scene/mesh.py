@@ -15,6 +15,11 @@ RGB = tuple[int, int, int]
 Place = Sequence[float] | np.ndarray
 
 WHITE: RGB = (236, 234, 228)
+GOLD: RGB = (222, 164, 66)
+SILVER: RGB = (176, 180, 188)
+DARK: RGB = (58, 60, 68)
+PANEL: RGB = (38, 52, 110)
+ORANGE: RGB = (226, 92, 40)
 
 
 class Mesh(NamedTuple):
@@ -93,7 +98,7 @@ def rod(start: Place, end: Place, radius: float, colour: RGB, end_radius: float 
     return revolve([(0.0, radius), (length, tip)], colour, 12, (a, (b - a) / length))
 
 
-def box(centre: Sequence[float], size: Sequence[float], colour: RGB) -> Mesh:
+def box(centre: Place, size: Place, colour: RGB) -> Mesh:
     """Axis-parallel box."""
     faces, normals = [], []
     for axis in range(3):
@@ -140,8 +145,14 @@ def bright(positions: np.ndarray, triangles: np.ndarray, colours: np.ndarray) ->
     return Mesh(positions, triangles, np.zeros_like(positions), np.clip(colours, 0, 255).astype(np.uint8))
 
 
-def rock(seed: int, colour: Vec3) -> Mesh:
-    """A boulder of unit size: a dented sphere, lit from the west."""
+def disc(centre: Place, normal: np.ndarray, radius: float, colour: RGB) -> Mesh:
+    """A round plate that shows its colour whatever the light."""
+    plate = revolve([(0.0, radius), (0.0, 1e-4 * radius)], colour, 32, (np.asarray(centre, float), normal))
+    return plate._replace(normals=np.zeros_like(plate.normals))
+
+
+def rock(seed: int, colour: Vec3, towards: np.ndarray) -> Mesh:
+    """A boulder of unit size: a dented sphere, in light from ``towards``."""
     random = np.random.default_rng(seed)
     rows, columns = 7, 9
     polar = np.linspace(0.02, pi - 0.02, rows)[:, None]
@@ -152,7 +163,7 @@ def rock(seed: int, colour: Vec3) -> Mesh:
         [np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), 0.7 * np.cos(polar) + 0.0 * around],
         axis=-1,
     )
-    light = np.clip(0.55 + 0.45 * (place @ [-0.7, -0.3, 0.65]), 0.2, 1.1)
+    light = np.clip(0.55 + 0.45 * (place @ towards), 0.2, 1.1)
     colours = np.array(colour) * light[..., None] * random.uniform(0.9, 1.05, (rows, columns, 1))
     return bright(
         (radius[..., None] * place).reshape(-1, 3), grid_triangles(rows, columns), colours.reshape(-1, 3)

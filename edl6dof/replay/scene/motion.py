@@ -5,13 +5,28 @@ up).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.replay.history import History, vector
+from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.site import Site
 from edl6dof.spatial import rotations as turns
+
+#: Longest stroke (m) of a leg that is drawn.
+_LONGEST_STROKE = 0.4
+
+
+class Flown(NamedTuple):
+    """Number of a parachute in the vehicle file, and the rows from which on and before which it is the one
+    that flies.
+    """
+
+    number: int
+    first: int
+    end: int
 
 
 class Motion:
@@ -20,6 +35,7 @@ class Motion:
     def __init__(self, flight: History) -> None:
         self.site = Site(flight.scenario)
         self.vehicle = flight.scenario.vehicle
+        self.shape = outline(self.vehicle)  #: what the vehicle looks like
         self.t = flight.t
         self.centre = vector(flight.columns, "truth.site", "east north up", "_m")  #: centre of mass, m
         # : B to L
@@ -29,6 +45,12 @@ class Motion:
             self.rotation, vector(flight.columns, "truth.centre", "x y z", "_m")
         )
         self.height = flight["truth.height_m"]
+        events = flight.scenario.mission.events
+        self._deployed = [
+            (float(one["t_s"]), events[one["key"]].thing)
+            for one in flight.events
+            if one["key"] in events and events[one["key"]].action == "deploy"
+        ]
         self.canopy = vector(flight.columns, "truth.canopy", "east north up", "_m")
         self.heat_shield = vector(flight.columns, "truth.heat_shield", "east north up", "_m")
         self.backshell = vector(flight.columns, "truth.backshell", "east north up", "_m")
@@ -43,47 +65,69 @@ class Motion:
         rows = np.flatnonzero(np.isfinite(place[:, 0]))
         return int(rows[0]) if len(rows) else None
 
-    def parachute(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Rows, confluence points, quaternions and scales of the canopy: x from the confluence to the canopy.
-
-        After release the backshell hangs under the canopy, whose own position is no longer computed: it is
-        drawn above.
+    def strokes(self, pads: np.ndarray) -> np.ndarray:
+        """How far (m) the ground under each of ``pads`` (m in B) pushes it up at the last row, none
+        negative.
         """
-        model = self.vehicle.main_parachute
-        length = model.line_length_m
-        first = self.released(self.canopy)
-        if first is None or model.diameter_m <= 0.0:
-            return np.empty(0, int), np.empty((0, 3)), np.empty((0, 4)), np.empty((0, 3))
-        alone = self.released(self.backshell)
-        with_vehicle = np.flatnonzero(np.isfinite(self.canopy[:, 0]))
-        after = np.arange(alone, len(self.t)) if alone is not None else np.empty(0, int)
-        rows = np.union1d(with_vehicle, after)
-        confluence = self.nose[rows] + turns.rotate(self.rotation[rows], np.array(model.confluence_m))
+        turn = self.rotation[-1]
+        place = self.nose[-1] + turns.rotate(turn, pads)
+        below = self.site.ground(place[:, 0], place[:, 1])[1] - place[:, 2]
+        upright = max(-turns.rotate(turn, np.array([1.0, 0.0, 0.0]))[2], 0.5)
+        return np.clip(below / upright, 0.0, _LONGEST_STROKE)
+
+    def parachutes(self) -> list[Flown]:
+        """The parachutes that fly, one after the other: each from its deployment on, the last to the end."""
+        out = self.released(self.canopy)
+        if out is None or not self.vehicle.parachutes:
+            return []
+        chutes = {chute.name: number for number, chute in enumerate(self.vehicle.parachutes)}
+        found = [
+            (max(int(np.searchsorted(self.t, t)), out), chutes[name])
+            for t, name in sorted(self._deployed)
+            if name in chutes
+        ]
+        found = found or [(out, len(chutes) - 1)]
+        ends = [first for first, _ in found[1:]] + [len(self.t)]
+        return [
+            Flown(number, first, end) for (first, number), end in zip(found, ends, strict=True) if first < end
+        ]
+
+    def parachute(self, flown: Flown) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Rows, confluence points, quaternions and scales of a canopy: x from the confluence to the canopy.
+
+        After release the backshell hangs under the last canopy, whose own position is no longer computed: it
+        is drawn above.
+        """
+        chute = self.vehicle.parachutes[flown.number]
+        length, middle = chute.line_length_m, np.array(chute.confluence_m)
+        alone = self.released(self.backshell) if flown.end == len(self.t) else None
+        own = np.arange(flown.first, flown.end)
+        held = own[np.isfinite(self.canopy[own, 0])]
+        after = np.arange(alone, len(self.t)) if alone is not None and len(held) else np.empty(0, int)
+        rows = np.union1d(held, after)
+        confluence = self.nose[rows] + turns.rotate(self.rotation[rows], middle)
         line = self.canopy[rows] - confluence
         free = ~np.isfinite(line[:, 0])
         if free.any():
             place, turn = self.discarded(self.backshell, stated(self.vehicle.showing("backshell")).centre_m)
-            confluence[free] = place[rows[free]] + turns.rotate(turn, np.array(model.confluence_m))
+            confluence[free] = place[rows[free]] + turns.rotate(turn, middle)
             hang = np.array([0.0, 0.0, length])
-            held = line[~free][-1] if (~free).any() else hang
+            last = line[~free][-1] if (~free).any() else hang
             fade = np.exp(-(self.t[rows[free]] - self.t[rows[free][0]]) / 4.0)[:, None]
-            line[free] = held * fade + hang * (1.0 - fade)
+            line[free] = last * fade + hang * (1.0 - fade)
         reach = np.linalg.norm(line, axis=-1)
         line /= np.where(reach > 1e-6, reach, 1.0)[:, None]
-        spread = self._spread(rows, reach)
+        spread = self._spread(flown.number, rows, reach)
         ground = self.site.ground(confluence[free, 0], confluence[free, 1])[1]
         fallen = np.flatnonzero(free)[confluence[free, 2] - ground < 3.0]
-        spread[fallen] *= (
-            np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2
-            if len(fallen)
-            else 1.0
-        )
+        if len(fallen):
+            spread[fallen] *= np.exp(-(self.t[rows[fallen]] - self.t[rows[fallen]].min()) / 3.0) * 0.8 + 0.2
         scale = np.stack([reach / length, spread, spread], axis=-1)
         return rows, confluence, turns.from_x_to(line), scale
 
-    def _spread(self, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        """Width of the canopy over that of the open one, from the drag area it has after line stretch."""
-        chute = self.vehicle.main_parachute
+    def _spread(self, number: int, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
+        """Width of a canopy over that of the open one, from the drag area it has after line stretch."""
+        chute = self.vehicle.parachutes[number]
         taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf
         grown = np.clip(chute.inflated(self.t[rows] - start), 0.0, 1.0)
@@ -93,42 +137,3 @@ class Motion:
         """Origin of a discarded part's B axes at each row, and its attitude, drawn as it was at release."""
         turn = self.rotation[self.released(place) or 0]
         return place - turns.rotate(turn, np.asarray(own_centre)), turn
-
-    def camera(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The chase camera's axes: origin, quaternion and scale, 1 close to the vehicle, larger under the
-        parachute.
-
-        x points horizontally along the flight, z up from the planet where the vehicle is.
-        """
-        under = np.isfinite(self.canopy[:, 0])
-        line = self.vehicle.main_parachute.line_length_m
-        wide = np.log(max(line / 6.0, 1.5))
-        alone = self.released(self.backshell)
-        middle = np.where(under[:, None], np.nan_to_num(self.canopy - self.centre), 0.0)
-        if alone is not None and under[:alone].any():  # stay for the separation
-            leaving = (self.t >= self.t[alone]) & (self.t < self.t[alone] + 7.0)
-            middle[leaving] = middle[:alone][under[:alone]][-1]
-            under = under | leaving
-        step = (self.t[-1] - self.t[0]) / max(len(self.t) - 1, 1)
-        ahead, width = (round(s / step) if step > 0.0 else 0 for s in (2.0, 4.0))
-        zoom = _smooth(np.where(under, wide, 0.0), width, ahead)
-        shift = np.stack([_smooth(0.55 * middle[:, k], width, ahead) for k in range(3)], axis=-1)
-        up = self.centre + self.site.axes @ self.site.origin
-        up /= np.linalg.norm(up, axis=-1, keepdims=True)
-        along = self.last - self.centre[0]
-        side = np.cross(up, along if np.linalg.norm(along[:2]) > 100.0 else [0.0, 1.0, 0.0])
-        side /= np.linalg.norm(side, axis=-1, keepdims=True)
-        axes = np.stack([np.cross(side, up), side, up], axis=-1)
-        return self.centre + shift, turns.from_axes(axes), np.exp(zoom)
-
-
-def _smooth(values: np.ndarray, width: int, ahead: int) -> np.ndarray:
-    """Two running means over ``width`` rows, centred ``ahead`` rows later: the change has begun when its
-    cause shows.
-    """
-    if width < 2:
-        return values
-    box = np.ones(width) / width
-    padded = np.concatenate([np.full(2 * width, values[0]), values, np.full(2 * width + ahead, values[-1])])
-    smooth = np.convolve(np.convolve(padded, box, "same"), box, "same")
-    return smooth[2 * width + ahead : 2 * width + ahead + len(values)]

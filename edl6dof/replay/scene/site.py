@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from math import cos, pi, radians, sin, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.replay.scene.sun import light, sun_direction
 from edl6dof.scenario.relief import Relief
 from edl6dof.spatial import rotations as turns
 
@@ -26,6 +27,8 @@ class Site:
         self.axes = np.array([east, north, up])  #: turns components in F into components in L
         self.altitude = scenario.site_areoid_m + terrain.site_elevation_m  #: of its origin, m
         self.appearance = planet.appearance
+        self.sun = sun_direction(scenario)  #: towards it, unit vector; None where nobody knows
+        self.light = light(self.sun)  #: where the light of the pictures comes from
         self.radius, self.flattening = planet.equatorial_radius_m, planet.flattening
         self.spin = planet.rotation_rate_rad_s
         e2 = self.flattening * (2.0 - self.flattening)
@@ -65,6 +68,34 @@ class Site:
         elevation, altitude = self.relief.heights(*self._geodetic(east, north))
         return elevation, self.surface(east, north, altitude)
 
+    def around(
+        self, centre: np.ndarray, east: np.ndarray, north: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Elevation (m above the areoid) of the ground at arcs (m) east and north of ``centre`` (in L), as
+        far as the other side of the planet, and its places in L (m), shape (..., 3).
+        """
+        here = self._geodetic(np.array(centre[0], float), np.array(centre[1], float))
+        arc, heading = np.hypot(east, north) / self.radius, np.arctan2(east, north)
+        upward = np.sin(here[0]) * np.cos(arc) + np.cos(here[0]) * np.sin(arc) * np.cos(heading)
+        latitude = np.arcsin(np.clip(upward, -1.0, 1.0))
+        longitude = here[1] + np.arctan2(
+            np.sin(heading) * np.sin(arc) * np.cos(here[0]), np.cos(arc) - np.sin(here[0]) * upward
+        )
+        elevation, altitude = self.relief.heights(latitude, np.remainder(longitude + pi, 2.0 * pi) - pi)
+        return elevation, self._placed(latitude, longitude, altitude)
+
+    def _placed(
+        self, latitude: np.ndarray, longitude: np.ndarray, altitude: np.ndarray | float
+    ) -> np.ndarray:
+        """Geodetic places (rad, m) in L."""
+        e2 = self.flattening * (2.0 - self.flattening)
+        prime = self.radius / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
+        level = (prime + altitude) * np.cos(latitude)
+        upward = ((1.0 - e2) * prime + altitude) * np.sin(latitude)
+        in_F = np.stack([level * np.cos(longitude), level * np.sin(longitude), upward], axis=-1)
+        placed: np.ndarray = (in_F - self.origin) @ self.axes.T
+        return placed
+
     def rocks(self, east: float, north: float, side: float, smallest: float) -> np.ndarray:
         """Rocks of at least ``smallest`` (m) in a square of this ``side`` (m) about a place: east and north
         in L and diameter (m), shape (n, 3).
@@ -73,12 +104,7 @@ class Site:
         latitude, longitude, diameter = self.relief.rocks(
             float(here[0][0]), float(here[1][0]), side, smallest
         ).T
-        e2 = self.flattening * (2.0 - self.flattening)
-        prime = self.radius / np.sqrt(1.0 - e2 * np.sin(latitude) ** 2)
-        level = (prime + self.altitude) * np.cos(latitude)
-        upward = ((1.0 - e2) * prime + self.altitude) * np.sin(latitude)
-        in_F = np.column_stack([level * np.cos(longitude), level * np.sin(longitude), upward])
-        return np.column_stack([((in_F - self.origin) @ self.axes.T)[:, :2], diameter])
+        return np.column_stack([self._placed(latitude, longitude, self.altitude)[:, :2], diameter])
 
     def _geodetic(self, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Latitude and longitude (rad) of places in L at the altitude of its origin, to less than 1e-9 rad.

@@ -1,18 +1,15 @@
-"""The way of a vehicle: path by phase, trail, ground track, marker, shadow, and the camera that follows."""
+"""The way of a vehicle: path by phase, trail, ground track, marker, shadow."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from edl6dof.replay.history import thin
-from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
-from edl6dof.replay.scene.mesh import revolve
-from edl6dof.replay.views.layout import FLIGHTS
-from edl6dof.spatial import rotations as turns
+from edl6dof.replay.recorder import SCALAR_HZ, Recorder
 
 
 class Track(Recorder):
-    """Writes path, trail, ground track, markers and camera."""
+    """Writes path, trail, ground track and markers."""
 
     def statics(self) -> None:
         """The whole path, and its track on the ground."""
@@ -36,11 +33,11 @@ class Track(Recorder):
         )
 
     def motions(self) -> None:
-        """Marker, trail, drop line, shadow and camera."""
+        """Marker, trail, drop line and shadow."""
         rr, motion = self.rr, self.motion
         rows = thin(self.t, SCALAR_HZ)
         labels = {"labels": [self.label], "show_labels": True} if self.label else {}
-        white = self._colour(0) if self.label else (255, 255, 255)
+        white = self.own if self.label else (255, 255, 255)
         self.static(
             f"{self.root}/markers/vehicle", rr.Points3D.from_fields(colors=white, radii=-5.0, **labels)
         )
@@ -48,21 +45,11 @@ class Track(Recorder):
             f"{self.root}/markers/vehicle", self.t[rows], rr.Points3D.columns(positions=motion.centre[rows])
         )
         self._drop_line(rows[motion.height[rows] < 20e3])
-        self._trail(thin(self.t, SLOW_HZ))
-        self._shadow(np.flatnonzero(motion.height < 300.0))
-        if self.number == 0:
-            self.columns("site/near", self.t, rr.Transform3D.columns(translation=motion.centre))
-            look, facing, scale = motion.camera()
-            wide = np.repeat(scale[:, None], 3, axis=1)
-            self.columns(
-                "site/camera",
-                self.t,
-                rr.Transform3D.columns(translation=look, quaternion=turns.xyzw(facing), scale=wide),
-            )
+        self._trail(np.arange(len(self.t)))  # as often as the pose, or it would end behind the vehicle
 
     def _colour(self, phase: int) -> np.ndarray:
         """The phase's colour; beside other flights, the flight's own."""
-        return np.array(FLIGHTS[self.number % len(FLIGHTS)], np.uint8) if self.label else self.colours[phase]
+        return np.array(self.own, np.uint8) if self.label else self.colours[phase]
 
     def _drop_line(self, rows: np.ndarray) -> None:
         """A line straight down to the ground."""
@@ -92,16 +79,3 @@ class Track(Recorder):
             self.t[rows[1:]],
             self.rr.LineStrips3D.columns(strips=segments, colors=colours),
         )
-
-    def _shadow(self, rows: np.ndarray) -> None:
-        """Dark disc under the vehicle, by which the eye estimates the height."""
-        if len(rows) == 0:
-            return
-        disc = revolve([(0.0, 1.3), (0.0, 1e-4)], (70, 38, 24), 32, (np.zeros(3), np.array([0.0, 0.0, 1.0])))
-        self.at(
-            self.t[rows[0]],
-            f"{self.root}/shadow",
-            self.mesh(disc._replace(normals=np.zeros_like(disc.normals))),
-        )
-        place = self.motion.centre[rows] - np.outer(self.motion.height[rows] - 0.03, [0.0, 0.0, 1.0])
-        self.columns(f"{self.root}/shadow", self.t[rows], self.rr.Transform3D.columns(translation=place))

@@ -1,4 +1,4 @@
-"""The vehicle of the replay: lander and aeroshell, heat glow, trim wing, legs, thrusters that have failed,
+"""The vehicle of the replay: aeroshell and lander, heat glow, trim wing, legs, thrusters that have failed,
 attitude.
 """
 
@@ -10,12 +10,18 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import Recorder
-from edl6dof.replay.scene import vehicle_shapes as shapes
+from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene.mesh import Mesh
+from edl6dof.replay.scene.own_mesh import asset, mesh_of, shown
 from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.spans import spans
 
 RED, PALE_RED = (255, 40, 40), (255, 120, 120)
-SHIELD_COLD, SHIELD_HOT = np.array([104.0, 84.0, 70.0]), np.array([255.0, 150.0, 70.0])
+#: Tints of a heat shield and of any other surface, cold, and of both as hot as they get.
+SHIELD_COLD, COLD, HOT = (np.array(c, float) for c in ((104, 84, 70), (255, 255, 255), (255, 150, 70)))
+#: Temperatures (K) at which a surface begins to glow (Draper) and at which it is drawn brightest, and the
+#: Stefan-Boltzmann constant, W/(cm2 K4).
+_GLOWS, _BRIGHT, _RADIATED = 798.0, 1900.0, 5.670374419e-12
 
 
 class Vehicle(Recorder):
@@ -23,60 +29,106 @@ class Vehicle(Recorder):
 
     def statics(self) -> None:
         """Lander and nozzles."""
-        self.static(f"{self.root}/vehicle/lander", self.mesh(shapes.lander(self.vehicle)))
+        body = f"{self.root}/vehicle/lander"
+        if (own := mesh_of(self.vehicle.appearance, None)) is not None:
+            self.static(body, *asset(self, own))
+            return
+        if (mesh := lander.lander(self.vehicle, self.motion.shape)) is not None:
+            self.static(body, self.mesh(mesh))
+        if (mesh := lander.nozzles(self.vehicle, self.motion.shape)) is not None:
+            self.static(f"{self.root}/vehicle/nozzles", self.mesh(mesh))
 
     def motions(self) -> None:
         """Everything that moves, leaves or breaks."""
         motion, vehicle = self.motion, self.vehicle
         pose = self.rr.Transform3D.columns(translation=motion.nose, quaternion=turns.xyzw(motion.rotation))
         self.columns(f"{self.root}/vehicle", self.t, pose)
-        for part, shape, place in (
-            ("heat_shield", shapes.heat_shield(vehicle), motion.heat_shield),
-            ("backshell", shapes.backshell(vehicle), motion.backshell),
-        ):
-            self.at(self.t[0], f"{self.root}/vehicle/{part}", self.mesh(shape))
-            released = motion.released(place)
-            if released is not None:
-                self.gone(self.t[released], f"{self.root}/vehicle/{part}")
-        legs = shapes.legs(vehicle)
-        if legs is not None and "landing_legs" in self.when:
-            self.at(self.when["landing_legs"], f"{self.root}/vehicle/legs", self.mesh(legs))
-        self._glow()
+        self._aeroshell()
+        self._legs()
         if vehicle.surfaces:
             self._trim_wing()
         for jet in vehicle.rcs.thrusters:
             self._failure(jet)
 
-    def _glow(self) -> None:
-        """The heat shield glows with its heat flux."""
+    def _aeroshell(self) -> None:
+        """What the air sees at entry: pieces that are parts leave, others stay."""
+        motion, shape = self.motion, self.motion.shape
+        parts = (self.vehicle.showing("capsule"), self.vehicle.showing("backshell"))
+        front, back = (None if part is None else part.name for part in parts)
+        if shape.body == "sphere_cone":
+            ahead = "heat_shield" if front else "forebody"
+            self._piece(ahead, front, aeroshell.heat_shield(shape), motion.heat_shield, SHIELD_COLD)
+            behind = "backshell" if back else "afterbody"
+            self._piece(behind, back, aeroshell.backshell(shape), motion.backshell)
+        elif shape.body != "none":
+            place = motion.heat_shield if front else motion.backshell
+            self._piece("body", front or back, aeroshell.body(shape), place, COLD)
+
+    def _piece(
+        self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
+    ) -> None:
+        """One piece until it is released, which glows where its ``cold`` tint is given; where it is no part,
+        the user's own mesh of all such takes its place.
+        """
+        look, entity = self.vehicle.appearance, f"{self.root}/vehicle/{name}"
+        own = mesh_of(look, part)
+        if part is None and own is not None:
+            return
+        self.at(self.t[0], entity, *shown(self, part, mesh))
+        released = self.motion.released(place) if part else None
+        if cold is not None and own is None:
+            self._glow(entity, released, cold)
+        if released is not None:
+            self.gone(self.t[released], entity)
+
+    def _glow(self, entity: str, until: int | None, cold: np.ndarray) -> None:
+        """A surface glows at the temperature at which it radiates its heat flux away as a black body."""
         rows = thin(self.t, 2.0)
-        until = self.motion.released(self.motion.heat_shield)
         rows = rows[rows < (len(self.t) if until is None else until)]
-        heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)
-        glow = (heat[rows] / max(heat.max(), 1e-9))[:, None] ** 0.6
-        tint = np.column_stack(
-            [SHIELD_COLD + (SHIELD_HOT - SHIELD_COLD) * glow, np.full(len(rows), 255.0)]
-        ).astype(np.uint8)
-        self.columns(
-            f"{self.root}/vehicle/heat_shield", self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint)
-        )
+        heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)[rows]
+        glow = np.clip(((heat / _RADIATED) ** 0.25 - _GLOWS) / (_BRIGHT - _GLOWS), 0.0, 1.0)[:, None]
+        tint = np.column_stack([cold + (HOT - cold) * glow, np.full(len(rows), 255.0)]).astype(np.uint8)
+        self.columns(entity, self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
+
+    def _legs(self) -> None:
+        """Legs as they come out, and once they stand: each pushed in as far as the ground under its pad
+        demands.
+        """
+        pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
+        since, out = self._legs_out(), lander.legs(self.vehicle, shape, np.zeros(len(pads)))
+        if since is None or out is None or mesh_of(self.vehicle.appearance, None) is not None:
+            return
+        entity, touching = f"{self.root}/vehicle/legs", self.flight["truth.footpads"] > 0.0
+        self.at(since, entity, self.mesh(out))
+        if touching[-1] and (pressed := lander.legs(self.vehicle, shape, self.motion.strokes(pads))):
+            self.at(self.t[np.argmax(touching)], entity, self.mesh(pressed))
+
+    def _legs_out(self) -> float | None:
+        """When legs are out: unfolded by the mission, or where it does not, once nothing is ahead of them."""
+        events = self.flight.scenario.mission.events.values()
+        if any(event.action == "extend" and event.thing == "landing_gear" for event in events):
+            return self.when.get("landing_legs")
+        row = self.motion.released(self.motion.heat_shield) if self.vehicle.showing("capsule") else 0
+        return None if row is None else float(self.t[row])
 
     def _trim_wing(self) -> None:
         """It swings out about its hinge, and leaves with the backshell."""
-        entity, shape = f"{self.root}/vehicle/trim_wing", self.mesh(shapes.trim_wing(self.vehicle))
-        hinge = shapes.wing_hinge(self.vehicle)[0]
+        vehicle, shape = self.vehicle, self.motion.shape
+        entity = f"{self.root}/vehicle/trim_wing"
+        mesh = self.mesh(aeroshell.trim_wing(vehicle, shape))
+        hinge = aeroshell.wing_hinge(vehicle, shape)[0]
         opening = np.nan_to_num(self.flight["truth.trim_wing"])
         released = self.motion.released(self.motion.backshell)
         rows = np.append(0, np.flatnonzero(np.diff(opening)) + 1)
         rows = rows[rows < (len(self.t) if released is None else released)]
-        turned = turns.xyzw(turns.from_axes(shapes.wing_axes(self.vehicle, opening[rows])))
-        self.at(self.t[0], entity, shape)
+        turned = turns.xyzw(turns.from_axes(aeroshell.wing_axes(vehicle, shape, opening[rows])))
+        self.at(self.t[0], entity, mesh)
         pose = self.rr.Transform3D.columns(translation=np.tile(hinge, (len(rows), 1)), quaternion=turned)
         self.columns(entity, self.t[rows], pose)
         if released is not None:
             self.gone(self.t[released], entity)
             last = self.rr.Transform3D(translation=hinge, quaternion=turned[-1])
-            self.at(self.t[released], f"{self.root}/backshell/trim_wing", shape, last)
+            self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
         """A thruster that has failed is red while it is failed; once the flight software knows, it is
@@ -86,7 +138,7 @@ class Vehicle(Recorder):
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
         for begin, end in spans(failed > 0):
-            self.at(self.t[begin], entity, self.mesh(shapes.nozzle(jet, RED, 2.0)))
+            self.at(self.t[begin], entity, self.mesh(lander.nozzle(jet, RED, 2.0)))
             self._mark(self.t[begin], entity, place, "failed")
             if end < len(self.t):
                 self.at(self.t[end], entity, self.rr.Clear(recursive=True))

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from edl6dof.replay.history import thin
-from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
+from edl6dof.replay.recorder import SLOW_HZ, Recorder
+from edl6dof.replay.views.curves import BOUND, drawn
 from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, PLOTS, RGB, SERIES, Plot
+from edl6dof.telemetry.thinning import rows_to_draw
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -20,8 +22,8 @@ COLUMNS = tuple(
     )
 )
 NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.columns)
-#: Standard deviations that bounds stand at.
-BOUND = 3.0
+#: Rows of a plot about at most: more than a screen has columns of pixels.
+MOST = 6000
 #: Colour of the bounds.
 CLAIMED: RGB = (150, 150, 160)
 
@@ -38,16 +40,15 @@ class Charts(Recorder):
 
     def motions(self) -> None:
         """The series, where they mean something."""
-        rows = thin(self.t, SCALAR_HZ)
         for plot in self._plots():
-            self._plot(plot, rows)
+            self._plot(plot)
         rows = thin(self.t, SLOW_HZ)
         for group, names in self._groups():
             self._scalars(f"thruster_duty/{group}", self.t[rows], self.flight.mean_duty(rows, names))
 
     def _plots(self) -> list[Plot]:
         """Those that the flight has the telemetry of."""
-        return [plot for plot in PLOTS if set(plot.columns) <= set(self.flight.columns)]
+        return [plot for plot in PLOTS if set(plot.columns) <= set(self.flight.series)]
 
     def _entity(self, name: str) -> str:
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
@@ -63,26 +64,27 @@ class Charts(Recorder):
         ]
 
     def _lines(self, names: list[str], bounds: bool = False) -> rr.SeriesLines:
-        """Further flights are paler and thinner, and carry their label; ``bounds``: two more lines are those
-        that are claimed.
+        """Where there are several flights, lines carry the flight's label, and its colour, the darker the
+        later in the plot; ``bounds``: two more lines are those that are claimed.
         """
-        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))] + [CLAIMED] * 2 * bounds)
+        colours = np.array([SERIES[i % len(SERIES)] for i in range(len(names))])
+        if self.label:
+            colours = np.outer(1.0 - 0.55 * np.arange(len(names)) / len(names), self.own).astype(int)
+        colours = np.concatenate([colours, [CLAIMED] * 2 * bounds]) if bounds else colours
         names = names + [f"{sign} {BOUND:.0f} sigma claimed" for sign in "+-"] * bounds
-        if self.number:
-            colours = (0.45 * colours + 0.55 * np.array([235, 235, 235])).astype(int)
-        shown = [f"{name} ({self.label})" if self.label else name for name in names]
+        shown = [f"{self.label}: {name}" if self.label else name for name in names]
         return self.rr.SeriesLines(
-            names=shown, colors=colours.tolist(), widths=[1.0 if self.number else 1.5] * len(names)
+            names=shown,
+            colors=colours.tolist(),
+            widths=[1.0 if self.number else 1.5] * len(names),
+            aggregation_policy=self.rr.components.AggregationPolicy.MinMax,  # a mean would lose the peaks
         )
 
-    def _plot(self, plot: Plot, rows: np.ndarray) -> None:
-        t = self.t[rows]
-        keep = (t >= self.when.get(plot.since, -np.inf)) & (t <= self.when.get(plot.until, np.inf))
-        if keep.any():
-            values = [self.flight[name][rows[keep]] for name in plot.series]
-            if plot.sigma:
-                values += [sign * BOUND * self.flight[plot.sigma][rows[keep]] for sign in (1.0, -1.0)]
-            self._scalars(plot.entity, t[keep], np.stack(values, axis=-1) * plot.scale)
+    def _plot(self, plot: Plot) -> None:
+        t, curves = drawn(plot, self.flight.series, self.when)
+        if len(t):
+            rows = rows_to_draw(t, curves, MOST)
+            self._scalars(plot.entity, t[rows], curves[rows])
 
     def _scalars(self, entity: str, t: np.ndarray, values: np.ndarray) -> None:
         columns = self.rr.Scalars.columns(scalars=values.ravel())

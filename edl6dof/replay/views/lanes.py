@@ -1,4 +1,4 @@
-"""Lanes of states, the timeline as text, and the readout."""
+"""Lanes of states, and the timeline as text."""
 
 from __future__ import annotations
 
@@ -7,30 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.history import POSE_HZ, thin
+from edl6dof.replay.history import POSE_HZ
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.beams import RAYS
+from edl6dof.replay.views.layout import lanes_of, spans_of
 from edl6dof.replay.views.panels import SERIES
 from edl6dof.telemetry.instruments import EXCLUDED, IN_USE, SATURATED
 
-READOUT_HZ = 2.0
-#: Telemetry column: label, format, unit.
-READOUT = {
-    "truth.altitude_m": ("above ellipsoid", ",.0f", "m"),
-    "truth.height_m": ("above ground", ",.1f", "m"),
-    "truth.speed_m_s": ("speed", ",.1f", "m/s"),
-    "truth.v_down_m_s": ("descent rate", ",.1f", "m/s"),
-    "truth.flight_path_angle_deg": ("path angle", ".1f", "deg"),
-    "truth.mach": ("Mach", ".2f", ""),
-    "truth.dynamic_pressure_pa": ("dyn. pressure", ",.0f", "Pa"),
-    "truth.load_g0": ("load", ".2f", "g"),
-    "truth.heat_flux_w_cm2": ("heat flux", ".1f", "W/cm²"),
-    "truth.bank_deg": ("bank", ".1f", "deg"),
-    "truth.total_alpha_deg": ("total alpha", ".1f", "deg"),
-    "truth.tilt_deg": ("tilt", ".1f", "deg"),
-    "truth.engine_thrust_n": ("thrust", ",.0f", "N"),
-    "truth.propellant_kg": ("propellant", ".1f", "kg"),
-}
 CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
 GREY, FIRE, RED = (48, 48, 54), (250, 150, 60), (235, 50, 50)
 #: Colours of what is made of an inertial instrument.
@@ -39,50 +22,50 @@ HEALTH = {IN_USE: (70, 130, 90), SATURATED: FIRE, EXCLUDED: RED}
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 #: A thruster counts as firing from this duty on.
 FIRING = 0.02
+#: Least width of a page's lanes, and room that a letter takes, px.
+LANE_PX, LETTER_PX = 800.0, 6.6
+#: A label that shows nothing; for an empty one the viewer would show the state's own name.
+_BLANK = " "
 
 
 class Lanes(Recorder):
-    """Writes ``/phase``, ``/configuration``, ``/engine``, ``/rcs``, ``/instruments``, ``/events`` and
-    ``/readout``; of the first flight only.
-    """
+    """Writes the lanes of each page, ``/rcs``, ``/instruments`` and ``/events``; of the first flight only."""
 
     def motions(self) -> None:
-        """Lanes, timeline, readout."""
+        """Lanes and timeline."""
         if self.number:
             return
-        self._states()
+        whole = (float(self.t[0]), float(self.t[-1]))
+        for page, span in {"Flight": whole, **spans_of(whole, self.when)}.items():
+            self._states(lanes_of(page, [page]), span)
         self._thrusters()
         self._instruments()
         self._events()
-        self._readout()
 
-    def _states(self) -> None:
+    def _states(self, page: str, span: tuple[float, float]) -> None:
+        """Phase, configuration and engine, as a page shows them of its own time."""
         motion = self.motion
         first = np.append(0, np.flatnonzero(np.diff(self.phase)) + 1)
-        labels = [name.replace("_", " ") for name in self.names]
-        self._lane(
-            "phase",
-            [(self.t[i], self.names[self.phase[i]]) for i in first],
-            self.names,
-            labels,
-            self.colours.tolist(),
-        )
-        changes = [(self.t[0], CONFIGURATIONS[0])]
+        phases = [(float(self.t[i]), self.names[self.phase[i]]) for i in first]
+        labels = fitted(phases, self.names, span)
+        self._lane(f"{page}/Phase", phases, self.names, labels, self.colours.tolist())
+        changes = [(float(self.t[0]), CONFIGURATIONS[0])]
         for name, place in zip(
             CONFIGURATIONS[1:], (motion.canopy, motion.heat_shield, motion.backshell), strict=True
         ):
             row = motion.released(place)
             if row is not None:
-                changes.append((self.t[row], name))
+                changes.append((float(self.t[row]), name))
         self._lane(
-            "configuration",
+            f"{page}/Vehicle",
             changes,
             CONFIGURATIONS,
-            CONFIGURATIONS,
+            fitted(changes, CONFIGURATIONS, span),
             [SERIES[1], SERIES[0], SERIES[2], SERIES[4]],
         )
-        on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-        self._switched("engine", {"on": on}, {"on": FIRE})
+        if self.vehicle.engines:
+            on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
+            self._switched(f"{page}/Engine", {"on": on}, {"on": FIRE})
 
     def _thrusters(self) -> None:
         """One lane each: firing or failed; pulses less than a second apart are one burst."""
@@ -139,52 +122,48 @@ class Lanes(Recorder):
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
+        """The timeline from the event before the last one on, which is in bold; below it, what comes."""
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
-        if events:
-            text = [
-                f"{event['name']}: {event['detail']}" if event["detail"] else event["name"]
-                for event in events
-            ]
-            level = ["WARN" if event["key"] in TROUBLES else "INFO" for event in events]
-            level[-1] = "INFO" if self.flight.success else "ERROR"
-            self.columns(
-                "events",
-                np.array([e["t_s"] for e in events]),
-                self.rr.TextLog.columns(text=text, level=level),
-            )
+        if not events:
+            return
+        lines = [[f"T+{event['t_s']:.2f} s", _said(event), event["detail"]] for event in events]
+        if not self.flight.success:
+            lines[-1][1] = f"failure: {lines[-1][1]}"
+        times = np.array([event["t_s"] for event in events])
+        changes = np.unique(np.append(self.t[0], times))
+        media = ["text/markdown"] * len(changes)
+        text = [_table(lines, int(np.searchsorted(times, t, side="right")) - 1) for t in changes]
+        self.columns("events", changes, self.rr.TextDocument.columns(text=text, media_type=media))
 
-    def _readout(self) -> None:
-        """What a flight controller would read off, twice a second; and what has failed."""
-        rows = thin(self.t, READOUT_HZ)
-        lines = [
-            [f"| {label} | **{value:{form}}** {unit} |" for value in self.flight[name][rows].tolist()]
-            for name, (label, form, unit) in READOUT.items()
-            if name in self.flight.columns
-        ]
-        titles = [self.names[phase].replace("_", " ") for phase in self.phase[rows]]
-        text = [
-            f"## T+{t:.1f} s\n**{title}**\n\n" + "\n".join([first, "|:--|--:|", *more, "", troubles])
-            for t, title, (first, *more), troubles in zip(
-                self.t[rows].tolist(), titles, zip(*lines, strict=True), self._troubles(rows), strict=True
-            )
-        ]
-        media = ["text/markdown"] * len(text)
-        self.columns("readout", self.t[rows], self.rr.TextDocument.columns(text=text, media_type=media))
 
-    def _troubles(self, rows: np.ndarray) -> list[str]:
-        """What has failed, was diagnosed or is excluded, at some rows."""
-        flight = self.flight
-        holds = {
-            "failed": {jet: state[rows] > 0 for jet, state in flight.failures.items()},
-            "diagnosed": {jet: self.t[rows] >= found.t_s for jet, found in flight.diagnosed.items()},
-            "excluded": {one.name: one.holds(EXCLUDED)[rows] for one in flight.instruments},
-        }
-        told: list[list[str]] = [[] for _ in rows]
-        for word, by_name in holds.items():
-            for k in np.flatnonzero(np.any([*by_name.values(), np.zeros(len(rows), bool)], axis=0)):
-                names = ", ".join(name for name, there in by_name.items() if there[k])
-                told[k].append(f"**{word}:** {names}")
-        return ["  \n".join(lines) for lines in told]
+def fitted(
+    changes: Sequence[tuple[float, str]], values: Sequence[str], span: tuple[float, float]
+) -> list[str]:
+    """Labels of states that have room for them in a lane of this time (s); those that have not stay blank."""
+    first, last = span
+    room = dict.fromkeys(values, 0.0)
+    ends = [t for t, _ in changes[1:]] + [max(last, changes[-1][0])]
+    for (begin, value), end in zip(changes, ends, strict=True):
+        share = (min(end, last) - max(begin, first)) / max(last - first, 1e-9)
+        room[value] = max(room[value], share * LANE_PX)
+    labels = [value.replace("_", " ") for value in values]
+    return [
+        label if LETTER_PX * (len(label) + 1) <= room[value] else _BLANK
+        for label, value in zip(labels, values, strict=True)
+    ]
+
+
+def _said(event: Any) -> str:
+    return f"warning: {event['name']}" if event["key"] in TROUBLES else str(event["name"]).replace("_", " ")
+
+
+def _table(lines: Sequence[Sequence[str]], now: int) -> str:
+    """The events from before number ``now`` on, as a table."""
+    begin = max(now - 1, 0)
+    rows = [[f"**{cell}**" if k == now and cell else cell for cell in line] for k, line in enumerate(lines)]
+    return "\n".join(
+        ["| time | event | where |", "|--:|:--|:--|", *("| " + " | ".join(r) + " |" for r in rows[begin:])]
+    )
 
 
 def _bursts(firing: np.ndarray) -> np.ndarray:

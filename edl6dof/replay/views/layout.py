@@ -1,8 +1,8 @@
-"""The arrangement of the views: one page for each part of a flight, phases and events below all of them."""
+"""The arrangement of the views: one page for each part of a flight, its phases and the events below."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, RGB, Plot
@@ -37,14 +37,7 @@ class Layout:
         import rerun.blueprint as rrb
 
         self.rrb, self.flown, self.views = rrb, flown, Views(flown)
-        first, last = flown.span
-        mortar = flown.when.get("mortar", last)
-        shell = flown.when.get("backshell", last)
-        self._spans = {
-            "Entry": (first, min(mortar + 3.0, last)),
-            "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
-        }
-        self._spans[POWERED] = (min(shell - 5.0, last - 1.0), last)
+        self.spans = spans_of(flown.span, flown.when)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
         """All pages, that named ``active`` in front."""
@@ -59,35 +52,42 @@ class Layout:
             self._navigation(),
             self._thrusters(),
         )
-        pages = [page for page in possible if page is not None]
+        pages = [self._with_lanes(page) for page in possible if page is not None]
         names = [str(page.name) for page in pages]
-        below = rrb.Horizontal(self._lanes(), self._events(), column_shares=[11, 8])
         return rrb.Blueprint(
-            rrb.Vertical(
-                rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
-                below,
-                row_shares=[9, 2],
-            ),
+            rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
             rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"),
             auto_views=False,
             auto_layout=False,
             collapse_panels=True,
         )
 
+    def _with_lanes(self, page: rrb.Container) -> rrb.Container:
+        """A page with the phases of its own time and the events below."""
+        rrb = self.rrb
+        name = str(page.name)
+        below = rrb.Horizontal(
+            self._lanes(name),
+            rrb.TextDocumentView(origin="/events", name="Events"),
+            column_shares=[11, 8],
+        )
+        return rrb.Vertical(page, below, row_shares=[7, 2], name=name)
+
     def _flight(self) -> rrb.Container:
         rrb = self.rrb
         readout = rrb.TextDocumentView(origin="/readout", name="Readout")
         if self.flown.ensemble:
             readout = rrb.Vertical(rrb.TextDocumentView(origin="/campaign", name="Campaign"), readout)
-        left = rrb.Horizontal(self.views.chase(), readout, column_shares=[7, 2])
-        views = rrb.Tabs(
+        around = rrb.Tabs(
             self.views.afar("Descent") or self.views.whole(),
             self.views.whole(),
             self.views.globe(),
             active_tab=0,
         )
-        right = rrb.Vertical(views, self._grid("Flight"), row_shares=[2, 3])
-        return rrb.Horizontal(left, right, column_shares=[11, 8], name="Flight")
+        middle = rrb.Vertical(readout, around, row_shares=[5, 2])
+        return rrb.Horizontal(
+            self.views.chase(), middle, self._grid("Flight", 1), column_shares=[9, 5, 10], name="Flight"
+        )
 
     def _entry(self) -> rrb.Container:
         rrb = self.rrb
@@ -102,7 +102,8 @@ class Layout:
         if self.flown.deploy is None:
             return None
         rrb = self.rrb
-        left = rrb.Horizontal(self.views.chase(), self.views.afar("Descent"), column_shares=[1, 1])
+        beside = rrb.Vertical(self.views.away(), self.views.afar("Descent"), row_shares=[1, 1])
+        left = rrb.Horizontal(self.views.chase(), beside, column_shares=[1, 1])
         return rrb.Horizontal(left, self._grid("Parachute"), column_shares=[11, 8], name="Parachute")
 
     def _powered(self) -> rrb.Container | None:
@@ -111,7 +112,7 @@ class Layout:
         rrb = self.rrb
         left = rrb.Vertical(
             self.views.chase(),
-            rrb.Tabs(self.views.landing(), self.views.site(), active_tab=0),
+            rrb.Tabs(self.views.landing(), self.views.site(), self.views.away(), active_tab=0),
             row_shares=[3, 2],
         )
         return rrb.Horizontal(left, self._grid(POWERED), column_shares=[5, 8], name=POWERED)
@@ -123,7 +124,9 @@ class Layout:
         right = rrb.Vertical(self.views.chase(), self.views.site(), row_shares=[1, 1])
         return rrb.Horizontal(self.views.above(self.flown.scanned), right, column_shares=[1, 1], name=HAZARDS)
 
-    def _control(self) -> rrb.Container:
+    def _control(self) -> rrb.Container | None:
+        if not self.flown.jets:
+            return None
         rrb = self.rrb
         bounds = rrb.VisualBounds2D(x_range=[-1.25, 1.1], y_range=[-0.78, 0.92])
         recent = window(rrb, 12.0)
@@ -137,8 +140,8 @@ class Layout:
             )
             for axis in ("roll", "pitch", "yaw")
         ]
-        return rrb.Vertical(
-            rrb.Horizontal(*planes), self._grid("Control", 4), row_shares=[1, 1], name="Control"
+        return rrb.Horizontal(
+            rrb.Vertical(*planes), self._grid("Control"), column_shares=[2, 5], name="Control"
         )
 
     def _navigation(self) -> rrb.Container | None:
@@ -152,7 +155,7 @@ class Layout:
             for kind in self.flown.instruments
         ]
         left = rrb.Vertical(self.views.chase(), rrb.Tabs(*reversed(lanes), active_tab=0), row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid(NAVIGATION), column_shares=[5, 8], name=NAVIGATION)
+        return rrb.Horizontal(left, self._grid(NAVIGATION), column_shares=[4, 9], name=NAVIGATION)
 
     def _thrusters(self) -> rrb.Container | None:
         if not self.flown.jets:
@@ -170,7 +173,7 @@ class Layout:
             if plot.entity in self.flown.plots
         ]
         right = rrb.Vertical(self.views.body(), rrb.Grid(*plots, grid_columns=2), row_shares=[2, 3])
-        return rrb.Horizontal(lanes, right, column_shares=[1, 1], name="Thrusters")
+        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name="Thrusters")
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
         contents, title = (
@@ -183,17 +186,27 @@ class Layout:
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
-        first, last = self._spans.get(page, self.flown.span)
+        first, last = self.spans.get(page, self.flown.span)
+        last += 0.02 * (last - first)  # or a label at the end would be cut off
         edge = rrb.TimeRangeBoundary.absolute
         return rrb.TimeAxis(view_range=rrb.TimeRange(start=edge(seconds=first), end=edge(seconds=last)))
 
     def _plot(self, entity: str, title: str, page: str, legend: bool = True) -> rrb.TimeSeriesView:
         rrb = self.rrb
-        corner = rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend or self.flown.flights > 1)
-        contents = [f"/plots/{entity}/**"]
+        corner = rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend or len(self.flown.labels) > 1)
         return rrb.TimeSeriesView(
-            origin="/plots", name=title, contents=contents, axis_x=self._axis(page), plot_legend=corner
+            origin="/plots",
+            name=title,
+            contents=[f"/plots/{entity}/**"],
+            axis_x=self._axis(page),
+            axis_y=self._values(page, entity),
+            plot_legend=corner,
         )
+
+    def _values(self, page: str, entity: str) -> rrb.ScalarAxis | None:
+        """Axis of what a plot shows in the time of a page."""
+        ends = self.flown.ranges.get((page if page in self.spans else "Flight", entity))
+        return None if ends is None else self.rrb.ScalarAxis(range=ends)
 
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         plots: Sequence[Plot] = [plot for plot in PAGES[page] if plot.entity in self.flown.plots]
@@ -207,14 +220,28 @@ class Layout:
         """The page whose time a plot shows: that of powered descent where it means nothing before, though its
         own page is of the whole flight.
         """
-        return POWERED if plot.since == "backshell" and page not in self._spans else page
+        return POWERED if plot.since == "backshell" and page not in self.spans else page
 
-    def _lanes(self) -> rrb.StateTimelineView:
-        contents = ["/phase", "/configuration", "/engine"]
+    def _lanes(self, page: str) -> rrb.StateTimelineView:
+        """Lanes of the time that the page's plots show, in which each name has the room it needs."""
         return self.rrb.StateTimelineView(
-            origin="/", contents=contents, name="Phases", time_view=self._axis("Flight")
+            origin=f"/{lanes_of(page, self.spans)}", name="Phases", time_view=self._axis(page)
         )
 
-    def _events(self) -> rrb.TextLogView:
-        columns = self.rrb.TextLogColumns(text_log_columns=["body"])
-        return self.rrb.TextLogView(origin="/events", name="Events", columns=columns)
+
+def lanes_of(page: str, spans: Iterable[str]) -> str:
+    """Entity of the lanes of a page: those of the whole flight where it has no time of its own."""
+    return (page if page in spans else "Flight").replace(" ", "-")
+
+
+def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """First and last time (s) of the pages that do not show the whole flight: of those parts that it has."""
+    first, last = flown_s
+    mortar, shell = when.get("mortar", last), when.get("backshell", last)
+    spans = {
+        "Entry": (first, min(mortar + 3.0, last)),
+        "Parachute": (min(mortar, last - 1.0) - 3.0, min(shell + 3.0, last)),
+        POWERED: (min(shell - 5.0, last - 1.0), last),
+    }
+    begun = {"Entry": True, "Parachute": "mortar" in when, POWERED: "backshell" in when}
+    return {page: span for page, span in spans.items() if begun[page]}

@@ -17,6 +17,11 @@ from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.replay.views.panels import SERIES
 
 AXES = ("roll", "pitch", "yaw")
+#: Telemetry columns that the planes show.
+COLUMNS = (
+    *(f"control.error_{axis}_deg" for axis in AXES),
+    *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
+)
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
 #: Ends of the picture, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0
@@ -46,7 +51,7 @@ class PhasePlanes(Recorder):
 
     def statics(self) -> None:
         """Grid and scales."""
-        if self.number:
+        if self.number or not self.flight.jets:
             return
         x, y = squeeze(REACH_DEG), squeeze(REACH_DEG_S)
         upright = [[[squeeze(k), -y], [squeeze(k), y]] for k in TICKS]
@@ -70,7 +75,7 @@ class PhasePlanes(Recorder):
 
     def motions(self) -> None:
         """Zones by phase, the way of the last seconds, and the present state."""
-        if self.number or len(self.t) < 5:
+        if self.number or len(self.t) < 5 or not self.flight.jets:
             return
         rr = self.rr
         error = vector(self.flight.columns, "control.error", "roll pitch yaw", "_deg")

@@ -13,8 +13,17 @@ from edl6dof.replay.views.panels import RGB
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-TIMELINE = "sim_time"
+TIMELINE = "time"
+#: How long (s) a trail is.
+TRAIL_S = 60.0
 SPACE: RGB = (10, 9, 12)
+#: The viewer's field of view from top to bottom, deg.
+FIELD_DEG = 55.0
+#: Half the angle (deg) that the sphere which a camera follows fills: less than half the field, so that the
+#: sphere also fits into a view that is narrower than high.
+KEPT_DEG = 20.0
+#: Where the eye stands in a camera's frame, whose unit is the sphere's radius: beside, a little above.
+EYE = np.array([2.6, 9.2, 2.6]) / np.linalg.norm([2.6, 9.2, 2.6]) / np.sin(np.radians(KEPT_DEG))
 #: What only other views show.
 _NOT_CHASE = (
     "campaign",
@@ -27,8 +36,10 @@ _NOT_CHASE = (
     "velocity_frame",
     "vehicle/attitude_frame",
 )
-_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels")
-_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels")
+#: What belongs to one camera alone.
+_OWN = ("camera/scale_bar",)
+_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
+_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels", *_OWN)
 
 
 class Shown(NamedTuple):
@@ -44,7 +55,10 @@ class Shown(NamedTuple):
         jets: names of the thrusters.
         scanned: place from which the ground was scanned, m in L, if any.
         instruments: kinds of instruments that navigation has, by which their lanes are sorted.
-        flights: number of flights in the recording.
+        labels: names of the flights in the recording; one, and empty, where there is one flight.
+        size: of the vehicle, m.
+        scales: what 1 m of the arrows stands for.
+        ranges: first and last value on the axis of each plot, by page and entity.
         ensemble: whether a campaign's trajectories are in it.
         globe_eye, globe_target: whence and whither the globe is seen, km in F.
     """
@@ -59,7 +73,10 @@ class Shown(NamedTuple):
     jets: tuple[str, ...]
     instruments: tuple[str, ...]
     scanned: np.ndarray | None
-    flights: int
+    labels: tuple[str, ...]
+    size: float
+    scales: str
+    ranges: dict[tuple[str, str], tuple[float, float]]
     ensemble: bool
     globe_eye: np.ndarray
     globe_target: np.ndarray
@@ -81,7 +98,7 @@ class Views:
 
     def roots(self) -> list[str]:
         """Entities below which each flight's own things lie."""
-        return ["/site", *(f"/site/flight_{k}" for k in range(1, self.flown.flights))]
+        return [root_of(k) for k in range(len(self.flown.labels))]
 
     def _view(
         self,
@@ -102,28 +119,39 @@ class Views:
             name=name,
             background=rrb.Background(color=SPACE),
             line_grid=False,
-            overrides={f"{root}/trail": window(rrb, 60.0) for root in self.roots()},
+            overrides={f"{root}/trail": window(rrb, TRAIL_S) for root in self.roots()},
             eye_controls=rrb.EyeControls3D(position=place, look_target=target, eye_up=(0.0, 0.0, 1.0)),
         )
 
-    def chase(self) -> rrb.Spatial3DView:
-        """The vehicle from beside it, wherever it goes."""
-        return self._view(
-            "Chase", "/site/camera", _NOT_CHASE, np.array([2.6, 9.2, 2.6]), np.array([0.0, 0.0, -0.2])
-        )
+    def chase(self) -> rrb.Spatial3DView | rrb.Grid:
+        """The vehicle with all that it hangs from, wherever it goes; side by side where there are several."""
+        views = [
+            self._following(f"{root}/camera", f"Chase: {label}" if label else "Chase")
+            for root, label in zip(self.roots(), self.flown.labels, strict=True)
+        ]
+        return views[0] if len(views) == 1 else self.rrb.Grid(*views, name="Chase")
+
+    def away(self) -> rrb.Spatial3DView:
+        """What fell away last."""
+        return self._view("What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), EYE, np.zeros(3))
+
+    def _following(self, camera: str, name: str) -> rrb.Spatial3DView:
+        return self._view(name, camera, _NOT_CHASE, EYE, np.zeros(3))
 
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
         rrb = self.rrb
-        shown = ["/site/vehicle/**", "/site/arrows/**", "/site/velocity_frame/**"]
-        along, length, side = _beside(self.flown.start, self.flown.end)
-        place = 1.6 * along / length - 4.6 * side + [0.0, 0.0, 1.5]
-        eye = rrb.EyeControls3D(position=place, look_target=(0.0, 0.0, 0.0), eye_up=(0.0, 0.0, 1.0))
+        parts = ("vehicle", "arrows", "near", "velocity_frame")
         background = rrb.Background(color=SPACE)
+        eye = rrb.EyeControls3D(
+            position=body_eye(self.flown.start, self.flown.end, self.flown.size),
+            look_target=(0.0, 0.0, 0.0),
+            eye_up=(0.0, 0.0, 1.0),
+        )
         return rrb.Spatial3DView(
             origin="/site/near",
-            contents=shown,
-            name="Body, frames, forces",
+            contents=[f"/site/{part}/**" for part in parts],
+            name=f"Body and forces: {self.flown.scales}" if self.flown.scales else "Body and frames",
             background=background,
             line_grid=False,
             eye_controls=eye,
@@ -179,6 +207,7 @@ class Views:
             "markers",
             "labels",
             "drop_line",
+            *_OWN,
         )
         return self._view("Hazards from above", "/site", (*hidden, "trail", "sky"), place, target)
 
@@ -195,6 +224,17 @@ class Views:
             line_grid=False,
             eye_controls=eye,
         )
+
+
+def root_of(number: int) -> str:
+    """Entity under which lies what belongs to one flight of a recording alone."""
+    return f"/site/flight_{number}" if number else "/site"
+
+
+def body_eye(start: np.ndarray, end: np.ndarray, size: float) -> np.ndarray:
+    """Where the eye stands from a vehicle of this size (m) when it looks at its frames and forces, m in L."""
+    along, length, side = _beside(start, end)
+    return size * (0.7 * along / length - 2.0 * side + [0.0, 0.0, 0.65])
 
 
 def _beside(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
+from edl6dof.campaign.quantiles import percent, quantile
 from edl6dof.report.campaign import drivers, faults, grid, landing, margins
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Fact, Listing, Mood, Report, Section
@@ -16,14 +15,14 @@ def campaign_report(folder: Path) -> Report:
     results = Results(folder)
     sections = [
         Section("faults", "Faults", list(faults.blocks(results))),
-        Section("success", "Success and causes", [margins.causes(results), margins.convergence(results)]),
+        Section("success", "Success and causes", [margins.causes(results), *margins.convergence(results)]),
         Section("sweep", "Sweep", list(grid.figures(results))),
-        Section("limits", "Limits", [margins.limit_quantiles(results)] if results.limits else []),
-        Section("figures", "Other figures", [margins.other_quantiles(results)]),
+        Section("limits", "Limits", list(margins.limits(results))),
+        Section("figures", "Other figures", list(margins.other_figures(results))),
         Section("footprint", "Footprint and deployment", list(landing.blocks(results))),
         Section("propellant", "Propellant", list(margins.propellant(results))),
-        Section("worst", "Worst cases", [margins.worst(results)] if results.limits else []),
-        Section("drivers", "What drives what", list(drivers.blocks(results))),
+        Section("worst", "Worst cases", list(margins.worst(results))),
+        Section("drivers", "What drives what", [*drivers.indices(results), *drivers.blocks(results)]),
         Section(
             "configuration",
             "Configuration",
@@ -48,7 +47,8 @@ def campaign_report(folder: Path) -> Report:
 
 def _headline(results: Results) -> tuple[str, Mood]:
     success = results.success
-    return f"{success.successes} of {success.trials} flights succeed: {success}", _mood(results)
+    share = f": {success}" if results.is_sample else ""
+    return f"{success.successes} of {success.trials} flights succeed{share}", _mood(results)
 
 
 def _mood(results: Results) -> Mood:
@@ -58,14 +58,19 @@ def _mood(results: Results) -> Mood:
 
 
 def _facts(results: Results) -> list[Fact]:
-    low, high = results.success.interval
     facts = [
         Fact("flights", f"{len(results.cases):,}"),
         Fact("success", f"{results.success.value:.2%}", _mood(results)),
-        Fact("95 % interval", f"{low:.2%} .. {high:.2%}"),
     ]
-    if results.has("landing_distance_m") and np.isfinite(results["landing_distance_m"]).any():
-        facts.append(
-            Fact("99 % land within", f"{np.nanquantile(results['landing_distance_m'], 0.99) / 1e3:.2f} km")
-        )
+    if not results.is_sample:
+        return facts
+    low, high = results.success.interval
+    facts.append(Fact("95 % interval", f"{low:.2%} .. {high:.2%}"))
+    if results.has("landing_distance_m"):
+        distance = results["landing_distance_m"] / 1e3
+        facts += [
+            Fact(f"{percent(share)} land within", f"{margins.in_words(results, distance, share)} km")
+            for share in margins.shown_shares(results)[-1:]
+            if quantile(distance, share)
+        ]
     return facts

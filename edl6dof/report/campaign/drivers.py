@@ -1,92 +1,155 @@
-"""What drives what: the dispersed quantities ranked by their effect on each figure."""
+"""What drives what: the dispersed quantities that can be told to move a figure, with their shares."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from textwrap import fill
 
 import numpy as np
 
-from edl6dof.campaign.statistics import Driver, drivers
-from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.campaign.design.swaps import A, B
+from edl6dof.campaign.drivers import CHANCE, FEWEST, Drivers, drivers
+from edl6dof.campaign.indices import Index, sobol_indices
+from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Row, Table, Text
-from edl6dof.report.figure import BLUE, ORANGE, Axis, Figure, Panel, Trace
+from edl6dof.report.figure import GREY, SERIES, Axis, Band, Figure, Panel, Trace
 
-#: Where a flight landed.
-_LANDING = ("landing_east_m", "landing_north_m")
 #: Figures to explain; those with limits come first by themselves.
-_FIGURES = (*_LANDING, "parachute_height_m", "propellant_used_kg", "touchdown_s")
+_FIGURES = (
+    *("landing_east_m", "landing_north_m", "landing_distance_m"),
+    *("parachute_height_m", "propellant_used_kg", "touchdown_s"),
+)
+#: Before an input that stands below its figure.
+_INDENT = "\u2003"
+#: Inputs of each figure whose Sobol indices are told.
+_SHOWN = 5
+#: Interval of a total index beyond which a figure's indices tell nothing.
+_WIDEST = 1.0
+#: Letters of a line of a figure's name beside the bars.
+_LETTERS = 24
 
-#: Rows of a ranking.
-_SHOWN = 6
+
+@dataclass(frozen=True)
+class Told:
+    """A figure and what is told of it."""
+
+    figure: FigureOfMerit
+    drivers: Drivers
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """A ranking for each figure that varies, and the footprint's drivers as a figure."""
-    if len(results.inputs) < 1 or len(results.cases) <= len(results.inputs) + 2:
-        yield Text("Too few flights for a ranking: it needs more flights than dispersed quantities.")
+    """A map of who drives what, and the shares with their intervals."""
+    if not (results.groups and results.is_sample):
         return
+    if len(results.cases) < FEWEST:
+        yield Text(f"Cannot be told with fewer than {FEWEST} flights.")
+        return
+    told = list(_told(results))
     yield Text(
-        "Rank correlation (Spearman) finds every monotonic effect; a standardised regression coefficient b "
-        "explains a share b² of the variance, which is the first-order Sobol index where the figure is "
-        "linear in the inputs. R² is what all coefficients explain together; where it is low, the random "
-        "profiles of density and gusts, or effects that are not linear, do the rest. By chance alone, "
-        f"correlations reach {2.6 / np.sqrt(len(results.cases)):.2f} in one of a hundred."
+        "Share: how much of the variance of a figure's ranks an input explains, and where it lies at 95 %. "
+        "Inputs drawn together (*) count as one. An input is named where chance alone would name none in "
+        f"{1.0 - CHANCE:.0%} of campaigns, all figures together. What remains is the work of the random "
+        "profiles of density and gusts, of inputs whose share is too small to be told, and of what only "
+        "several inputs together do."
     )
-    for name in dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES]):
-        if results.has(name):
-            found, explained = drivers(results.inputs, results[name])
-            if found:
-                yield ranking(figure_of_merit(name).meaning, found, explained)
-    yield from _chart(results)
+    if any(one.drivers.found for one in told):
+        yield chart([one for one in told if one.drivers.found])
+    yield Table(["figure, and inputs that drive it", "share>", "95 % interval>", "effect"], list(_rows(told)))
 
 
-def ranking(label: str, found: list[Driver], explained: float) -> Table:
-    """The strongest drivers of one figure."""
-    rows: list[Row] = [
-        [
-            driver.name,
-            f"{driver.rank_correlation:+.2f}",
-            f"{driver.regression:+.2f}",
-            Cell(f"{driver.regression**2:.0%}", bar=driver.regression**2),
-        ]
-        for driver in found[:_SHOWN]
-    ]
-    return Table([f"{label} (R² = {explained:.2f})", "rank correlation>", "regression b>", "b²"], rows)
-
-
-def _chart(results: Results) -> Iterator[Figure]:
-    """Regression coefficients of the landing point, side by side."""
-    ways = [figure_of_merit(name) for name in _LANDING if results.has(name)]
-    found = {
-        way.meaning: {d.name: d.regression for d in drivers(results.inputs, results[way.name])[0]}
-        for way in ways
-    }
-    if len(found) < 2 or not all(found.values()):
+def indices(results: Results) -> Iterator[Block]:
+    """Sobol indices of each figure, of a campaign that flew their design."""
+    if not results.has_design:
         return
-    names = sorted(
-        set().union(*found.values()),
-        key=lambda name: -max(abs(column.get(name, 0.0)) for column in found.values()),
-    )[:10]
-    at = np.arange(len(names), dtype=float)
-    traces = [
-        Trace(
-            np.array([column.get(name, 0.0) for name in names]),
-            at + shift,
-            label,
-            "points",
-            colour,
-            width=3.0,
-        )
-        for (label, column), colour, shift in zip(found.items(), (BLUE, ORANGE), (-0.1, 0.1), strict=True)
-    ]
+    rows: list[Row] = []
+    for name in _figures(results):
+        matrices = results.swapped(name)
+        a, b = matrices.pop(A), matrices.pop(B)
+        found = sobol_indices(a, b, matrices)[:_SHOWN]
+        if not all(map(_is_told, found)):
+            found = []
+        words = "" if found else f": cannot be told with {len(a):,} rows"
+        rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
+        for index in found:
+            rows.append([_INDENT + index.name, *_shares(index.first), *_shares(index.total)])
+    yield Text(
+        "Sobol indices: the share of a figure's variance that goes when an input is known (alone), and that "
+        f"stays when all others are known (in all), with 95 % intervals; the {_SHOWN} largest of each figure."
+    )
+    yield Table(["figure, and inputs", "alone>", "95 %>", "in all>", "95 %>"], rows)
+
+
+def _told(results: Results) -> Iterator[Told]:
+    moving = {name: results[name] for name in _figures(results)}
+    for name, values in moving.items():
+        level = -np.expm1(np.log1p(-CHANCE) / len(moving))  # Sidak: for each figure
+        yield Told(figure_of_merit(name), drivers(results.groups, values, level))
+
+
+def _is_told(index: Index) -> bool:
+    _, low, high = index.total
+    return high - low <= _WIDEST
+
+
+def _shares(index: tuple[float, float, float]) -> tuple[Cell, str]:
+    value, low, high = (min(max(bound, 0.0), 1.0) for bound in index)
+    return Cell(f"{value:.0%}", bar=value), f"{low:.0%} .. {high:.0%}"
+
+
+def _figures(results: Results) -> list[str]:
+    """Figures with limits and others to explain, those that move."""
+    names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
+    return [name for name in names if results.has(name) and _moves(results[name])]
+
+
+def _moves(values: np.ndarray) -> bool:
+    finite = values[np.isfinite(values)]
+    return bool(len(finite)) and float(np.ptp(finite)) > 0.0
+
+
+def _rows(told: list[Told]) -> Iterator[Row]:
+    """A line that says what of a figure can be told, and below it its drivers."""
+    for one in told:
+        least = f"{one.drivers.least:.0%}"
+        flights = f"cannot be told with {one.drivers.flights:,} flights"
+        if not one.drivers.found:
+            yield [f"{one.figure.meaning}: {flights}, no share above {least}", "", "", ""]
+            continue
+        remains = f"{max(1.0 - one.drivers.explained, 0.0):.0%} remains, shares below {least} {flights}"
+        yield [f"{one.figure.meaning}: {remains}", "", "", ""]
+        for driver in one.drivers.found:
+            share = Cell(f"{driver.share:.0%}", bar=driver.share)
+            yield [_INDENT + driver.name, share, f"{driver.low:.0%} .. {driver.high:.0%}", driver.effect]
+
+
+def chart(told: list[Told]) -> Figure:
+    """Each figure's variance as a bar, cut into the shares of its drivers."""
+    every = sorted((driver for one in told for driver in one.drivers.found), key=lambda found: -found.share)
+    ranked = list(dict.fromkeys(driver.name for driver in every))
+    colours = dict(zip(ranked, SERIES, strict=False))
+    bands = [band for row, one in enumerate(reversed(told)) for band in _bar(one, row, colours)]
+    nothing = np.full(1, np.nan)
+    legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
+    if len(ranked) > len(colours):
+        legend.append(("others", GREY))
+    traces = [Trace(nothing, nothing, name, "points", colour, symbol="square") for name, colour in legend]
     panel = Panel(
-        Axis("standardised regression coefficient", range=(-1.0, 1.0)), Axis("", names=names), traces
+        Axis("share of the variance (%)", range=(0.0, 100.0)),
+        Axis("", names=[fill(one.figure.meaning, _LETTERS) for one in reversed(told)]),
+        traces,
+        bands=bands,
     )
-    yield Figure(
-        "drivers",
-        "What moves the landing point",
-        [panel],
-        "Positive: a larger value moves it east or north.",
-        height=380,
+    caption = "What no colour covers cannot be told from chance. Figures without a driver are left out."
+    return Figure(
+        "drivers", "What drives what", [panel], caption, height=40 + 24 * len(legend) + 34 * len(told)
     )
+
+
+def _bar(one: Told, row: int, colours: dict[str, str]) -> Iterator[Band]:
+    start = 0.0
+    for driver in one.drivers.found:
+        end = min(start + 100.0 * driver.share, 100.0)
+        yield Band(colours.get(driver.name, GREY), (start, end), (row - 0.36, row + 0.36), opacity=1.0)
+        start = end

@@ -15,11 +15,24 @@ from edl6dof.campaign.rows import Row
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text
-from edl6dof.report.figure import BLACK, GREEN, ORANGE, PURPLE, SKY, Axis, Figure, Heat, Panel, Trace
+from edl6dof.report.figure import (
+    BLACK,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SEQUENTIAL,
+    SKY,
+    UNKNOWN,
+    Axis,
+    Figure,
+    Heat,
+    Panel,
+    Trace,
+)
 
 #: What became of a fault, from the best to the worst; a cell of several flights shows the worst of them.
 _BECAME = (
-    ("never used after it: cannot be known", "#e6e8eb"),
+    ("never used after it: cannot be known", UNKNOWN),
     ("right name and kind", GREEN),
     ("not named, or not all", SKY),
     ("named with a wrong kind", ORANGE),
@@ -29,9 +42,9 @@ _CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _SOUND = range(len(_BECAME))
 _LOST = "not within limits"
 #: Top of the scale of times, s; longer ones have its colour.  White is no verdict, and none of its colours.
 _LONGEST_S = 15.0
-_SCALE = ("#d3eecd", "#a8ddb5", "#4eb3d3", "#1a6fb0", "#08306b")
-#: Moments named along an axis, and lines of a table.
-_NAMED, _LINES = 9, 200
+_SCALE = SEQUENTIAL[1:]
+#: Moments named along an axis that holds more than stand beside each other, and lines of a table.
+_NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
 
 
@@ -199,7 +212,7 @@ def _crosses(lost: Sequence[tuple[int, int]]) -> list[Trace]:
 
 def _thinned(names: Sequence[str]) -> list[str]:
     """Every so many of the names; the others are empty."""
-    step = -(-len(names) // _NAMED) if len(names) > 2 * _NAMED else 1
+    step = -(-len(names) // _NAMED) if len(names) > _BESIDE else 1
     return [name if k % step == 0 else "" for k, name in enumerate(names)]
 
 

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
+from edl6dof.campaign.quantiles import percent
 from edl6dof.campaign.statistics import ellipse
+from edl6dof.report.campaign.margins import in_words, shown_shares
 from edl6dof.report.campaign.results import Results
-from edl6dof.report.document import Block, Table
+from edl6dof.report.document import Block, Row, Table
 from edl6dof.report.figure import BAD, BLACK, BLUE, PURPLE, VERMILION, Axis, Dash, Figure, Mark, Panel, Trace
 
 #: Points of each kind that carry the number of their case.
 _NAMED = 4
+#: Width and height of it with a little room, as shares of the axes.
+_WORD = (0.2, 0.16)
+
+#: Flights marked for the least height at mortar fire.
+_LOWEST = 3
 
 _DASHES: dict[int, Dash] = {1: "solid", 2: "dash", 3: "dot"}
 
@@ -30,7 +38,8 @@ def footprint(results: Results) -> Figure:
     """Landing points about the site, with the ellipses of one to three standard deviations."""
     east, north = results["landing_east_m"] / 1e3, results["landing_north_m"] / 1e3
     down = np.isfinite(east)
-    traces = list(_points(results, east, north))
+    wide = float(np.ptp(north[down])) or 1.0
+    traces = list(_points(results, east, north, (wide, wide)))
     for sigmas, dash in _DASHES.items():
         x, y = ellipse(east[down], north[down], sigmas)
         traces.append(Trace(x, y, f"{sigmas} sigma", colour=BLACK, dash=dash))
@@ -42,8 +51,10 @@ def footprint(results: Results) -> Figure:
     return Figure("footprint", "Landing footprint", [panel], caption, height=560)
 
 
-def _points(results: Results, x: np.ndarray, y: np.ndarray) -> Iterator[Trace]:
-    """Successes and failures; failures and the outermost successes carry the number of their case."""
+def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, float]) -> Iterator[Trace]:
+    """Successes and failures; failures and the outermost successes carry the number of their case, as far as
+    axes of these spans leave room for it.
+    """
     both = np.isfinite(x) & np.isfinite(y)
     middle = [np.median(values[both]) if both.any() else 0.0 for values in (x, y)]
     scale = [max(float(np.std(values[both])), 1e-12) if both.any() else 1.0 for values in (x, y)]
@@ -51,9 +62,21 @@ def _points(results: Results, x: np.ndarray, y: np.ndarray) -> Iterator[Trace]:
     for chosen, name, colour in ((results.ok, "success", BLUE), (~results.ok, "no success", BAD)):
         shown = np.flatnonzero(chosen & both)
         if len(shown):
-            named = set(shown[np.argsort(-out[shown])][:_NAMED])
+            named = _apart(shown[np.argsort(-out[shown])], x / spans[0], y / spans[1])
             labels = [f"case {results.cases[index]}" if index in named else "" for index in shown]
             yield Trace(x[shown], y[shown], name, "points", colour, labels=labels)
+
+
+def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
+    """The first of an order, without those so near to one before that their words would cover each other;
+    ``x`` and ``y`` in shares of their axes.
+    """
+    taken: list[int] = []
+    for index in order[: 4 * _NAMED]:
+        beside = [abs(x[index] - x[k]) < _WORD[0] and abs(y[index] - y[k]) < _WORD[1] for k in taken]
+        if not any(beside) and len(taken) < _NAMED:
+            taken.append(int(index))
+    return set(taken)
 
 
 def ellipse_table(results: Results) -> Table:
@@ -64,12 +87,15 @@ def ellipse_table(results: Results) -> Table:
     minor, major = np.sqrt(np.maximum(values, 0.0)) / 1e3
     heading = np.degrees(np.arctan2(vectors[0, 1], vectors[1, 1])) % 180.0
     distance = np.hypot(east[down], north[down]) / 1e3
-    rows = [
+    rows: list[Row] = [
         ("centre east, north", f"{east[down].mean() / 1e3:+.2f}, {north[down].mean() / 1e3:+.2f}", "km"),
         ("half axes of the 3 sigma ellipse", f"{3 * major:.2f} x {3 * minor:.2f}", "km"),
         ("direction of the long axis", f"{heading:.0f}", "deg from north through east"),
-        ("distance from the target: median", f"{np.median(distance):.2f}", "km"),
-        ("distance from the target: 99 %", f"{np.quantile(distance, 0.99):.2f}", "km"),
+        *(
+            (f"distance from the target: {percent(share)}", in_words(results, distance, share), "km")
+            for share in shown_shares(results)
+            if 0.5 <= share < 1.0
+        ),
         ("distance from the target: largest", f"{distance.max():.2f}", "km"),
     ]
     return Table(["", "value>", "unit"], rows)
@@ -77,34 +103,39 @@ def ellipse_table(results: Results) -> Table:
 
 def deployment(results: Results) -> Figure:
     """Mach number, dynamic pressure, height and angle of attack at mortar fire, with the limits."""
-    limits = {figure: limit for figure, _, limit, _ in results.limits}
+    limit = {figure: limit for figure, _, limit, _ in results.limits}
     mach, pressure = results["parachute_mach"], results["parachute_dynamic_pressure_pa"]
-    marks = [Mark("x", limits["parachute_mach"], "limit", BAD)] if "parachute_mach" in limits else []
-    marks += (
-        [Mark("y", limits["parachute_dynamic_pressure_pa"], "limit", BAD)]
-        if "parachute_dynamic_pressure_pa" in limits
-        else []
-    )
-    box = Panel(
-        Axis("Mach number"),
-        Axis("dynamic pressure (Pa)"),
-        list(_points(results, mach, pressure)),
-        marks=marks,
-    )
+    across = _axis("Mach number", mach, limit.get("parachute_mach"))
+    up = _axis("dynamic pressure (Pa)", pressure, limit.get("parachute_dynamic_pressure_pa"))
+    marks = [
+        *_limit("x", limit.get("parachute_mach")),
+        *_limit("y", limit.get("parachute_dynamic_pressure_pa")),
+    ]
+    box = Panel(across, up, list(_points(results, mach, pressure, (_span(across), _span(up)))), marks=marks)
     height, alpha = results["parachute_height_m"] / 1e3, results["parachute_total_alpha_deg"]
-    low = np.isfinite(height) & (height <= np.nanquantile(height, 0.01))
-    lowest = Trace(height[low], alpha[low], "lowest 1 %", "points", PURPLE, symbol="cross")
-    marks = (
-        [Mark("y", limits["parachute_total_alpha_deg"], "limit", BAD)]
-        if "parachute_total_alpha_deg" in limits
-        else []
-    )
-    attitude = Panel(
-        Axis("height above the ground (km)"),
-        Axis("total angle of attack (deg)"),
-        [*_points(results, height, alpha), lowest],
-        marks=marks,
-    )
-    return Figure(
-        "deployment", "Parachute deployment", [box, attitude], "At mortar fire.", columns=2, height=380
-    )
+    low = np.argsort(height)[:_LOWEST]
+    lowest = Trace(height[low], alpha[low], f"lowest {_LOWEST}", "points", PURPLE, symbol="cross")
+    across = _axis("height above the ground below (km)", height, None)
+    up = _axis("total angle of attack (deg)", alpha, limit.get("parachute_total_alpha_deg"))
+    points = [*_points(results, height, alpha, (_span(across), _span(up))), lowest]
+    attitude = Panel(across, up, points, marks=list(_limit("y", limit.get("parachute_total_alpha_deg"))))
+    caption = "At mortar fire; dashed: the limits."
+    return Figure("deployment", "Parachute deployment", [box, attitude], caption, height=340)
+
+
+def _span(axis: Axis) -> float:
+    return axis.range[1] - axis.range[0] if axis.range else 1.0
+
+
+def _axis(title: str, values: np.ndarray, limit: float | None) -> Axis:
+    """An axis that reaches from the flights to their limit, however far that is."""
+    ends = np.append(values[np.isfinite(values)], [] if limit is None else [limit])
+    if not len(ends):
+        return Axis(title)
+    room = 0.1 * float(np.ptp(ends)) or 1.0
+    return Axis(title, range=(float(ends.min()) - room, float(ends.max()) + room))
+
+
+def _limit(axis: Literal["x", "y"], at: float | None) -> Iterator[Mark]:
+    if at is not None:
+        yield Mark(axis, at, colour=BAD, dash="dash")

@@ -2,65 +2,116 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from edl6dof.campaign.statistics import Proportion, quantiles
+from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, percent, quantile
+from edl6dof.campaign.statistics import Proportion
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.results import Results
 from edl6dof.report.document import Block, Cell, Mood, Row, Table, Text
-from edl6dof.report.figure import BLUE, GREEN, GREY, Axis, Figure, Mark, Panel, Trace
-from edl6dof.report.numbers import significant
+from edl6dof.report.figure import BLUE, GREEN, Axis, Figure, Mark, Panel, Trace
+from edl6dof.report.numbers import aligned, significant
 
 #: Figures without a limit whose quantiles are of interest.
 _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-_HEADS = ("0.13 %>", "1 %>", "50 %>", "99 %>", "99.87 %>")
+#: Cases that are named beside each limit.
+_NEAREST = 3
 
 
-def limit_quantiles(results: Results) -> Table:
-    """Quantiles of every figure that has a limit, beside it."""
+def limits(results: Results) -> Iterator[Block]:
+    """Median and outermost quantile of every figure that has a limit, beside it."""
+    if not results.limits:
+        return
+    shares = shown_shares(results)[-2:]
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         missed = int(np.sum(values > limit))
-        spread = quantiles(values)
+        largest = _upper(results, values, shares)
         mood: Mood = "bad" if missed else "good"
-        cells = [significant(value) for value in spread]
-        rows.append(
-            [
-                label,
-                unit,
-                *cells,
-                significant(limit),
-                Cell(f"{spread[-1] / limit:.0%}", mood, spread[-1] / limit),
-                str(missed),
-            ]
-        )
-    caption = "The last bar is the 99.87 % quantile (3 sigma) over the limit."
-    return Table(["figure", "unit", *_HEADS, "limit>", "used", "missed>"], rows, caption)
+        used = Cell(f"{largest / limit:.0%}", mood, largest / limit) if largest is not None else "-"
+        cells = [in_words(results, values, share) for share in shares]
+        rows.append([label, unit, *cells, significant(limit), used, str(missed)])
+    end = "upper bound of the last quantile" if results.is_sample else "largest value"
+    yield Text(f"{note(results)} Used is the {end} over the limit.")
+    heads = [f"{head(share)}>" for share in shares]
+    yield Table(["figure", "unit", *heads, "limit>", "used>", "missed>"], rows)
 
 
-def other_quantiles(results: Results) -> Table:
+def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
+    """Upper bound of the outermost quantile that there is; the largest value of what is no sample."""
+    if not results.is_sample:
+        return float(np.nanmax(values)) if np.isfinite(values).any() else None
+    found = (quantile(values, share) for share in reversed(shares))
+    return next((one.high for one in found if one is not None), None)
+
+
+def other_figures(results: Results) -> Iterator[Block]:
     """Quantiles of other figures."""
+    shares = shown_shares(results)
+    limited = {name for name, *_ in results.limits}
     rows: list[Row] = [
         [
             figure.meaning,
             figure.unit.label,
-            *(significant(value) for value in quantiles(results[figure.name])),
+            *(in_words(results, results[figure.name], share) for share in shares),
         ]
         for figure in map(figure_of_merit, _OTHERS)
-        if results.has(figure.name) and figure.name not in {name for name, *_ in results.limits}
+        if results.has(figure.name) and figure.name not in limited
     ]
-    return Table(["figure", "unit", *_HEADS], rows)
+    if rows:
+        yield Text(note(results))
+        yield Table(["figure", "unit", *(f"{head(share)}>" for share in shares)], rows)
+
+
+def shown_shares(results: Results) -> tuple[float, ...]:
+    """The median and the outermost pair of quantiles that a sample can bound; the ends of what is none."""
+    if not results.is_sample:
+        return 0.0, 0.5, 1.0
+    bounded = bounded_shares(len(results.cases))
+    return tuple(dict.fromkeys((bounded[0], 0.5, bounded[-1]))) if bounded else ()
+
+
+def head(share: float) -> str:
+    """What a quantile is called."""
+    return {0.0: "least", 1.0: "largest"}.get(share, percent(share))
+
+
+def in_words(results: Results, values: np.ndarray, share: float) -> str:
+    """A quantile with its bounds, or how many flights it takes; as flown in what is no sample."""
+    if not results.is_sample:
+        finite = values[np.isfinite(values)]
+        return significant(float(np.quantile(finite, share))) if len(finite) else "-"
+    found = quantile(values, share)
+    if found is None:
+        return f"takes {flights_needed(share):,} flights"
+    value, low, high = aligned(found.value, found.low, found.high)
+    return f"{value} ({low} .. {high})"
+
+
+def note(results: Results) -> str:
+    """What stands beside quantiles: whose bounds they are, and how many flights those take that are not
+    told.
+    """
+    if not results.is_sample:
+        return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
+    flights = len(results.cases)
+    too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
+    takes = ", ".join(f"{percent(share)} takes {flights_needed(share):,}" for share in too_far)
+    refused = f" Quantiles further out cannot be told with {flights:,} flights: {takes}." if too_far else ""
+    return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
 
 
 def causes(results: Results) -> Block:
     """Why flights failed."""
     if not results.causes:
+        if not results.is_sample:
+            return Text("No flight failed.")
         low, _ = results.success.interval
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low:.2%}.")
     rows: list[Row] = []
@@ -72,8 +123,10 @@ def causes(results: Results) -> Block:
     return Table(["cause", "flights>", "share", "cases"], rows)
 
 
-def convergence(results: Results) -> Figure:
+def convergence(results: Results) -> Iterator[Figure]:
     """Success probability so far, with its interval."""
+    if not results.is_sample:
+        return
     order = np.argsort(results.cases)
     successes = np.cumsum(results.ok[order])
     number = np.arange(1, len(successes) + 1)
@@ -82,13 +135,14 @@ def convergence(results: Results) -> Figure:
     low, high = (np.array([100.0 * share.interval[end] for share in found]) for end in (0, 1))
     value = np.array([100.0 * share.value for share in found])
     x = number[shown].astype(float)
+    around = np.append(x, x[::-1]), np.append(low, high[::-1])
     traces = [
-        Trace(x, low, "95 % interval (Wilson)", colour=GREY, dash="dash"),
-        Trace(x, high, "95 % interval (Wilson)", colour=GREY, dash="dash", legend=False),
+        Trace(*around, "95 % interval (Wilson)", "region", BLUE),
         Trace(x, value, "success so far", colour=BLUE, width=2.2),
     ]
-    panel = Panel(Axis("flights", log=True), Axis("success (%)"), traces)
-    return Figure(
+    flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
+    panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
+    yield Figure(
         "convergence",
         "Success probability",
         [panel],
@@ -103,29 +157,36 @@ def propellant(results: Results) -> Iterator[Block]:
         return
     left = loaded - results["propellant_used_kg"]
     left = left[np.isfinite(left)]
+    if not len(left) or np.ptp(left) == 0.0:
+        return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
+    shares = shown_shares(results)[:1]
+    lowest = [(head(share), float(np.quantile(left, share))) for share in shares]
     panel = Panel(
         Axis("propellant left (kg)"),
         Axis("flights"),
         [Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)],
-        marks=[Mark("x", float(np.quantile(left, 0.0013)), "0.13 %")] if len(left) > 1 else [],
+        marks=[Mark("x", at, words) for words, at in lowest],
     )
-    caption = (
-        f"Of {loaded:g} kg loaded; least {left.min():.1f} kg, 0.13 % quantile "
-        f"{np.quantile(left, 0.0013):.1f} kg."
+    told = "".join(
+        f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
     )
+    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{told}."
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 
-def worst(results: Results, count: int = 3) -> Table:
-    """The cases nearest to each limit, or furthest beyond it, with the command that flies them again."""
+def worst(results: Results) -> Iterator[Block]:
+    """The cases nearest to each limit, or furthest beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
         values = results[figure]
         finite = np.flatnonzero(np.isfinite(values))
-        for index in finite[np.argsort(-values[finite])][:count]:
-            share = values[index] / limit
-            case = int(results.cases[index])
-            shown = Cell(significant(values[index]), "bad" if share > 1.0 else "plain", float(share))
-            rows.append([label, unit, shown, significant(limit), f"edl6dof refly {results.folder} {case}"])
-    return Table(["figure", "unit", "value", "limit>", "fly it again"], rows)
+        nearest = finite[np.argsort(-values[finite], kind="stable")][:_NEAREST]
+        if len(nearest):
+            share = float(values[nearest[0]]) / limit
+            shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
+            cases = ", ".join(str(results.cases[index]) for index in nearest)
+            rows.append([label, unit, shown, significant(limit), cases])
+    if rows:
+        yield Text(f"The worst of each first; one of them again: edl6dof refly {results.folder} CASE")
+        yield Table(["figure", "unit", "worst>", "limit>", "cases"], rows)

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
+from edl6dof.campaign.design.case import BELIEF, TRUTH
+from edl6dof.campaign.design.groups import group_of
+from edl6dof.campaign.design.swaps import MATRIX, ROW, A, B
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.document.source import parse_document
@@ -19,10 +24,40 @@ from edl6dof.metrics.evaluation import LIMITS
 class Results:
     """The rows of a campaign, finished or not."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, columns: Sequence[str] | None = None):
+        """``columns``: those that are wanted, besides success; all if not given."""
         self.folder = folder
         self.store = Store(folder)
-        self.table = self.store.table()
+        self._every = self.store.table(None if columns is None else ["case", "success", MATRIX, *columns])
+
+    @cached_property
+    def table(self) -> pa.Table:
+        """The rows of flights that are independent of each other: of a design of Sobol indices those of the
+        matrices A and B, else all.
+        """
+        if not self.has_design:
+            return self._every
+        return self._every.filter(pc.is_in(self._every[MATRIX], pa.array([A, B])))
+
+    @property
+    def has_design(self) -> bool:
+        """Whether it flew the design of Sobol indices."""
+        return MATRIX in self._every.column_names
+
+    def swapped(self, name: str) -> dict[str, np.ndarray]:
+        """A figure of the flights of each matrix of the design, and of A with each group of inputs from B,
+        shape (rows,), NaN where a flight has none.
+        """
+        matrices = self._every[MATRIX].to_pylist()
+        found = {matrix: np.full(self._rows, np.nan) for matrix in dict.fromkeys(matrices)}
+        values = numbers(self._every[name])
+        for matrix, row, value in zip(matrices, self._every[ROW].to_pylist(), values, strict=True):
+            found[matrix][row] = value
+        return found
+
+    @property
+    def _rows(self) -> int:
+        return 1 + max(self._every[ROW].to_pylist())
 
     @cached_property
     def document(self) -> dict[str, Any]:
@@ -38,6 +73,13 @@ class Results:
     def has_faults(self) -> bool:
         """Whether the cases are the cells of a fault matrix."""
         return self.document.get("fault_matrix") is not None
+
+    @property
+    def is_sample(self) -> bool:
+        """Whether the flights are drawn at random from what may happen, and not the points of a grid or the
+        cells of a fault matrix: only of a sample have quantiles bounds.
+        """
+        return not (self.has_faults or self.document.get("sweep"))
 
     @cached_property
     def cases(self) -> np.ndarray:
@@ -65,18 +107,24 @@ class Results:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A numeric column, NaN where a case has no value, shape (n,)."""
-        values = self.table[name].cast(pa.float64()).to_numpy(zero_copy_only=False)
-        return np.asarray(values, dtype=float)
+        return numbers(self.table[name])
+
+    @property
+    def _dispersed(self) -> list[str]:
+        return [
+            name for name in self.table.column_names if name.startswith((TRUTH, BELIEF)) and self.has(name)
+        ]
 
     @cached_property
-    def inputs(self) -> dict[str, np.ndarray]:
-        """Dispersed quantities by dotted path; beliefs are marked."""
-        names = [
-            name
-            for name in self.table.column_names
-            if name.startswith(("truth.", "belief.")) and self.has(name)
-        ]
-        return {name.removeprefix("truth."): self[name] for name in names}
+    def groups(self) -> dict[str, np.ndarray]:
+        """Values of dispersed quantities, shape (n, quantities), those together that the plan draws together:
+        by one path with a wildcard, or as correlated.
+        """
+        found: dict[str, list[np.ndarray]] = {}
+        campaign = self.document.get("campaign") or {}
+        for name in self._dispersed:
+            found.setdefault(group_of(name, campaign), []).append(self[name])
+        return {name: np.stack(columns, axis=1) for name, columns in found.items()}
 
     @cached_property
     def limits(self) -> list[tuple[str, str, float, str]]:
@@ -87,6 +135,11 @@ class Results:
             for figure in LIMITS
             if given.get(figure.limit) is not None and self.has(figure.name)
         ]
+
+
+def numbers(column: pa.ChunkedArray) -> np.ndarray:
+    """A numeric column, NaN where it has no value."""
+    return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=float)
 
 
 def is_number(kind: pa.DataType) -> bool:

@@ -40,18 +40,17 @@ def air_angles(run: Run) -> Figure:
     """Angle of attack and sideslip, true and navigated, while there is a capsule to speak of."""
     rows = run.between(until="backshell") & (run["truth.dynamic_pressure_pa"] > 1.0)
     panels = [
-        over_time(run, "angle of attack (deg)", _pair("alpha"), rows),
-        over_time(run, "sideslip (deg)", _pair("beta"), rows),
+        over_time(run, "angle of attack (deg)", _angle(run, "alpha"), rows),
+        over_time(run, "sideslip (deg)", _angle(run, "beta"), rows),
         over_time(run, "total angle (deg)", [Curve("truth.total_alpha_deg", colour=BLUE)], rows),
     ]
-    caption = (
-        "The flight computer knows no wind, hence the difference. Shown while dynamic pressure is above 1 Pa."
-    )
+    caption = "Shown while dynamic pressure is above 1 Pa."
+    if run.phase_names:
+        caption = f"The flight computer knows no wind, hence the difference. {caption}"
     return stacked("air_angles", "Angles to the air", panels, caption, 160)
 
 
-def _pair(angle: str) -> list[Curve]:
-    return [
-        Curve(f"nav.{angle}_deg", "navigated", colour=GREY, dash="dash"),
-        Curve(f"truth.{angle}_deg", "true", colour=BLUE),
-    ]
+def _angle(run: Run, angle: str) -> list[Curve]:
+    """The true angle, and the navigated one of a flight with a flight computer."""
+    navigated = Curve(f"nav.{angle}_deg", "navigated", colour=GREY, dash="dash")
+    return [navigated] * bool(run.phase_names) + [Curve(f"truth.{angle}_deg", "true", colour=BLUE)]

@@ -25,7 +25,7 @@ def flight_report(run: Run) -> Report:
     """The review of a run; a section about what the flight did not have is left out."""
     sections = [
         Section("limits", "Limits and published flight", list(words.limits_and_published(run))),
-        Section("events", "Timeline", [words.timeline(run)]),
+        Section("events", "Timeline", list(words.timeline(run))),
         Section("trajectory", "Trajectory", list(trajectory.figures(run))),
         Section("guidance", "Entry guidance", list(guidance.figures(run))),
         Section("navigation", "Navigation", [*navigation.figures(run), *instruments.figures(run)]),

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.fsw.mission.roles import HOVER_IMAGING, begun
 from edl6dof.report.figure import BLUE, GREEN, GREY, PURPLE, VERMILION, Axis, Figure, Panel, Trace
-from edl6dof.report.flight.parts import Curve, over_time, placed, stacked
+from edl6dof.report.flight.parts import Curve, has_signal, over_time, placed, stacked
 from edl6dof.runs.run import Run
 
 
@@ -28,12 +28,15 @@ def parachute(run: Run) -> Iterator[Figure]:
     ]
     yield stacked("inflation", "Parachute inflation", panels, "Mortar fire, line stretch and inflation.", 160)
     rows = run.between("mortar", "backshell")
+    shown = (
+        ("descent speed (m/s)", "truth.v_down_m_s", BLUE),
+        ("total angle of\nattack (deg)", "truth.total_alpha_deg", VERMILION),
+        ("tilt from the\nvertical (deg)", "truth.tilt_deg", GREEN),
+    )
     panels = [
-        over_time(run, "descent speed (m/s)", [Curve("truth.v_down_m_s", "", 1.0, BLUE)], rows),
-        over_time(
-            run, "total angle of\nattack (deg)", [Curve("truth.total_alpha_deg", "", 1.0, VERMILION)], rows
-        ),
-        over_time(run, "tilt from the\nvertical (deg)", [Curve("truth.tilt_deg", "", 1.0, GREEN)], rows),
+        over_time(run, title, [Curve(channel, "", 1.0, colour)], rows)
+        for title, channel, colour in shown
+        if has_signal(run, channel, rows)  # a point mass has no attitude
     ]
     yield stacked("parachute", "Under the parachute", panels, "", 160)
 

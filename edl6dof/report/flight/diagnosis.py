@@ -16,7 +16,9 @@ BEFORE_S, AFTER_S = 2.0, 3.0
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Figures of the section; none where nothing failed and the flight computer diagnosed nothing at all."""
+    """Figures of the section; none where nothing failed and the flight computer named nothing."""
+    if not {"fault", "diagnosis"} & run.when.keys():
+        return
     flown = run.between(until="touchdown")
     if has_signal(run, "diagnosis.confidence"):
         yield history(run, flown, "diagnosis", "Fault diagnosis")

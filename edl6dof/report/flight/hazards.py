@@ -15,7 +15,11 @@ from edl6dof.report.figure import (
     GREY,
     ORANGE,
     PURPLE,
+    ROUGH,
+    SAFE,
     SEQUENTIAL,
+    STEEP,
+    UNSEEN,
     VERMILION,
     Axis,
     Figure,
@@ -26,12 +30,12 @@ from edl6dof.report.figure import (
 from edl6dof.runs.run import Run
 from edl6dof.telemetry.landing_map import VERDICTS, LandingMap
 
-#: What stands in a legend for each verdict, and its colour: light enough for what is drawn on it.
+#: What stands in a legend for each verdict, and its colour.
 SHOWN: dict[str, tuple[str, str]] = {
-    "safe": ("safe to stand on", "#b7e3c8"),
-    "edge": ("not all of it seen", "#c9ccd2"),
-    "slope": ("too steep", "#f7d08a"),
-    "rock": ("too rough", "#e79a7c"),
+    "safe": ("safe to stand on", SAFE),
+    "edge": ("not all of it seen", UNSEEN),
+    "slope": ("too steep", STEEP),
+    "rock": ("too rough", ROUGH),
 }
 #: Cells that a page needs side by side; more would weigh it down and nobody sees them.
 CELLS = 128

@@ -115,7 +115,9 @@ def landing(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         with_bounds(run, rows, f"{axis} (m/s)", f"nav.error_v_{axis}_m_s", f"nav.sigma_v_{axis}_m_s")
         for axis in reversed(AXES)
     ]
-    height = with_bounds(run, rows, "height (m)", "nav.error_height_m", "nav.sigma_height_m")
+    height = with_bounds(
+        run, rows, "height above\nthe ground (m)", "nav.error_height_m", "nav.sigma_height_m"
+    )
     caption = "Estimated less true: height above the ground below, and velocity relative to it."
     return stacked(key, title, [height, *velocity], caption, 130)
 

@@ -156,14 +156,19 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values with five digits, or whole, and the difference."""
+    """Both values with five digits, or whole, and with more where their difference would not have three."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
-    places = 0 if whole else min(max(4 - math.floor(math.log10(size)), 0), 6)
-    shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
     change = given[1] - given[0]
+    places = 0 if whole else min(max(_places(size, 5), _places(abs(change), 3)), 6)
+    shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
     return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]
+
+
+def _places(size: float, digits: int) -> int:
+    """Decimals that give a number so many digits; none where there is nothing to show."""
+    return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
 def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:

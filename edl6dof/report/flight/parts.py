@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.report.figure import GREY, PHASES, Axis, Band, Dash, Figure, Mark, Panel, Trace
+from edl6dof.report.figure import BLACK, GREY, PHASES, Axis, Band, Dash, Figure, Mark, Panel, Trace
 from edl6dof.runs.run import Run
 
 TIME = "time since entry (s)"
@@ -126,7 +126,7 @@ def placed(
         np.array(ys),
         "events",
         "points",
-        colour="#1b1b1b",
+        colour=BLACK,
         labels=labels,
         legend=False,
         border=True,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.report.figure import (
+    AXIS,
     BLUE,
     GREEN,
     GREY,
@@ -58,7 +59,7 @@ def figures(run: Run) -> Iterator[Figure]:
 def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]) -> Figure:
     """Roll, pitch and yaw planes of one controller, one colour for each of its phases."""
     gains = run.scenario["flight_software"]["control"].get(control, {})
-    rates = control_rates(run, control)
+    rates, cycles = control_rates(run, control), control_cycles(run)
     panels = []
     for axis, name in enumerate(AXES):
         if axis > 0 and not any(
@@ -67,8 +68,8 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
             continue  # damped only: shown in the plane of the two rates below
         traces = [
             Trace(
-                run[f"control.error_{name}_deg"][rows],
-                rates[axis][rows],
+                run[f"control.error_{name}_deg"][rows & cycles],
+                rates[axis][rows & cycles],
                 phase.replace("_", " "),
                 colour=COLOURS[k % len(COLOURS)],
             )
@@ -110,7 +111,7 @@ def _damped(
 def _panel(word: str, traces: list[Trace], lines: list[Trace], marks: list[Mark]) -> Panel:
     spans = [_span(np.concatenate([getattr(trace, axis) for trace in traces]), axis, marks) for axis in "xy"]
     x, y = Axis(f"{word} error (deg)", spans[0]), Axis(f"{word} rate (deg/s)", spans[1])
-    zero = [Mark(axis, 0.0, colour="#c3c8cf", dash="solid") for axis in ("x", "y")]
+    zero = [Mark(axis, 0.0, colour=AXIS, dash="solid") for axis in ("x", "y")]
     return Panel(x, y, [*lines, *traces], marks=[*zero, *marks])
 
 
@@ -120,6 +121,14 @@ def _span(values: np.ndarray, axis: str, marks: Sequence[Mark]) -> tuple[float, 
     beyond = [abs(mark.at) for mark in marks if mark.axis == axis and size < abs(mark.at) < 3.0 * size]
     reach = 1.12 * max(size, min(beyond, default=0.0))
     return -reach, reach
+
+
+def control_cycles(run: Run) -> np.ndarray:
+    """Rows (bool) in which the controller has just run: in others the error of telemetry is an old one, which
+    beside the present rate would draw steps that were not flown.
+    """
+    errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
+    return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
 
 
 def control_rates(run: Run, control: str) -> list[np.ndarray]:

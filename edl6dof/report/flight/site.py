@@ -40,7 +40,9 @@ def ground_track(run: Run) -> Figure:
         _axis("north", "km"),
         [curve, _target(1e3), _events(run, 1e3, {"mortar": "parachute"})],
     )
-    caption = "Axes have different scales. Bank reversals keep the track inside the corridor of crossrange."
+    caption = "Axes have different scales."
+    if run.summary["figures"].get("bank_reversals"):
+        caption += " Bank reversals keep the track inside the corridor of crossrange."
     return Figure("ground_track", "Ground track", [panel], caption, height=420)
 
 

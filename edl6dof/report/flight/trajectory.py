@@ -34,6 +34,7 @@ from edl6dof.report.flight.parts import (
     has_signal,
     over_time,
     phase_bands,
+    phase_keys,
     phase_legend,
     placed,
     stacked,
@@ -78,7 +79,11 @@ def overview(run: Run) -> Figure:
     ]
     panels = [replace(panel, bands=phase_bands(run)) for panel in panels]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *phase_legend(run)])
-    return stacked("overview", "The whole flight", panels, "The ground colour is the mission phase.", 150)
+    caption = (
+        "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below."
+    )
+    caption += " The ground colour is the mission phase." if phase_keys(run) else ""
+    return stacked("overview", "The whole flight", panels, caption, 150)
 
 
 class Entry(NamedTuple):
@@ -121,7 +126,8 @@ def entry_state(run: Run) -> Entry | None:
     air = run["truth.density_kg_m3"] > 0.0
     rising = np.flatnonzero(air)[np.argsort(run["truth.density_kg_m3"][air], kind="stable")][::10]
     planet = run.scenario["planet"]
-    glide = np.where(run.t[order] < run.when.get("trim_wing", np.inf), lift / drag, np.nan)
+    gliding = (run.t[order] < run.when.get("trim_wing", np.inf)) & (drag > 0.0)
+    glide = np.divide(lift, drag, out=np.full_like(drag, np.nan), where=gliding)
     radius = float(planet["equatorial_radius_m"])
     return Entry(
         speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
@@ -214,6 +220,23 @@ def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
     ]
 
 
+def on_scale(panel: Panel) -> tuple[Panel, str]:
+    """The panel without the borders of which nothing lies on its scales, and a sentence that names them."""
+    (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
+    seen = [
+        not trace.border
+        or bool(np.any((trace.x >= left) & (trace.x <= right) & (trace.y >= low) & (trace.y <= high)))
+        for trace in panel.traces
+    ]
+    beyond = [
+        trace.name
+        for trace, on in zip(panel.traces, seen, strict=True)
+        if not on and trace.name and np.isfinite(trace.y).any()
+    ]
+    words = f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    return replace(panel, traces=[trace for trace, on in zip(panel.traces, seen, strict=True) if on]), words
+
+
 def drag_velocity(run: Run, entry: Entry) -> Figure:
     """Drag over speed inside its corridor."""
     found = borders(run, entry)
@@ -242,11 +265,12 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
         Axis("drag acceleration (m/s²)", (0.0, top)),
         traces,
     )
-    caption = (
-        "The flight runs from left to right. Borders are limits of the scenario, turned into drag by this "
-        "flight's own aerodynamics."
-    )
-    return Figure("drag_velocity", "Drag over speed in the corridor", [panel], caption, height=380)
+    panel, beyond = on_scale(panel)
+    caption = "The flight runs from left to right."
+    if found:
+        caption += " Borders are limits of the scenario, turned into drag by this flight's own aerodynamics."
+    caption += beyond
+    return Figure("drag_velocity", _titled("Drag over speed", panel), [panel], caption, height=380)
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
@@ -285,11 +309,17 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         Axis("height above the areoid (km)", (min(-5.0, 0.0), top)),
         traces,
     )
-    caption = (
-        "The flight runs from left to right; it must stay above the borders of heat flux, dynamic pressure "
-        "and load."
+    panel, beyond = on_scale(panel)
+    caption = "The flight runs from left to right" + (
+        "; it must stay above the borders of its limits." if found else "."
     )
-    return Figure("altitude_velocity", "Height over speed in the corridor", [panel], caption, height=380)
+    caption += beyond
+    return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
+
+
+def _titled(words: str, panel: Panel) -> str:
+    """The title, which speaks of a corridor where a border of one is drawn."""
+    return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
 
 
 def deployment_box(run: Run) -> Figure:
@@ -316,8 +346,8 @@ def deployment_box(run: Run) -> Figure:
     x = Axis("Mach number", (0.0, 1.7 * most[0]))
     panel = Panel(x, Axis("dynamic pressure (Pa)", (0.0, top)), traces, [box])
     alpha = run.at("truth.total_alpha_deg", t0)
-    caption = (
-        f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed "
-        f"{float(limit['parachute_total_alpha_deg']):g} deg)."
-    )
+    caption = ""
+    if has_signal(run, "truth.total_alpha_deg"):
+        allowed = float(limit["parachute_total_alpha_deg"])
+        caption = f"At mortar fire the total angle of attack was {alpha:.2f} deg (allowed {allowed:g} deg)."
     return Figure("deployment_box", "Parachute deployment box", [panel], caption, height=340)

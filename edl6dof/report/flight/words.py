@@ -13,6 +13,7 @@ from typing import Any
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
+from edl6dof.report.flight.parts import has_signal
 from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -59,6 +60,7 @@ def facts(run: Run) -> list[Fact]:
         )
         for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
         if (value := figures.get(figure.name)) is not None
+        and (figure.name != "propellant_used_kg" or has_signal(run, "truth.propellant_kg"))
     ]
 
 
@@ -127,8 +129,8 @@ def subtitle(run: Run) -> str:
     return "; ".join(filter(None, [str(run.scenario.get("description") or ""), *faults]))
 
 
-def timeline(run: Run) -> Table:
-    """Events in order of time."""
+def timeline(run: Run) -> Iterator[Block]:
+    """Events in order of time, and what their speeds are relative to."""
     rows: list[Row] = []
     for event in run.events:
         height, speed, mach = (event.get(key) for key in ("height_m", "speed_m_s", "mach"))
@@ -139,7 +141,12 @@ def timeline(run: Run) -> Table:
             f"{mach:.2f}" if mach is not None else "",
         )
         rows.append([f"{event['t_s']:.2f}", Cell(name, "plain"), *state])
-    return Table(["t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>"], rows)
+    columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
+    yield Table(columns, rows)
+    if "touchdown" in run.when:
+        yield Text(
+            "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind."
+        )
 
 
 def configuration(run: Run) -> Iterator[Block]:

@@ -9,6 +9,7 @@ and before the plant moves; ``fault.component`` is the index of the component am
 from __future__ import annotations
 
 from edl6dof.config.base import REQUIRED
+from edl6dof.dispatch import NOTHING
 from edl6dof.interface.events import Action
 from edl6dof.registry import Family
 from edl6dof.vehicle.faults import engine, instrument, parachute, surface, tank, thruster
@@ -41,4 +42,4 @@ def _about(kind: str) -> type[ComponentFault]:
 
 FaultChoice = FAULT_KINDS.params_model("FaultChoice", "kind", REQUIRED, "What breaks.")
 
-inflict_kind = FAULT_KINDS.switch("inflict", "fault", "case", "since", "command", "plant")
+inflict_kind = FAULT_KINDS.switch("inflict", "fault", "case", "since", "command", "plant", returns=NOTHING)

@@ -79,7 +79,7 @@ def fly_on_the_engine(record, law, body, dt=0.1, longest=70.0):
             break
         command_thrust(guided.state["mass"], tuple(acceleration), limit, body.out)
         start_or_throttle(
-            guided.state["engine"], powered["full_time"], powered["full_again"], body.t, body.out
+            guided.state["engine"], False, powered["full_time"], powered["full_again"], body.t, body.out
         )
         force = body.out["thrust"] * body.out["thrust_direction_N"] / guided.state["mass"]
         thrust.append((body.t, float(body.out["thrust"])))

@@ -25,7 +25,7 @@ from edl6dof.fsw.guidance.update import GUIDANCE, descend_by_engine
 from edl6dof.fsw.hazard.landing_point import LANDING_POINT
 from edl6dof.fsw.mission.phases import G_POWERED
 from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.fsw.vehicle_state import VEHICLE_STATE
+from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_THROTTLE
 
 STILL = np.zeros(2)
@@ -202,10 +202,22 @@ def test_throttle_band_is_respected_and_full_thrust_is_only_the_start(onboard):
         (9.3, 4000.0),
     ):
         out["thrust"] = wish
-        start_or_throttle(engine, full_time, full_again, elapsed, out)
+        start_or_throttle(engine, False, full_time, full_again, elapsed, out)
         sequence.append((int(out["engine_mode"]), float(out["thrust"])))
     full, band = (ENGINE_FULL, 7500.0), [(ENGINE_THROTTLE, thrust) for thrust in (4900.0, 5000.0, 4000.0)]
     assert sequence == [full, full, full, band[0], band[1], full, full, band[2]]
+
+
+def test_weak_engine_gives_the_level_nearer_to_the_demand_and_any_engine_what_the_law_asks_for(onboard):
+    engine, out = np.zeros(1, ENGINE_ABILITY)[0], np.zeros(1, GUIDE)[0]
+    engine["full_thrust"], engine["throttle_min"], engine["throttle_max"] = 6000.0, 1200.0, 4000.0
+    for wish, mode in ((4990.0, ENGINE_THROTTLE), (5010.0, ENGINE_FULL), (3990.0, ENGINE_THROTTLE)):
+        out["thrust"], out["engine_mode"] = wish, ENGINE_THROTTLE
+        start_or_throttle(engine, True, 1.0, 1.5, 9.0, out)
+        assert int(out["engine_mode"]) == mode
+    out["thrust"], out["engine_mode"], out["full_wanted"] = 3000.0, ENGINE_THROTTLE, 1
+    start_or_throttle(engine, False, 1.0, 1.5, 9.0, out)
+    assert (int(out["engine_mode"]), float(out["thrust"])) == (ENGINE_FULL, 6000.0)
 
 
 def fly_terminal(step, body, mass, duration, dt=0.1, wind=STILL):

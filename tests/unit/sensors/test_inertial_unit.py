@@ -6,6 +6,7 @@ The Allan variance is computed here, as ``allantools`` would: overlapping, from 
 import numpy as np
 import pytest
 from instrument_bench import Bench
+from scipy.integrate import trapezoid
 from scipy.spatial.transform import Rotation
 
 from edl6dof.sensors.counters import cone
@@ -241,6 +242,45 @@ def test_vibration_has_its_amplitude_at_full_thrust_and_vanishes_with_it():
     bench.outputs["engine_thrust"] = 0.0
     read = bench.measure(t=5001 * H)["inertial"]
     assert np.all(read["rate"] == 0.0) and np.abs(read["gain"]).max() < 1e-12
+
+
+def covariance(variance, frequency, width, window, lag):
+    """Of two samples ``lag`` (s) apart of what ``window`` (of f) makes of a random motion with one half-power
+    band ``width`` about ``frequency`` (Hz): the integral of its spectrum, without any oscillator.
+    """
+    f = np.geomspace(1e-4, 1e6, 2_000_001)
+    band = (width * f) ** 2 / ((f * f - frequency**2) ** 2 + (width * f) ** 2)
+    spectrum = variance * band / trapezoid(band, f)
+    return trapezoid(spectrum * window(f) * np.cos(2.0 * np.pi * f * lag), f)
+
+
+@pytest.mark.parametrize(("frequency", "width"), [(12.0, 8.0), (200.0, 200.0)])
+def test_random_vibration_has_the_spectrum_of_its_parameters(frequency, width):
+    """Variance and covariances of the increments of the counts and of the rate, over five minutes."""
+    random = {"frequency_hz": frequency, "bandwidth_hz": width, "rate_deg_s": 2.0, "acceleration_g0": 0.1}
+    bench = unit(vibration={"rate_deg_s": 0.0, "acceleration_m_s2": 0.0, "random": random})
+    bench.outputs["engine_thrust"] = 0.5 * 7500.0
+    angle, velocity, rate = (column[50:, :3] for column in series(bench, 15_000))
+
+    def increment(f):
+        return (np.sin(np.pi * f * H) / (np.pi * f)) ** 2
+
+    for rows, deviation, window in (
+        (np.diff(velocity, axis=0), 0.5 * 0.1 * 9.80665, increment),
+        (np.diff(angle, axis=0), 1.0 * DEG, increment),
+        (rate, 1.0 * DEG, np.ones_like),
+    ):
+        whole = covariance(deviation**2, frequency, width, window, 0.0)
+        for lag in range(4):
+            product = np.mean(rows[lag:] * rows[: len(rows) - lag])
+            expected = covariance(deviation**2, frequency, width, window, lag * H)
+            assert product == pytest.approx(expected, abs=0.04 * whole), (deviation, lag)
+        assert np.abs(np.corrcoef(rows.T) - np.eye(3)).max() < 0.05  # each axis by itself
+
+
+def test_band_of_random_vibration_wider_than_an_oscillator_has_is_refused():
+    with pytest.raises(ValueError, match="below two times frequency_hz"):
+        unit(vibration={"random": {"frequency_hz": 50.0, "bandwidth_hz": 100.0}})
 
 
 @pytest.mark.parametrize("delay", [0, 1, 3])

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.laws import (
     adaptive_hinf,
@@ -52,7 +53,7 @@ ENTRY_LAWS = Family(
 
 ENTRY_MEMORY = np.dtype([("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING)], align=True)
 
-wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out")
+wanted_bank = ENTRY_LAWS.switch("guide", "params", "plan", "onboard", "nav", "memory", "out", returns=NUMBER)
 
 
 @kernel

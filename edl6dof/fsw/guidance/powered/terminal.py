@@ -103,19 +103,24 @@ def throttle(engine, out):
 
 
 @kernel
-def start_or_throttle(engine, full_time, full_again, elapsed, out):
+def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
     """Full level with the axial thrusters at the start, until the demand falls inside the throttle band; back
-    to it where the demand is far beyond the band, as after a fast release or of a weak engine.
+    to it where the demand is far beyond the band, as after a fast release or of a weak engine, and whenever
+    the law asks for it.
 
     Args:
         engine: ``ENGINE_ABILITY`` record of those that burn.
+        weak: whether they are believed to give less than they are told to.
         full_time: shortest time at full level, s.
-        full_again: demand, over the upper end of the band, beyond which full level comes back.
+        full_again: demand, over the upper end of the band, beyond which full level comes back; a weak engine
+            gives it where it is nearer to the demand.
         elapsed: time since ignition, s.
         out: ``GUIDE`` record: thrust and engine mode are written.
     """
-    beyond = full_again if out.engine_mode == ENGINE_THROTTLE else 1.0
-    if out.thrust > beyond * engine.throttle_max or elapsed < full_time:
+    beyond = 1.0
+    if out.engine_mode == ENGINE_THROTTLE:
+        beyond = 0.5 * (1.0 + engine.full_thrust / engine.throttle_max) if weak else full_again
+    if out.full_wanted != 0 or out.thrust > beyond * engine.throttle_max or elapsed < full_time:
         out.engine_mode = ENGINE_FULL
         out.thrust = engine.full_thrust
     else:

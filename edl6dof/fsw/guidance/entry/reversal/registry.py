@@ -7,6 +7,7 @@ right, -1 left), given the bank angle that the law wants (rad), the present side
 
 from __future__ import annotations
 
+from edl6dof.dispatch import NUMBER
 from edl6dof.fsw.guidance.entry.reversal import crossrange_corridor, heading_corridor, own_sign, predictive
 from edl6dof.registry import Family
 
@@ -20,4 +21,6 @@ REVERSALS = Family(
     ),
 )
 
-bank_side = REVERSALS.switch("side", "params", "onboard", "nav", "memory", "out", "wanted", "sign")
+bank_side = REVERSALS.switch(
+    "side", "params", "onboard", "nav", "memory", "out", "wanted", "sign", returns=NUMBER
+)

@@ -3,6 +3,8 @@ again while it burns; between plans the thrust of the plan, with feedback of wha
 
 A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
 plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.
+Where the engine turns out to be weaker than planned with, the next plan begins from nothing, and may light it
+at full level again.
 
 Sources: Acikmese & Ploen 2007, "Convex programming approach to powered descent guidance for Mars landing", J.
 Guidance 30(5): the problem; Yu, Elango, Acikmese 2021, IEEE Control Systems Letters 5(6): the method (PIPG);
@@ -23,7 +25,7 @@ from edl6dof.fsw.guidance.powered.convex.flight_time import (
     search_times,
     try_earlier,
 )
-from edl6dof.fsw.guidance.powered.convex.grid import control_at, shift_controls
+from edl6dof.fsw.guidance.powered.convex.grid import control_at, full_controls, shift_controls
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.pipg import solve
 from edl6dof.fsw.guidance.powered.convex.problem import LANDING, PLAN
@@ -44,6 +46,8 @@ NOW = 3.0
 REACH = 0.02
 #: How far from the old time in the throttle band, over it.
 FACTOR = 1.3
+#: Share of the thrust of the last plan below which a weaker engine is planned for from nothing.
+WEAKER = 0.97
 
 
 class ConvexParams(Params):
@@ -89,10 +93,13 @@ MEMORY = np.dtype(
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem that the present state poses."""
+    """Write the landing problem that the present state poses: what the engine is believed to lack is taken
+    from the thrust that is held back.
+    """
+    left = 1.0 - state.thrust_lost
     landing.mass = state.mass
     landing.low = state.engine.throttle_min
-    landing.high = state.engine.throttle_max * (1.0 - p.thrust_reserve)
+    landing.high = state.engine.throttle_max * min((1.0 - p.thrust_reserve) / left, 1.0)
     landing.low_now = landing.low
     landing.high_now, landing.now = state.engine.throttle_max, 0.0
     landing.full = state.engine.full_thrust
@@ -162,8 +169,9 @@ def next_plan(p, landing, elapsed, plan, other):
 def make_plan(p, state, nav, target, memory):
     """Plan from the present state."""
     landing, plan = memory.landing, memory.plan
+    weaker = state.engine.full_thrust < WEAKER * landing.full
     describe(p, state, nav, target, landing)
-    if memory.plans == 0:
+    if memory.plans == 0 or weaker:
         first_plan(p, landing, memory)
     else:
         next_plan(p, landing, nav.t - memory.start, plan, memory.other)
@@ -189,6 +197,7 @@ def guide(params, vehicle, state, nav, target, memory, out):
     out.time_to_go = plan.time - elapsed
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, elapsed)
     k = control_at(plan, elapsed)
+    out.full_wanted = 1 if k < full_controls(plan) else 0
     k_r, k_v = p.position_gain, p.velocity_gain
     east = plan.w[k, 0] + k_r * (x - nav.site_L[0] + target.point_L[0]) + k_v * (vx - nav.v_N[1])
     north = plan.w[k, 1] + k_r * (y - nav.site_L[1] + target.point_L[1]) + k_v * (vy - nav.v_N[0])

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from math import exp, sqrt
 
-from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope
+from edl6dof.fsw.guidance.powered.convex.glide_slope import add_push, follow_slope, lay_rows
 from edl6dof.fsw.guidance.powered.convex.grid import full_controls, lay_grid
 from edl6dof.fsw.guidance.powered.convex.motion import fly_plan
 from edl6dof.fsw.guidance.powered.convex.problem import CONTROLS
@@ -30,8 +30,8 @@ STEP, EXTRAPOLATION = 0.1, 1.7
 BATCH = 10
 #: Largest primer; that of a landing that can be flown is of the order of 1.
 LARGEST_PRIMER = 20.0
-#: Converged when the multipliers ask of all thrust less than this to put the end right (m/s2), and the primer
-#: changes by less than this.
+#: Converged when the multipliers ask of all thrust less than this to put the end and the glide slope right
+#: (m/s2), and the primer changes by less than this.
 THRUST_TOLERANCE, PRIMER_TOLERANCE = 1e-4, 5e-4
 
 
@@ -61,6 +61,7 @@ def solve(landing, most, plan):
         plan: ``PLAN`` record: times; ``u`` and multipliers, the first guess and then the answer.
     """
     mean, norm = lay_grid(plan)
+    lay_rows(plan)
     time, u, w = plan.time, plan.u, plan.w
     flat = 1.0 / sqrt(time)
     tau = STEP * landing.high / landing.mass
@@ -115,7 +116,7 @@ def solve(landing, most, plan):
             x, y, z = x + dx, y + dy, z + dz
             ex, ey, ez = ex + step * flat * x, ey + step * flat * y, ez + step * flat * z
             fx, fy, fz = fx + step * slant * x, fy + step * slant * y, fz + step * slant * z
-        follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
+        changed = follow_slope(landing, flat, (ex, ey, ez), (fx, fy, fz), sigma, EXTRAPOLATION, plan)
         for k in range(CONTROLS):
             for axis in range(3):
                 u[k, axis] += EXTRAPOLATION * (w[k, axis] - u[k, axis])
@@ -131,7 +132,7 @@ def solve(landing, most, plan):
         if plan.iterations % BATCH == 0:
             weigh(landing, plan)
             plan.change = flat * sqrt(moved) * sigma
-            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz)
+            off = flat * tau * sqrt(ex * ex + ey * ey + ez * ez + fx * fx + fy * fy + fz * fz + changed)
             if off < THRUST_TOLERANCE and plan.change < PRIMER_TOLERANCE:
                 plan.converged = 1
     qx, qy, qz = qx / norm, qy / norm, qz / norm

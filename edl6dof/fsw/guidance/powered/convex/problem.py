@@ -61,6 +61,7 @@ PLAN = np.dtype(
         ("mass", "f8", (CONTROLS,)),  # kg, in the middle of each control
         ("w", "f8", (CONTROLS, 3)),  # m/s2, the iterate within its bounds
         ("push", "f8", (CONTROLS, 3)),  # of the glide slope on the primer
+        ("row", "f8", (CONTROLS,)),  # factor of the glide slope where each control ends
     ],
     align=True,
 )

@@ -1,0 +1,102 @@
+"""Calls of one kernel among several, chosen by an index, and of a kernel that is compiled on its own.
+
+A static choice is compiled whole with its caller: for the small kernels in the equations of motion.  A lazy
+one is compiled kernel by kernel, each when it is first called (:mod:`edl6dof.lazy_calls`): for whatever a
+flight can do without.  Another target than the processor gets the static one.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import update_wrapper
+from typing import Any
+
+from numba import types
+from numba.extending import overload
+
+from edl6dof.lazy_calls import LazyCall
+
+#: What a kernel returns that is called lazily: nothing, or a number.
+NOTHING, NUMBER = types.none, types.float64
+
+
+def numbers(*shape: int) -> types.Type:
+    """What a kernel returns that is called lazily: a tuple of so many numbers, or of so many such tuples."""
+    return types.UniTuple(numbers(*shape[1:]), shape[0]) if shape else NUMBER
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Kernels of which an index chooses one.
+
+    Attributes:
+        name: of the choice, unique.
+        kernels: by index.
+        arguments: names of what they are given.
+        own: names of the arguments that hold a section for each kernel, of which it gets its own alone.
+        sections: names of those sections by index.
+        alone: whether there is one kernel and no index.
+    """
+
+    name: str
+    kernels: Sequence[Callable[..., Any]]
+    arguments: Sequence[str]
+    own: Sequence[str] = ()
+    sections: Sequence[str] = ()
+    alone: bool = False
+
+    def call(self, index: int) -> str:
+        """Source text of the call of one kernel."""
+        given = (f"{name}['{self.sections[index]}']" if name in self.own else name for name in self.arguments)
+        return f"f{index}({', '.join(given)})"
+
+
+def static(choice: Choice) -> Callable[..., Any]:
+    """Function ``f(index, *arguments)`` that calls kernel ``index``, from Python and from kernels."""
+    return _function(choice, {})
+
+
+def lazy(choice: Choice, returns: types.Type) -> Callable[..., Any]:
+    """As :func:`static`, of kernels that are compiled when they are first called, and return ``returns``."""
+    own = [name in choice.own for name in choice.arguments]
+    scope = {"call": LazyCall(choice.name, choice.kernels, choice.sections, own, returns).intrinsic()}
+    function, arguments = _function(choice, scope), ", ".join(choice.arguments)
+    index, parameters = ("0", arguments) if choice.alone else ("index", f"index, {arguments}")
+    exec(f"def by_address({parameters}): return call({index}, ({arguments},))", scope)
+    exec(f"def choose({parameters}): return by_address", scope)
+    overload(function, target="cpu")(scope["choose"])
+    return function
+
+
+def on_its_own(returns: types.Type) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorator of a kernel that is compiled when it is first called and not with its callers, and that
+    returns ``returns``.
+    """
+
+    def decorate(kernel: Callable[..., Any]) -> Callable[..., Any]:
+        name, arguments = f"{kernel.__module__}.{kernel.__name__}", inspect.signature(kernel).parameters
+        return update_wrapper(lazy(Choice(name, (kernel,), tuple(arguments), alone=True), returns), kernel)
+
+    return decorate
+
+
+def _function(choice: Choice, scope: dict[str, Any]) -> Callable[..., Any]:
+    """The function, whose kernels and texts go into ``scope``.
+
+    numba cannot index a tuple of functions, so the if-chain is written out once, at compile time, by
+    ``overload``; callers stay cacheable (measured: same speed as a hand-written chain).
+    """
+    parameters = ", ".join([*(() if choice.alone else ("index",)), *choice.arguments])
+    lines = [f"def chain({parameters}):"]
+    for i in range(1, len(choice.kernels)):
+        lines += [f"    if index == {i}:", f"        return {choice.call(i)}"]
+    lines.append(f"    return {choice.call(0)}")
+    scope |= {f"f{i}": kernel for i, kernel in enumerate(choice.kernels)}
+    exec("\n".join(lines), scope)
+    exec(f"def function({parameters}): return chain({parameters})", scope)
+    exec(f"def choose({parameters}): return chain", scope)
+    overload(scope["function"])(scope["choose"])
+    function: Callable[..., Any] = scope["function"]
+    return function

@@ -1,0 +1,242 @@
+"""A gap of the gyros in hindsight: what the bridged rotation lacks, by what the gyros show on both sides.
+
+Half a second before the gap and a little after it the gyros show by how much the angular acceleration differs
+from the one of the riser alone.  That difference is fitted for pitch and yaw each by
+
+    a f_x + b f_lateral + c + d s + e 6 s (1 - s),
+
+with f the specific force and s the time over the gap: the pull beside the believed centre of mass, a wrong
+inertia or arm, and the torque of the air, which goes from one side to the other and may bulge in between.
+By how much the rate was off when the gyros came back is one more equation, which the bulge answers first.
+Integrated twice over the gap, in the axes of the turning body, it is the angle that was lacking; what was
+added on arrival is taken off.
+
+Left out: roll, about which nothing pulls; the velocity that the wrong attitude cost, which the radar mends.
+Source: this project; least squares with prior: Gelb, Applied Optimal Estimation (1974), section 4.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from edl6dof.fsw.navigation.strapdown import turn_by
+from edl6dof.jit import kernel
+from edl6dof.records import COUNT, FLAG
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, cross, scale, sub, take3
+
+#: Cycles before and after the gap that are looked at, and all that are kept.
+BEFORE, AFTER, KEPT = 25, 15, 256
+UNKNOWNS = 5
+#: What is expected of a (1/m), b (1/m), c, d, e (rad/s2), one standard deviation each: a centre of mass 6 mm
+#: off, a sixth of the believed lever, the torque of the air at the opening.
+_EXPECTED = (0.01, 0.6, 0.2, 0.2, 0.1)
+#: Standard deviation of what no fit explains: of a cycle, rad/s2, and of the rate after the gap, rad/s.
+_SCATTER, _RATE = 0.087, 0.001
+
+HINDSIGHT = np.dtype(
+    [
+        ("kept", COUNT),  # cycles kept since the riser pulls
+        ("gap", COUNT),  # of them without gyros; 0: no gap to look at
+        ("after", COUNT),  # from their return on
+        ("hung", FLAG),  # whether a riser pulls
+        ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
+        ("dt", "f8", (KEPT,)),  # s
+        ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
+        ("force", "f8", (KEPT, 3)),  # m/s2, B
+        ("unexplained", "f8", (KEPT, 3)),  # rad/s2, B: angular acceleration that the riser does not give
+        ("off", "f8", (3,)),  # rad/s, B: by how much the bridged rate was off
+        ("added", "f8", (3,)),  # rad, B: what was added to the angle on arrival
+        ("q_I2B", "f8", (4,)),  # attitude on arrival
+        ("equations", "f8", (UNKNOWNS, UNKNOWNS + 1)),
+        ("found", "f8", (3, UNKNOWNS)),  # a to e about each axis
+    ],
+    align=True,
+)
+
+
+@kernel
+def look_back(body, motion, added, memory, solution):
+    """Keep a cycle of ``motion``; a little after a gap, turn ``solution`` by what the bridge lacked.
+
+    Args:
+        body: believed configuration of the vehicle.
+        motion: ``MOTION`` record.
+        added: angle (rad, B) that was added when the gyros came back.
+        memory: ``HINDSIGHT`` record, updated.
+        solution: ``SOLUTION`` record, updated.
+    """
+    arm = sub(take3(body.hung_at, 0), take3(body.centre, 0))
+    hung = 1 if arm[0] != 0.0 or arm[1] != 0.0 or arm[2] != 0.0 else 0
+    if hung != memory.hung:
+        memory.hung, memory.kept = hung, 0
+        # a gap that began in other circumstances is not looked at
+        memory.gap = KEPT if motion.rate_known == 0 else 0
+    if hung != 0:
+        _keep(body, arm, motion, memory)
+        if motion.rate_known == 0:
+            memory.gap, memory.after = memory.gap + 1, 0
+        elif memory.gap > 0:
+            _follow(added, memory, solution)
+    for i in range(3):
+        memory.rate[i] = motion.rate[i]
+
+
+@kernel
+def _keep(body, arm, motion, memory):
+    """Write a cycle into the ring."""
+    row = memory.kept % KEPT
+    memory.kept += 1
+    force = scale(1.0 / motion.dt, take3(motion.gain, 0))
+    middle = scale(
+        0.5,
+        (memory.rate[0] + motion.rate[0], memory.rate[1] + motion.rate[1], memory.rate[2] + motion.rate[2]),
+    )
+    a, b, c = take3(body.inertia, 0)
+    torque = sub(
+        scale(body.mass, cross(arm, force)), cross(middle, (a * middle[0], b * middle[1], c * middle[2]))
+    )
+    memory.dt[row] = motion.dt
+    for i in range(3):
+        memory.force[row, i], memory.turning[row, i] = force[i], middle[i]
+        change = (motion.rate[i] - memory.rate[i]) / motion.dt
+        memory.unexplained[row, i] = change - torque[i] / body.inertia[i]
+
+
+@kernel
+def _follow(added, memory, solution):
+    """Note the return of the gyros, and look back once enough cycles have followed it."""
+    if memory.after == 0:
+        last = (memory.kept - 1) % KEPT
+        for i in range(3):
+            memory.off[i] = memory.unexplained[last, i] * memory.dt[last]
+            memory.added[i] = added[i]
+        for i in range(4):
+            memory.q_I2B[i] = solution.q_I2B[i]
+    memory.after += 1
+    if memory.after == AFTER:
+        if memory.gap + BEFORE + AFTER < KEPT:
+            _turn(memory, solution)
+        memory.gap = 0
+
+
+@kernel
+def _turn(memory, solution):
+    """Turn the attitude by what the bridge lacked about pitch and yaw axis as they were on arrival."""
+    begins = memory.kept - memory.after - memory.gap
+    length = 0.0
+    for k in range(begins, begins + memory.gap):
+        length += memory.dt[k % KEPT]
+    _find(1, 2, length, memory)
+    _find(2, 1, length, memory)
+    x, y, z = _lacked(begins, length, memory)
+    # about the roll axis what was added stays
+    lacked = (x, y - memory.added[1], z - memory.added[2])
+    q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
+    now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
+    turned = turn_by(now, to_frame(now, from_frame(q, lacked)))
+    for i in range(4):
+        solution.q_I2B[i] = turned[i]
+
+
+@kernel
+def _find(axis, lateral, length, memory):
+    """Fit a to e about an ``axis`` of B over a gap of ``length`` s; ``lateral``: axis of the force that turns
+    about it by its lever.
+    """
+    ends = memory.kept - memory.after
+    begins = ends - memory.gap
+    first = max(begins - BEFORE, 0)
+    equations = memory.equations
+    equations[:] = 0.0
+    for i in range(UNKNOWNS):
+        equations[i, i] = 1.0 / _EXPECTED[i] ** 2
+    at = 0.0
+    for k in range(first, begins):
+        at -= memory.dt[k % KEPT]
+    rate = (0.0, 0.0, 0.0, 0.0, 0.0)
+    for k in range(first, memory.kept):
+        row = k % KEPT
+        dt = memory.dt[row]
+        terms = _terms((at + 0.5 * dt) / length, memory.force[row, 0], memory.force[row, lateral])
+        at += dt
+        if begins <= k <= ends:  # the rate is set right on arrival
+            rate = _plus(rate, dt, terms)
+        else:
+            _equate(terms, memory.unexplained[row, axis], _SCATTER, equations)
+    _equate(rate, memory.off[axis], _RATE, equations)
+    _solve(equations)
+    for i in range(UNKNOWNS):
+        memory.found[axis, i] = equations[i, UNKNOWNS]
+
+
+@kernel
+def _lacked(begins, length, memory):
+    """Angle (rad, B) that the bridge lacked where the gap ends, by what was found."""
+    rate, angle = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    at = 0.0
+    for k in range(begins, begins + memory.gap):
+        row = k % KEPT
+        dt, force = memory.dt[row], take3(memory.force[row], 0)
+        s = (at + 0.5 * dt) / length
+        pitch = _times(memory.found[1], _terms(s, force[0], force[2]))
+        yaw = _times(memory.found[2], _terms(s, force[0], force[1]))
+        half = scale(0.5 * dt, (0.0, pitch, yaw))
+        rate = add(rate, half)
+        turning = add(take3(memory.turning[row], 0), rate)
+        angle = add(angle, scale(dt, sub(rate, cross(turning, angle))))
+        rate = add(rate, half)
+        at += dt
+    return angle
+
+
+@kernel
+def _terms(s, force, lateral):
+    """The five terms at the share ``s`` of the gap; the bulge is of the gap alone."""
+    bulge = 6.0 * s * (1.0 - s) if 0.0 < s < 1.0 else 0.0
+    return force, lateral, 1.0, s - 0.5, bulge
+
+
+@kernel
+def _times(found, terms):
+    """The sum of the terms with what was found."""
+    total = 0.0
+    for i in range(UNKNOWNS):
+        total += found[i] * terms[i]
+    return total
+
+
+@kernel
+def _plus(total, dt, terms):
+    """``total + dt terms``."""
+    return (
+        total[0] + dt * terms[0],
+        total[1] + dt * terms[1],
+        total[2] + dt * terms[2],
+        total[3] + dt * terms[3],
+        total[4] + dt * terms[4],
+    )
+
+
+@kernel
+def _equate(terms, value, sigma, equations):
+    """Add the normal equations of one measured ``value`` with standard deviation ``sigma``."""
+    weight = 1.0 / (sigma * sigma)
+    for i in range(UNKNOWNS):
+        for j in range(UNKNOWNS):
+            equations[i, j] += weight * terms[i] * terms[j]
+        equations[i, UNKNOWNS] += weight * terms[i] * value
+
+
+@kernel
+def _solve(equations):
+    """Solve by elimination, which a positive definite matrix needs no pivots for; the answer is left in the
+    last column.
+    """
+    for k in range(UNKNOWNS):
+        for j in range(k + 1, UNKNOWNS + 1):
+            equations[k, j] /= equations[k, k]
+        for i in range(UNKNOWNS):
+            if i != k:
+                for j in range(k + 1, UNKNOWNS + 1):
+                    equations[i, j] -= equations[i, k] * equations[k, j]

@@ -1,0 +1,157 @@
+"""Shapes of the lander: body with its legs or on its platform, rover, nozzles where the vehicle file has
+them.
+
+All are in ``B``: x down when landed.  Footpads, nozzles and their directions are the vehicle file's; body and
+rover are decoration, no larger than the aeroshell that they come out of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from edl6dof.replay.scene.aeroshell import striped
+from edl6dof.replay.scene.mesh import DARK, GOLD, PANEL, RGB, SILVER, WHITE, Mesh, box, merge, revolve, rod
+from edl6dof.replay.scene.outline import Outline
+from edl6dof.vehicle.vehicle import VehicleParams
+
+#: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
+_RADIUS, _ROOM = 1.7, 0.97
+
+
+def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
+    """Body, deck and rover, as large as the aeroshell allows, with struts to the thrusters; ``None`` where
+    nothing comes out of it.
+    """
+    if shape.lander == "none":
+        return None
+    build = _platform if shape.lander == "platform" else _stage
+    base, scale = _base(vehicle, shape), shape.radius / _RADIUS
+    parts = [build]
+    if shape.lander == "rover":
+        parts.append(_rover)
+    while scale > 0.02 and not _inside(parts, base, scale, shape):
+        scale *= 0.95
+    struts = [_strut(jet, base, scale) for jet in vehicle.rcs.thrusters]
+    return merge([*(part(base, scale) for part in parts), *struts])
+
+
+def _inside(
+    parts: Sequence[Callable[[float, float], Mesh]], base: float, scale: float, shape: Outline
+) -> bool:
+    """Whether all of a lander lies inside the aeroshell; anything does where there is none."""
+    if not shape.afterbody:
+        return True
+    place = np.concatenate([part(base, scale).positions for part in parts])
+    return bool(np.all(np.hypot(place[:, 1], place[:, 2]) <= _ROOM * shape.radius_at(place[:, 0])))
+
+
+def _base(vehicle: VehicleParams, shape: Outline) -> float:
+    """Station of the body's underside, m: above the engines, or where the shoulder is."""
+    if vehicle.engines:
+        return min(engine.nozzle_m[0] for engine in vehicle.engines) - 0.3 * shape.radius / _RADIUS
+    return shape.afterbody[0][0] if shape.afterbody else float(shape.centre[0])
+
+
+def _stage(base: float, scale: float) -> Mesh:
+    """Descent stage: octagonal foil body and its deck."""
+    top, r = base - 0.65 * scale, 1.054 * scale
+    return merge(
+        [
+            revolve([(base, r), (top, r)], striped(GOLD, 2, 0.86), 8),
+            revolve([(base, r), (base, 1e-4)], DARK, 8),
+            revolve([(top, r * 1.04), (top, 1e-4)], SILVER, 8),
+        ]
+    )
+
+
+def _platform(base: float, scale: float) -> Mesh:
+    """Flat round platform that lands on its underside."""
+    top, r = base - 0.45 * scale, 1.1 * scale
+    return merge(
+        [
+            revolve([(base, 0.92 * r), (base - 0.12 * scale, r), (top, r)], striped(SILVER, 6, 0.86), 48),
+            revolve([(base, 0.92 * r), (base, 1e-4)], DARK, 48),
+            revolve([(top, r), (top, 1e-4)], PANEL, 48),
+        ]
+    )
+
+
+def _rover(base: float, scale: float) -> Mesh:
+    """Rover on the deck: body, solar panels, mast, wheels on their ramps."""
+    top = base - 0.65 * scale
+
+    def at(x: float, y: float, z: float) -> np.ndarray:
+        return np.array([top - scale * x, scale * y, scale * z])
+
+    def size(x: float, y: float, z: float) -> np.ndarray:
+        return scale * np.array([x, y, z])
+
+    parts = [
+        box(at(0.30, 0.0, 0.0), size(0.22, 0.85, 1.25), WHITE),
+        box(at(0.44, 0.0, 0.0), size(0.04, 1.15, 1.45), PANEL),
+        rod(at(0.44, 0.30, -0.45), at(0.85, 0.30, -0.45), 0.03 * scale, SILVER),
+        box(at(0.88, 0.30, -0.45), size(0.08, 0.22, 0.10), WHITE),
+    ]
+    for side in (-1.0, 1.0):
+        parts += [
+            rod(at(0.15, side * 0.42, z), at(0.15, side * 0.58, z), 0.15 * scale, DARK)
+            for z in (-0.5, 0.0, 0.5)
+        ]
+        parts.append(box(at(0.02, side * 0.45, 0.0), size(0.03, 0.22, 1.6), SILVER))
+    return merge(parts)
+
+
+def _strut(jet: Any, base: float, scale: float) -> Mesh:
+    """What holds a thruster to the body."""
+    place, back = np.array(jet.position_m), -np.array(jet.direction)
+    mount = np.array([np.clip(place[0], base - 0.9 * scale, base), 0.75 * place[1], 0.75 * place[2]])
+    mount[1:] *= min(1.0, 0.84 * scale / max(np.hypot(*mount[1:]), 1e-6))
+    return rod(mount, place - 0.1 * back, 0.018, SILVER)
+
+
+def nozzles(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
+    """Nozzles of thrusters and bells of engines, each in its place; ``None`` without any."""
+    parts = [nozzle(jet, DARK) for jet in vehicle.rcs.thrusters]
+    parts += [bell(engine, shape.radius / _RADIUS) for engine in vehicle.engines]
+    return merge(parts) if parts else None
+
+
+def nozzle(jet: Any, colour: RGB, size: float = 1.0) -> Mesh:
+    """The nozzle of one thruster of the vehicle file; its flame leaves against the thrust direction."""
+    place, back = np.array(jet.position_m), -np.array(jet.direction)
+    length = size * (0.16 if jet.thrust_n > 100.0 else 0.09)
+    return rod(place - length * back, place + 0.02 * (size - 1.0) * back, 0.2 * length, colour, 0.5 * length)
+
+
+def bell(engine: Any, scale: float) -> Mesh:
+    """The bell of an engine, its mouth at the nozzle and open against the thrust."""
+    back = -np.array(engine.direction)
+    profile = [(-0.30 * scale, 0.10 * scale), (-0.10 * scale, 0.17 * scale), (0.0, 0.25 * scale)]
+    return revolve(profile, DARK, 32, (np.array(engine.nozzle_m), back))
+
+
+def legs(vehicle: VehicleParams, shape: Outline, stroke: np.ndarray) -> Mesh | None:
+    """Landing legs with their pads: at the footpads of the vehicle file, each pushed in by its ``stroke``
+    (m); ``None`` where the lander has none.
+    """
+    if shape.lander not in ("legs", "rover") or not vehicle.landing_gear.footpads_m:
+        return None
+    scale = shape.radius / _RADIUS
+    base, reach, parts = _base(vehicle, shape), 1.02 * scale, []
+    for (x, y, z), push in zip(vehicle.landing_gear.footpads_m, stroke, strict=True):
+        out = np.array([0.0, y, z]) / max(np.hypot(y, z), 1e-6)
+        side = np.cross(out, [1.0, 0.0, 0.0])
+        pad = np.array([x - push, y, z])
+        ankle = pad - [0.10, 0.0, 0.0]
+        parts.append(rod(ankle, reach * out + [base - 0.45 * scale, 0.0, 0.0], 0.05, SILVER))
+        parts += [
+            rod(ankle, 0.9 * reach * out + k * 0.30 * side + [base - 0.02 * scale, 0.0, 0.0], 0.03, SILVER)
+            for k in (-1.0, 1.0)
+        ]
+        parts.append(rod(pad - [0.11, 0.0, 0.0], pad, 0.12, GOLD, 0.22))
+        ahead = np.array([0.0, y, z]), np.array([1.0, 0.0, 0.0])
+        parts.append(revolve([(pad[0], 0.22), (pad[0], 1e-4)], GOLD, 24, ahead))
+    return merge(parts)

@@ -1,0 +1,142 @@
+"""The cameras that follow a flight: one keeps all that still hangs together in the frame, the other what fell
+away last.
+
+A camera is a frame that does not turn with what it follows: x level along the flight, z up.  Its origin and
+scale are centre and radius (m) of the sphere that it keeps in the frame, so that the eye stands still in it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
+
+from edl6dof.replay.recorder import Recorder
+from edl6dof.replay.scene.canopy import canopy as canopy_of
+from edl6dof.replay.scene.motion import Motion
+from edl6dof.spatial import rotations as turns
+
+#: For how long (s) after a separation both parts stay in the frame; how long (s) a camera takes to change.
+SEPARATION_S, CHANGE_S = 3.0, 2.5
+#: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
+ROOM = 1.0
+
+
+class Spheres(NamedTuple):
+    """A sphere at each row: centres (m in L), shape (rows, 3), and radii (m)."""
+
+    centre: np.ndarray
+    radius: np.ndarray
+
+    def with_(self, other: Spheres, where: np.ndarray) -> Spheres:
+        """The smallest spheres around both, at some rows."""
+        way = other.centre - self.centre
+        apart = np.linalg.norm(way, axis=-1)
+        radius = np.maximum(0.5 * (apart + self.radius + other.radius), np.maximum(self.radius, other.radius))
+        share = np.clip((radius - self.radius) / np.maximum(apart, 1e-9), 0.0, 1.0)
+        return Spheres(
+            np.where(where[:, None], self.centre + share[:, None] * way, self.centre),
+            np.where(where, radius, self.radius),
+        )
+
+
+class Cameras(Recorder):
+    """Writes ``near``, which moves with the centre of mass, ``camera`` and ``camera_away``."""
+
+    def statics(self) -> None:
+        """The flight's name above it, where there are several."""
+        if self.label:
+            name = self.rr.Points3D(
+                [[0.0, 0.0, 1.25 - 0.2 * self.number]],
+                labels=[self.label],
+                colors=self.own,
+                radii=-2.0,
+                show_labels=True,
+            )
+            self.static(f"{self.root}/camera/name", name)
+
+    def motions(self) -> None:
+        """Where they are, and how much they take in."""
+        centre = self.motion.centre
+        self.columns(f"{self.root}/near", self.t, self.rr.Transform3D.columns(translation=centre))
+        self._camera("camera", steady(self.t, centre, together(self.motion)))
+        self._camera("camera_away", away(self.motion))
+
+    def _camera(self, name: str, kept: Spheres) -> None:
+        pose = self.rr.Transform3D.columns(
+            translation=kept.centre,
+            quaternion=turns.xyzw(facing(self.motion)),
+            scale=np.repeat(kept.radius[:, None], 3, axis=1),
+        )
+        self.columns(f"{self.root}/{name}", self.t, pose)
+
+
+def together(motion: Motion) -> Spheres:
+    """Around the vehicle and the canopy that it hangs from, until shortly after it has let go."""
+    size = ROOM * motion.shape.size
+    kept = Spheres(motion.centre, np.full(len(motion.t), size))
+    canopy = parachute(motion)
+    if canopy is None:
+        return kept
+    free = motion.released(motion.backshell)
+    last = np.inf if free is None else motion.t[free] + SEPARATION_S
+    return kept.with_(canopy, np.isfinite(canopy.radius) & (motion.t <= last))
+
+
+def away(motion: Motion) -> Spheres:
+    """Around what fell away last: heat shield, then backshell and canopy; before, around the vehicle."""
+    size = ROOM * motion.shape.size
+    centre, radius = motion.centre.copy(), np.full(len(motion.t), size)
+    shield, free = motion.released(motion.heat_shield), motion.released(motion.backshell)
+    if shield is not None:
+        centre[shield:] = _held(motion.heat_shield[shield:])
+    if free is not None:
+        centre[free:], radius[free:] = _held(motion.backshell[free:]), size
+    kept, canopy = Spheres(centre, radius), parachute(motion)
+    if canopy is None or free is None:
+        return kept
+    there = np.isfinite(canopy.radius) & (np.arange(len(radius)) >= free)
+    return kept.with_(canopy, there)
+
+
+def parachute(motion: Motion) -> Spheres | None:
+    """Around canopy and lines, where there are any; ``None`` of a flight without."""
+    centre, radius = np.full((len(motion.t), 3), np.nan), np.full(len(motion.t), np.nan)
+    for flown in motion.parachutes():
+        rows, place, turn, scale = motion.parachute(flown)
+        x, y, z = canopy_of(motion.vehicle, flown.number)[0].positions.T
+        half = 0.5 * scale[:, 0] * x.max()
+        centre[rows] = place + turns.rotate(turn, half[:, None] * np.array([1.0, 0.0, 0.0]))
+        radius[rows] = np.hypot(half, scale[:, 1] * np.hypot(y, z).max())
+    return Spheres(centre, radius) if np.isfinite(radius).any() else None
+
+
+def steady(t: np.ndarray, body: np.ndarray, kept: Spheres) -> Spheres:
+    """Spheres that hold ``kept`` and change smoothly about ``body``, before and after their cause."""
+    step = (t[-1] - t[0]) / max(len(t) - 1, 1)
+    width = round(CHANGE_S / step) | 1 if step > 0.0 else 1
+    shift = kept.centre - body
+    calm = uniform_filter1d(
+        uniform_filter1d(shift, width, axis=0, mode="nearest"), width, axis=0, mode="nearest"
+    )
+    needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
+    # no mean of the largest radii around a row is less than the row's own
+    zoom = uniform_filter1d(np.log(maximum_filter1d(needed, width, mode="nearest")), width, mode="nearest")
+    return Spheres(body + calm, np.exp(zoom))
+
+
+def facing(motion: Motion) -> np.ndarray:
+    """Quaternions of the cameras: x level along the flight, z up from the planet where the vehicle is."""
+    up = motion.centre + motion.site.axes @ motion.site.origin
+    up /= np.linalg.norm(up, axis=-1, keepdims=True)
+    along = motion.last - motion.centre[0]
+    side = np.cross(up, along if np.linalg.norm(along[:2]) > 100.0 else [0.0, 1.0, 0.0])
+    side /= np.linalg.norm(side, axis=-1, keepdims=True)
+    return turns.from_axes(np.stack([np.cross(side, up), side, up], axis=-1))
+
+
+def _held(places: np.ndarray) -> np.ndarray:
+    """Places, the last known one where they are not."""
+    known = np.maximum.accumulate(np.where(np.isfinite(places[:, 0]), np.arange(len(places)), 0))
+    return places[known]

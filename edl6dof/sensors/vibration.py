@@ -1,0 +1,143 @@
+"""Vibration of an instrument's mount with the engines: a tone, and a random part beside it.
+
+The random part of each axis is a resonance driven by white noise: y, the rate about or the acceleration
+along the axis, is the velocity of an oscillator, x its place, y' = -(2 pi f)^2 x - 2 pi b y + white noise.
+So y has its standard deviation, a spectrum that falls to half its peak over the bandwidth b about f, and an
+integral x that stays small: a vibration turns no unit away.  It is exact for any length of a cycle: in their
+own units, 2 pi f x and y are uncorrelated with variance 1, and what is drawn has the covariance I - P P' with
+P the transition of the oscillator.
+
+Sources: Thomson and Dahleh, Theory of Vibration with Applications (1998), chapter 13, random response of one
+degree of freedom; exact discretisation: Gelb, Applied Optimal Estimation (1974), section 3.6.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin, sqrt
+from typing import Self
+
+import numpy as np
+from pydantic import model_validator
+
+from edl6dof.config.base import Params, group, param
+from edl6dof.jit import kernel
+from edl6dof.sensors.thrust_share import thrust_share
+from edl6dof.spatial.noise import normal_pair
+from edl6dof.spatial.vector import add, put3, scale, sub, take3
+
+#: About three axes, and along three.
+WAYS = 6
+
+
+class RandomParams(Params):
+    """Random part, with the engines at full thrust, the same about and along each axis of B."""
+
+    frequency_hz: float = param(200.0, "where its spectrum has its peak", status="estimate", gt=0.0, le=1e4)
+    bandwidth_hz: float = param(
+        200.0, "width of the spectrum at half its peak", status="estimate", gt=0.0, le=2e4
+    )
+    rate_deg_s: float = param(0.0, "standard deviation of the rate", status="estimate", ge=0.0, le=100.0)
+    acceleration_g0: float = param(
+        0.0, "standard deviation of the acceleration", status="estimate", ge=0.0, le=100.0
+    )
+
+    @model_validator(mode="after")
+    def _oscillates(self) -> Self:
+        if self.bandwidth_hz >= 2.0 * self.frequency_hz:
+            raise ValueError("bandwidth_hz has to be below two times frequency_hz")
+        return self
+
+
+class VibrationParams(Params):
+    """Vibration of the unit with the engines at full thrust, the same about and along each axis of B."""
+
+    frequency_hz: float = param(63.0, "frequency of the tone", status="estimate", gt=0.0, le=1e4)
+    rate_deg_s: float = param(0.02, "amplitude of the rate", status="estimate", ge=0.0, le=100.0)
+    acceleration_m_s2: float = param(
+        0.3, "amplitude of the acceleration", status="estimate", ge=0.0, le=1000.0
+    )
+    random: RandomParams = group(RandomParams, "random vibration beside the tone")
+
+
+#: Phases of the tone, and key of the random part, of the copy that flies.
+MOUNT = np.dtype([("phase", "f8", (3,)), ("key", "i8")], align=True)
+
+#: Memory: what the vibration has moved the unit by.
+VIBRATION = np.dtype(
+    [
+        ("turn_B", "f8", (3,)),  # rad, B
+        ("swing_B", "f8", (3,)),  # m/s, B
+        ("place", "f8", (WAYS,)),  # of the oscillators, in standard deviations: about the axes, then along
+        ("speed", "f8", (WAYS,)),  # likewise
+    ],
+    align=True,
+)
+
+
+@kernel
+def shake(params, mount, case, plant, outputs, dt, cycle, memory):
+    """What the vibration adds: rate now (rad/s), and turn (rad) and velocity (m/s) since the last reading,
+    all in B.
+
+    Args:
+        params: parameters.
+        mount: ``MOUNT`` record.
+        case, plant, outputs: the truth.
+        dt: time since the last reading, s.
+        cycle: number of the reading.
+        memory: ``VIBRATION`` record.
+    """
+    turn = swing = rate = (0.0, 0.0, 0.0)
+    share = thrust_share(case, outputs)
+    if share > 0.0:
+        rate, turn, swing = tone(params, mount, share, plant.t)
+        if params.random.rate > 0.0 or params.random.acceleration > 0.0:
+            oscillate(params.random, mount.key, dt, cycle, memory)
+            pulsation = 2.0 * pi * params.random.frequency
+            about, along = share * params.random.rate, share * params.random.acceleration
+            rate = add(rate, scale(about, take3(memory.speed, 0)))
+            turn = add(turn, scale(about / pulsation, take3(memory.place, 0)))
+            swing = add(swing, scale(along / pulsation, take3(memory.place, 3)))
+    turned, swung = sub(turn, take3(memory.turn_B, 0)), sub(swing, take3(memory.swing_B, 0))
+    put3(memory.turn_B, 0, turn)
+    put3(memory.swing_B, 0, swing)
+    return rate, turned, swung
+
+
+@kernel
+def tone(params, mount, share, t):
+    """Rate (rad/s), turn (rad) and velocity (m/s) of the tone at ``share`` of full thrust, B."""
+    pulsation = 2.0 * pi * params.frequency
+    angle = pulsation * t
+    a, b, c = angle + mount.phase[0], angle + mount.phase[1], angle + mount.phase[2]
+    wave = (-cos(a), -cos(b), -cos(c))
+    rate = scale(share * params.rate, (sin(a), sin(b), sin(c)))
+    turn = scale(share * params.rate / pulsation, wave)
+    swing = scale(share * params.acceleration / pulsation, wave)
+    return rate, turn, swing
+
+
+@kernel
+def oscillate(params, key, dt, cycle, memory):
+    """Bring the oscillators of ``memory`` over ``dt`` s."""
+    pulsation, decay = 2.0 * pi * params.frequency, pi * params.bandwidth
+    turning = sqrt(pulsation * pulsation - decay * decay)
+    fading = exp(-decay * dt)
+    across = fading * pulsation / turning * sin(turning * dt)
+    lean = fading * decay / turning * sin(turning * dt)
+    kept = fading * cos(turning * dt)
+    # the lower triangular root of I - P P', P = ((kept + lean, across), (-across, kept - lean))
+    first = sqrt(max(1.0 - (kept + lean) ** 2 - across * across, 0.0))
+    both = 2.0 * across * lean / first if first > 0.0 else 0.0
+    second = sqrt(max(1.0 - (kept - lean) ** 2 - across * across - both * both, 0.0))
+    for i in range(WAYS):
+        one, other = normal_pair(key, WAYS * cycle + i)
+        place, speed = memory.place[i], memory.speed[i]
+        memory.place[i] = (kept + lean) * place + across * speed + first * one
+        memory.speed[i] = (kept - lean) * speed - across * place + both * one + second * other
+
+
+def draw_mount(rng: np.random.Generator, mount: np.void) -> None:
+    """Draw the phases of the tone and the key of the random part."""
+    mount["phase"] = rng.uniform(0.0, 2.0 * np.pi, 3)
+    mount["key"] = rng.integers(2**62)

@@ -1,0 +1,69 @@
+"""Which rows of a series a picture needs: those without which a curve would look another, and every peak."""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Share of a column's range by which a drawn curve may miss a row, and halvings of the rows at most.
+SHARE, HALVINGS = 1.0 / 4000.0, 6
+
+
+def rows_to_draw(along: np.ndarray, values: np.ndarray, most: int) -> np.ndarray:
+    """Rows (sorted, the first and the last among them) whose straight lines draw columns as all rows do.
+
+    Args:
+        along: what the columns are drawn over, rising, shape (n,); the number of the row for a curve in a
+            plane.
+        values: the columns, shape (n, columns); NaN is a gap.
+        most: more rows than this are cut into stretches, of each of which the ends and the extremes of every
+            column stay: the peaks keep their height and place, and what is lost lies between them.
+    """
+    rows = bends(along, values)
+    if len(rows) > most:
+        rows = rows[extremes(values[rows], max(most // (1 + 2 * values.shape[1]), 1))]
+    return rows
+
+
+def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Rows between which straight lines pass every other row within ``SHARE`` of the range of its column, and
+    those in which a column is least and greatest.
+
+    Every other row is dropped where a line between its neighbours passes near enough, again and again; the
+    errors of these passes add up to no more than the share.
+    """
+    if not len(values):
+        return np.empty(0, int)
+    finite = np.where(np.isfinite(values), values, np.nan)
+    gap = np.isnan(finite.min(axis=1, initial=np.inf))
+    rows = np.flatnonzero(~gap | ~np.append(True, gap[:-1]) | ~np.append(gap[1:], True))
+    ends = np.array([0, len(values) - 1])
+    low, high = np.where(np.isnan(finite), np.inf, finite), np.where(np.isnan(finite), -np.inf, finite)
+    near = np.maximum(high.max(axis=0) - low.min(axis=0), 0.0) * SHARE / HALVINGS
+    rows = np.union1d(rows, ends)
+    for _ in range(HALVINGS):
+        here = np.arange(1, len(rows) - 1, 2)
+        before, middle, after = rows[here - 1], rows[here], rows[here + 1]
+        share = ((along[middle] - along[before]) / (along[after] - along[before]))[:, None]
+        line = finite[before] + share * (finite[after] - finite[before])
+        straight = np.all(np.abs(finite[middle] - line) <= near, axis=1)
+        if not straight.any():
+            break
+        rows = np.delete(rows, here[straight])
+    return np.unique(np.concatenate([rows, low.argmin(axis=0), high.argmax(axis=0)]))
+
+
+def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
+    """Rows at the ends of about so many stretches of equal length, and those in each of which a column is
+    least and greatest; the edges of every gap too.
+    """
+    n = len(values)
+    size = -(-n // stretches)
+    padded = np.concatenate([values, np.full((-n % size, values.shape[1]), np.nan)])
+    parts = padded.reshape(-1, size, values.shape[1])
+    starts = np.arange(0, n, size)[:, None]
+    found = [np.array([0, n - 1]), starts.ravel()]
+    for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
+        found.append((starts + pick(np.where(np.isnan(parts), fill, parts), axis=1)).ravel())
+    gap = np.any(np.isnan(values), axis=1)
+    edge = np.flatnonzero(gap[1:] != gap[:-1])
+    return np.unique(np.concatenate([*found, edge, edge + 1]))

@@ -1,0 +1,100 @@
+"""What vehicles look like: as their files say, and where those are silent, as their physics does."""
+
+from __future__ import annotations
+
+import struct
+
+import numpy as np
+import pytest
+from made_up import entities, synthetic_flight
+
+from edl6dof.replay.recording import history, write_replay
+from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene.outline import outline
+from edl6dof.scenario.schema import load_scenario
+from edl6dof.vehicle.propulsion.rcs import RcsParams
+
+pytest.importorskip("rerun")
+
+
+def vehicle(scenario: str = "tianwen1", *overrides: str):
+    """The vehicle of a shipped scenario."""
+    return load_scenario(scenario, overrides).scenario.vehicle
+
+
+def extent(mesh) -> np.ndarray:
+    """Sides of the box that just holds a mesh."""
+    return np.ptp(mesh.positions, axis=0)
+
+
+@pytest.mark.parametrize("case", ["case01", "case06"])
+def test_the_cannonball_is_a_sphere_of_six_inches(case):
+    shape = outline(vehicle(f"nesc/{case}"))
+    assert shape.body == "sphere" and shape.lander == "none"
+    assert extent(aeroshell.body(shape)) == pytest.approx(0.1524, rel=1e-3)
+
+
+def test_the_brick_has_the_sides_that_its_inertia_and_mass_give():
+    """8 by 4 by 2.25 inches, NASA/TM-2015-218675: nothing but mass and inertia is in the file."""
+    shape = outline(vehicle("nesc/case02"))
+    assert shape.body == "box"
+    assert shape.sides == pytest.approx(0.0254 * np.array([8.0, 4.0, 2.25]), rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["titan_probe", "earth_drop", "wu2013", "yan2016", "zheng2015", "msl"])
+def test_capsules_are_as_wide_as_their_reference_area(name):
+    own = vehicle(name)
+    area = {"capsule": lambda a: np.pi / 4.0 * a.capsule.diameter_m**2}.get(
+        own.aero.model, lambda a: getattr(a, a.model).reference_area_m2
+    )(own.aero)
+    mesh = aeroshell.heat_shield(outline(own))
+    assert np.pi / 4.0 * extent(mesh)[1:] ** 2 == pytest.approx(area, rel=2e-3)
+
+
+@pytest.mark.parametrize("diameter", [1.2, 2.4, 3.4, 4.5])
+@pytest.mark.parametrize("kind", ["legs", "platform", "rover"])
+def test_the_lander_lies_inside_its_aeroshell_whatever_its_size(kind, diameter):
+    share = diameter / 3.4
+    own = vehicle(
+        "tianwen1",
+        f"vehicle.aero.capsule.diameter_m={diameter}",
+        f"vehicle.aero.capsule.nose_radius_m={0.85 * share}",
+        f"vehicle.aero.capsule.shoulder_radius_m={0.085 * share}",
+        f"vehicle.aero.capsule.backshell_break_radius_m={1.0 * share}",
+        f"vehicle.aero.capsule.backshell_base_radius_m={0.45 * share}",
+        f"vehicle.engines.main.nozzle_m=[{-0.3 * share}, 0, 0]",
+        f"vehicle.appearance.lander={kind}",
+    ).model_copy(update={"rcs": RcsParams()})  # whose struts go wherever the thrusters are
+    shape = outline(own)
+    place = lander.lander(own, shape).positions
+    shell = np.array(sorted([*shape.forebody, *shape.afterbody]))
+    assert np.all(np.hypot(place[:, 1], place[:, 2]) < np.interp(place[:, 0], *shell.T, left=0.0, right=0.0))
+    assert np.hypot(place[:, 1], place[:, 2]).max() > 0.35 * 0.5 * diameter, "and not a toy"
+
+
+def test_legs_are_drawn_where_there_are_footpads_and_a_platform_has_none():
+    assert outline(vehicle("tianwen1", "vehicle.appearance={}")).lander == "legs"
+    flat = vehicle("tianwen1", "vehicle.appearance.lander=platform")
+    assert lander.legs(flat, outline(flat), np.zeros(4)) is None
+    none = vehicle("tianwen1", "vehicle.appearance.lander=none")
+    assert lander.lander(none, outline(none)) is None
+
+
+def test_own_meshes_take_the_place_of_parts_and_lander(tmp_path):
+    from rerun.chunk import RrdReader
+
+    corners = struct.pack("<12f", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0)
+    (tmp_path / "x.stl").write_bytes(b"\0" * 80 + struct.pack("<I", 1) + corners + b"\0\0")
+    file = tmp_path / "x.stl"
+    meshes = f"[{{file: {file}, part: heat_shield, scale: 2.0}}, {{file: {file}, origin_m: [-1, 0, 0]}}]"
+    flight = synthetic_flight(("sensors.set=perfect", f"vehicle.appearance.meshes={meshes}"))
+    write_replay([history(flight)], tmp_path / "own.rrd")
+    held = {
+        (str(c.entity_path), c.component)
+        for c in RrdReader(tmp_path / "own.rrd").stream().collect().schema().component_columns()
+    }
+    for entity in ("/site/vehicle/heat_shield", "/site/heat_shield/shape", "/site/vehicle/lander"):
+        assert (entity, "Asset3D:blob") in held and (entity, "Mesh3D:vertex_positions") not in held
+        assert (entity, "Transform3D:scale") in held
+    assert ("/site/vehicle/backshell", "Mesh3D:vertex_positions") in held
+    assert "/site/vehicle/legs" not in entities(tmp_path / "own.rrd")
