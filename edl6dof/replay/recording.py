@@ -6,7 +6,7 @@ grows under the parachute: seen from it, capsule and canopy both fill the view; 
 what fell away.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
 planes, ``/Flight``, ``/Entry``, ``/Parachute``, ``/Powered-descent``, ``/rcs`` and ``/instruments`` the
-lanes, ``/events`` the timeline.
+lanes, ``/events`` the timeline, ``/legend`` what colours mean.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from edl6dof.replay.views import charts, lanes, phase_plane, readout
 from edl6dof.replay.views.cameras import Cameras
 from edl6dof.replay.views.curves import axis_range, drawn, ends
 from edl6dof.replay.views.layout import Layout, spans_of
+from edl6dof.replay.views.legend import Legend
 from edl6dof.replay.views.panels import GROUPS, PLOTS
 from edl6dof.replay.views.phase_plane import PhasePlanes
 from edl6dof.replay.views.scale_bar import ScaleBar
@@ -58,6 +59,7 @@ PARTS: tuple[type[Recorder], ...] = (
     PhasePlanes,
     lanes.Lanes,
     readout.Readout,
+    Legend,
 )
 
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_up import END, MORTAR, SHELL, read, synthetic_flight
+from made_up import END, MORTAR, SHELL, flight_on_instruments, read, synthetic_flight
 
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.arrows import COVERED, forces, scales
@@ -130,6 +130,20 @@ def test_readout_says_what_counts_in_each_stage_ten_times_a_second(flight, repla
     assert float(powered["range to site"].split()[0]) == pytest.approx(
         1e-3 * np.hypot(3.0 * t, 200.0 - 10.0 * t), abs=0.01
     )
+
+
+def test_legend_speaks_of_what_the_flight_has(tmp_path):
+    def told(flight: SimpleNamespace) -> str:
+        write_replay([history(flight)], tmp_path / "x.rrd")
+        chunks = RrdReader(tmp_path / "x.rrd").stream().filter(content=["/legend"]).to_chunks()
+        batch = next(iter(chunks)).to_record_batch()
+        return batch.column("TextDocument:text").to_pylist()[0][0]
+
+    from rerun.chunk import RrdReader
+
+    perfect, equipped = told(synthetic_flight()), told(flight_on_instruments())
+    assert "failed red" in perfect and "radar beams" not in perfect and "hazard map" not in perfect
+    assert "echo used green" in equipped
 
 
 def test_times_of_a_recording_are_those_of_its_flight(replay):

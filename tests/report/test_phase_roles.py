@@ -26,14 +26,20 @@ from edl6dof.studies.hu2022 import avoidance, rigs
 from edl6dof.studies.hu2022.avoidance import SHOWN
 from edl6dof.telemetry.timeline import first_times
 
+#: Of these the new names are made, each of one: no number or hash holds them.
+LETTERS = "qxzjkvwyuhgnm"
+
 
 def renamed_file(name, folder):
-    """A shipped scenario with other names of its phases, and the old name of each new one."""
+    """A shipped scenario with other names of its phases, as long as the old ones (a lane of the replay names
+    those that it has room for), and the old name of each new one.
+    """
     text, old = resolve_scenario(name).read_text(encoding="utf-8"), {}
 
     def renamed(match):
-        old[f"stage_{len(old)}"] = match[1]
-        return f"- name: stage_{len(old) - 1}\n"
+        new = re.sub("[a-z]", LETTERS[len(old)], match[1])
+        old[new] = match[1]
+        return f"- name: {new}\n"
 
     path = folder / f"{name}.yaml"
     text = re.sub(r"- name: (\w+)\n(?=      (?:role|guidance): )", renamed, text)

@@ -68,7 +68,11 @@ class Layout:
         name = str(page.name)
         below = rrb.Horizontal(
             self._lanes(name),
-            rrb.TextDocumentView(origin="/events", name="Events"),
+            rrb.Tabs(
+                rrb.TextDocumentView(origin="/events", name="Events"),
+                rrb.TextDocumentView(origin="/legend", name="Legend"),
+                active_tab=0,
+            ),
             column_shares=[11, 8],
         )
         return rrb.Vertical(page, below, row_shares=[7, 2], name=name)
