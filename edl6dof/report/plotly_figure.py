@@ -193,7 +193,7 @@ def _trace(trace: Trace, number: str, shown: bool, beside: Sequence[Side]) -> di
         del found["mode"], found["line"]
         found.update(type="bar", marker={"color": trace.colour})
     elif trace.kind == "points":
-        hollow = {"line": {"color": PAPER, "width": 1}}
+        hollow = {"line": {"color": PAPER, "width": 0.6}}
         found.update(
             mode="markers",
             marker={"color": trace.colour, "size": 4.0 + 2.5 * trace.width, "symbol": trace.symbol, **hollow},
