@@ -21,6 +21,8 @@ import edl6dof
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.fsw.modulation import MODULATION, modulate
+from edl6dof.report.figure import GREY, Axis, Figure, Panel, Trace
+from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.loop import fly as fly_cycles
@@ -144,28 +146,28 @@ def dispersed_table(count: int) -> Iterator[str]:
 
 def draw(laws: dict[str, list[Steady]], seen: np.ndarray, names: list[str], file: Path) -> None:
     """Duty against delivered impulse, duty against width, and the widths in a flight."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, (impulse, width, flight) = pyplot.subplots(1, 3, figsize=(13.0, 3.8), layout="constrained")
-    impulse.plot([0.0, 1.0], [0.0, 1.0], color="0.8")
-    for name, one in laws.items():
-        impulse.plot(DUTIES, [of.impulse for of in one], ".-", label=name)
-        width.plot(DUTIES, [1e3 * of.width for of in one], ".-", label=name)
+    impulse = [Trace(np.array([0.0, 1.0]), np.array([0.0, 1.0]), colour=GREY, dash="dash")]
+    impulse += [
+        Trace(np.array(DUTIES), np.array([of.impulse for of in one]), name) for name, one in laws.items()
+    ]
+    width = [
+        Trace(np.array(DUTIES), np.array([1e3 * of.width for of in one]), name) for name, one in laws.items()
+    ]
+    flight = []
+    edges = np.arange(0.0, 401.0, 8.0)
     for letter in sorted({name[0] for name in names}):
         own = [i for i, name in enumerate(names) if name[0] == letter]
         pulses = np.concatenate([widths(seen[1, :, i], seen[2, :, i]) for i in own])
-        flight.hist(
-            1e3 * pulses, bins=np.arange(0.0, 401.0, 8.0), histtype="step", label=f"{letter}1 to {len(own)}"
+        count = np.histogram(1e3 * pulses, edges)[0].astype(float)
+        flight.append(
+            Trace(edges[:-1], np.where(count > 0.0, count, np.nan), f"{letter}1 to {len(own)}", "steps")
         )
-    width.set(xlabel="duty", ylabel="mean width of a pulse, ms", ylim=(0.0, 600.0))
-    impulse.set(xlabel="duty", ylabel="impulse, full thrust = 1")
-    flight.set(xlabel="width of a pulse in the nominal flight, ms", ylabel="pulses", yscale="log")
-    for axes in (impulse, width, flight):
-        axes.legend(frameon=False)
-    figure.savefig(file, dpi=110)
+    panels = [
+        Panel(Axis("duty (1)"), Axis("impulse (1 at full thrust)"), impulse),
+        Panel(Axis("duty (1)"), Axis("mean width of a pulse (ms)", (0.0, 600.0)), width),
+        Panel(Axis("width of a pulse in the nominal flight (ms)"), Axis("pulses", log=True), flight),
+    ]
+    write_figure(Figure("modulation", "Pulses", panels, columns=3, height=380), file)
 
 
 def main() -> None:

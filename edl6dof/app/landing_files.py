@@ -39,7 +39,10 @@ def landing_figure(
     def both(panel: str, unit: str, of: tuple[np.ndarray, np.ndarray], limit: float) -> Panel:
         traces = [Trace(t, of[0], "designed"), Trace(own[0], of[1], law)]
         return Panel(
-            Axis("time from ignition, s"), Axis(f"{panel}, {unit}"), traces, marks=[Mark("y", limit, "limit")]
+            Axis("time from ignition (s)"),
+            Axis(f"{panel} ({unit})"),
+            traces,
+            marks=[Mark("y", limit, "limit")],
         )
 
     rates = tuple(np.degrees(np.linalg.norm(states[:, 11:], axis=1)) for states in (x, own[1]))
@@ -47,8 +50,8 @@ def landing_figure(
     panels = [
         _path(landing, x, law, own[1]),
         Panel(
-            Axis("time from ignition, s"),
-            Axis("thrust, N"),
+            Axis("time from ignition (s)"),
+            Axis("thrust (N)"),
             [Trace(t, u[:, 0], "designed")],
             marks=[Mark("y", level, "", GREY) for level in landing.thrust],
         ),
@@ -64,4 +67,4 @@ def _path(landing: RigidLanding, x: np.ndarray, law: str, own: np.ndarray) -> Pa
     traces = [
         Trace(states[:, 1:3] @ start, states[:, 3], who) for states, who in ((x, "designed"), (own, law))
     ]
-    return Panel(Axis("towards the start, m"), Axis("height over the target, m"), traces, equal=True)
+    return Panel(Axis("towards the start (m)"), Axis("height over the target (m)"), traces, equal=True)

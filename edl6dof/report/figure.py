@@ -249,6 +249,10 @@ class Figure:
         """Rows of panels."""
         return -(-len(self.panels) // self.columns)
 
+    def size(self, index: int) -> tuple[float, float]:
+        """Width and height (px) of one panel on a page 1000 px wide."""
+        return 880.0 / self.columns, self.height * self.panels[index].weight
+
     def spans(self, index: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges of x and y of one panel; a shared x axis covers all panels of its column."""
         panel = self.panels[index]

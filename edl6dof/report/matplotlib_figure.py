@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from itertools import cycle
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from edl6dof.report.beside import Side, sides, spelt
 from edl6dof.report.figure import (
     BLACK,
     GREY,
@@ -74,13 +74,16 @@ _SYMBOLS = {
     "triangle-up": "^",
     "triangle-down": "v",
 }
-#: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
-_BESIDE: tuple[dict[str, Any], ...] = (
-    {"xytext": (0, 4), "ha": "center", "va": "bottom"},
-    {"xytext": (0, -4), "ha": "center", "va": "top"},
-    {"xytext": (5, 0), "ha": "left", "va": "center"},
-    {"xytext": (-5, 0), "ha": "right", "va": "center"},
-)
+_BESIDE: dict[Side, dict[str, Any]] = {
+    "above": {"xytext": (0, 4), "ha": "center", "va": "bottom"},
+    "below": {"xytext": (0, -4), "ha": "center", "va": "top"},
+    "right": {"xytext": (5, 0), "ha": "left", "va": "center"},
+    "left": {"xytext": (-5, 0), "ha": "right", "va": "center"},
+    "above right": {"xytext": (4, 4), "ha": "left", "va": "bottom"},
+    "above left": {"xytext": (-4, 4), "ha": "right", "va": "bottom"},
+    "below right": {"xytext": (4, -4), "ha": "left", "va": "top"},
+    "below left": {"xytext": (-4, -4), "ha": "right", "va": "top"},
+}
 
 
 def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
@@ -124,7 +127,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
     for index, panel in enumerate(figure.panels):
         axes = canvas.add_subplot(grid[divmod(index, figure.columns)])
         x, y = figure.spans(index)
-        _panel(axes, panel, x, y, named)
+        _panel(axes, panel, x, y, named, sides(panel, (x, y), *figure.size(index)))
         if not figure.share_x or index + figure.columns >= len(figure.panels):
             axes.set_xlabel(panel.x.title)
         else:
@@ -139,7 +142,12 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
 
 
 def _panel(
-    axes: Axes, panel: Panel, x: tuple[float, float], y: tuple[float, float], named: dict[str, Shown]
+    axes: Axes,
+    panel: Panel,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    named: dict[str, Shown],
+    beside: Mapping[int, Sequence[Side]],
 ) -> None:
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal:
@@ -172,7 +180,7 @@ def _panel(
                 color=GREY,
                 fontsize="small",
             )
-    for mark in panel.marks:
+    for mark in (*spelt(panel.marks, "x", x), *spelt(panel.marks, "y", y)):
         style = {"color": mark.colour, "linestyle": _DASHES[mark.dash], "linewidth": 0.8, "zorder": 1.0}
         if mark.axis == "x":
             axes.axvline(mark.at, **style)
@@ -189,8 +197,8 @@ def _panel(
             axes.annotate(mark.label, ha="right", color=mark.colour, fontsize="small", **place)
     if panel.heat is not None:
         _heat(axes, panel.heat)
-    for trace in panel.coloured():
-        artist = _trace(axes, thinned(trace))
+    for k, trace in enumerate(panel.coloured()):
+        artist = _trace(axes, thinned(trace), beside.get(k, ()))
         if trace.name and trace.legend:
             named.setdefault(trace.name, artist)
 
@@ -210,11 +218,10 @@ def _scale(axes: Axes, which: Literal["x", "y"], axis: Axis, span: tuple[float, 
             axes.tick_params(axis="x", labelrotation=90)
 
 
-def _trace(axes: Axes, trace: Trace) -> Shown:
-    beside = cycle(_BESIDE)
-    for x, y, words in zip(trace.x, trace.y, trace.labels, strict=False):
+def _trace(axes: Axes, trace: Trace, beside: Sequence[Side]) -> Shown:
+    for x, y, words, side in zip(trace.x, trace.y, trace.labels, beside, strict=False):
         axes.annotate(
-            words, (x, y), fontsize="small", color=trace.colour, textcoords="offset points", **next(beside)
+            words, (x, y), fontsize="small", color=trace.colour, textcoords="offset points", **_BESIDE[side]
         )
     if trace.kind == "bars":
         width = 0.8 * float(np.min(np.diff(trace.x))) if len(trace.x) > 1 else 0.8

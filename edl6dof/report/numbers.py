@@ -23,3 +23,8 @@ def aligned(*values: float) -> list[str]:
     span = max(values) - min(values) or largest
     places = max(min(1 - floor(log10(span)), 3 - floor(log10(largest))), 0)
     return [f"{value:.{places}f}" for value in values]
+
+
+def printed(unit: str) -> str:
+    """A unit as it is printed: its powers raised."""
+    return unit.translate(str.maketrans("234", "²³⁴"))

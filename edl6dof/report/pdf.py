@@ -86,8 +86,7 @@ def _figure_page(placed: Sequence[Placed]) -> Canvas:
 
     canvas = Canvas(figsize=A4, layout="constrained")
     around = (MARGIN, 1.0 - 2.0 * MARGIN, MARGIN)
-    parts: Any = canvas.subfigures(3, 3, width_ratios=around, height_ratios=around)
-    text = parts[1, 1]
+    text = np.asarray(canvas.subfigures(3, 3, width_ratios=around, height_ratios=around))[1, 1]
     edges = sorted({0.0, ROOM, *(edge for one in placed for edge in (one.top, one.foot))})
     grid = text.add_gridspec(
         len(edges) - 1, 3, width_ratios=(1.0, GAP, 1.0), height_ratios=np.diff(edges).tolist()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from edl6dof.report.beside import Side, sides, spelt
 from edl6dof.report.figure import (
     AXIS,
     GREY,
@@ -28,8 +30,16 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 TOP, BOTTOM, GAP_SHARED, GAP, TITLE = 34, 52, 26, 84, 22
 #: Share of the width between columns.
 COLUMN_GAP = 0.11
-#: Where the words at points stand, one after the other, so that those of neighbours do not cover each other.
-_BESIDE = ("top center", "bottom center", "middle right", "middle left")
+_BESIDE: dict[Side, str] = {
+    "above": "top center",
+    "below": "bottom center",
+    "right": "middle right",
+    "left": "middle left",
+    "above right": "top right",
+    "above left": "top left",
+    "below right": "bottom right",
+    "below left": "bottom left",
+}
 _DASHES = {"solid": "solid", "dash": "dash", "dot": "dot", "dashdot": "dashdot"}
 
 
@@ -41,10 +51,11 @@ def plotly_figure(figure: Figure) -> dict[str, Any]:
         number = _number(index)
         if panel.heat is not None:
             data.append(_heat(panel.heat, number))
-        for trace in panel.coloured():
+        beside = sides(panel, figure.spans(index), *figure.size(index))
+        for k, trace in enumerate(panel.coloured()):
             shown = trace.legend and bool(trace.name) and trace.name not in named
             named.add(trace.name)
-            data.append(_trace(thinned(trace), number, shown))
+            data.append(_trace(thinned(trace), number, shown, beside.get(k, [])))
     return {"data": data, "layout": plotly_layout(figure)}
 
 
@@ -65,7 +76,7 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
         layout["shapes"] += [
             _band(band, number, spans, band.opacity == 1.0 or panel.heat is not None) for band in panel.bands
         ] + [_mark(mark, number) for mark in panel.marks]
-        layout["annotations"] += _words(panel, number)
+        layout["annotations"] += _words(panel, number, spans)
         if panel.heat is not None:
             layout[f"coloraxis{number}"] = _scale(panel.heat, xs, ys)
     if any(panel.title for panel in figure.panels):  # the legend goes above the titles
@@ -179,7 +190,7 @@ def _power(value: float) -> str:
     return f"{step} x 10<sup>{exponent}</sup>" if step > 1 else f"10<sup>{exponent}</sup>"
 
 
-def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
+def _trace(trace: Trace, number: str, shown: bool, beside: Sequence[Side]) -> dict[str, Any]:
     found: dict[str, Any] = {
         "type": "scatter",
         "mode": "lines",
@@ -196,7 +207,7 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         del found["mode"], found["line"]
         found.update(type="bar", marker={"color": trace.colour})
     elif trace.kind == "points":
-        hollow = {"line": {"color": PAPER, "width": 1}}
+        hollow = {"line": {"color": PAPER, "width": 0.6}}
         found.update(
             mode="markers",
             marker={"color": trace.colour, "size": 4.0 + 2.5 * trace.width, "symbol": trace.symbol, **hollow},
@@ -208,7 +219,7 @@ def _trace(trace: Trace, number: str, shown: bool) -> dict[str, Any]:
         found.update(fill="toself", fillcolor=f"{trace.colour}22", hoverinfo="skip")
         found["line"]["width"] = 0
     if trace.labels:
-        places = [_BESIDE[i % len(_BESIDE)] for i in range(len(trace.labels))]
+        places = [_BESIDE[side] for side in beside]
         found.update(
             text=list(trace.labels), textposition=places, textfont={"size": 11, "color": trace.colour}
         )
@@ -289,7 +300,7 @@ def _mark(mark: Mark, number: str) -> dict[str, Any]:
     return {"type": "line", "layer": "below", "line": line, **here, **across}
 
 
-def _words(panel: Panel, number: str) -> list[dict[str, Any]]:
+def _words(panel: Panel, number: str, spans: dict[str, tuple[float, float]]) -> list[dict[str, Any]]:
     """Panel title, and the words of marks and bands."""
     plain = {"showarrow": False, "font": {"size": 11, "color": GREY}}
     found = []
@@ -303,7 +314,8 @@ def _words(panel: Panel, number: str) -> list[dict[str, Any]]:
             "yanchor": "bottom",
         }
         found.append({"text": f"<b>{panel.title}</b>", "showarrow": False, "font": {"size": 13}, **place})
-    for mark in (mark for mark in panel.marks if mark.label):
+    spoken = [*spelt(panel.marks, "x", spans["x"]), *spelt(panel.marks, "y", spans["y"])]
+    for mark in (mark for mark in spoken if mark.label):
         font = {"size": 11, "color": mark.colour}
         if mark.axis == "x":
             place = {

@@ -35,21 +35,23 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
         return np.empty(0, int)
     finite = np.where(np.isfinite(values), values, np.nan)
     gap = np.isnan(finite.min(axis=1, initial=np.inf))
-    rows = np.flatnonzero(~gap | ~np.append(True, gap[:-1]) | ~np.append(gap[1:], True))
-    ends = np.array([0, len(values) - 1])
-    low, high = np.where(np.isnan(finite), np.inf, finite), np.where(np.isnan(finite), -np.inf, finite)
+    low, high = (np.where(np.isnan(finite), far, finite) for far in (np.inf, -np.inf))
     near = np.maximum(high.max(axis=0) - low.min(axis=0), 0.0) * SHARE / HALVINGS
-    rows = np.union1d(rows, ends)
+    kept = ~gap
+    kept[1:] |= ~gap[:-1]
+    kept[:-1] |= ~gap[1:]
+    kept[[0, -1]] = True
     for _ in range(HALVINGS):
-        here = np.arange(1, len(rows) - 1, 2)
-        before, middle, after = rows[here - 1], rows[here], rows[here + 1]
+        rows = np.flatnonzero(kept)
+        before, middle, after = (rows[first : len(rows) - 2 + first : 2] for first in (0, 1, 2))
         share = ((along[middle] - along[before]) / (along[after] - along[before]))[:, None]
         line = finite[before] + share * (finite[after] - finite[before])
         straight = np.all(np.abs(finite[middle] - line) <= near, axis=1)
         if not straight.any():
             break
-        rows = np.delete(rows, here[straight])
-    return np.unique(np.concatenate([rows, low.argmin(axis=0), high.argmax(axis=0)]))
+        kept[middle[straight]] = False
+    kept[low.argmin(axis=0)] = kept[high.argmax(axis=0)] = True
+    return np.flatnonzero(kept)
 
 
 def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
@@ -60,10 +62,12 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
     size = -(-n // stretches)
     padded = np.concatenate([values, np.full((-n % size, values.shape[1]), np.nan)])
     parts = padded.reshape(-1, size, values.shape[1])
-    starts = np.arange(0, n, size)[:, None]
-    found = [np.array([0, n - 1]), starts.ravel()]
+    starts = np.arange(0, n, size)
+    kept = np.zeros(len(padded), bool)
+    kept[starts] = kept[[0, n - 1]] = True
     for fill, pick in ((np.inf, np.argmin), (-np.inf, np.argmax)):
-        found.append((starts + pick(np.where(np.isnan(parts), fill, parts), axis=1)).ravel())
+        kept[starts[:, None] + pick(np.where(np.isnan(parts), fill, parts), axis=1)] = True
     gap = np.any(np.isnan(values), axis=1)
     edge = np.flatnonzero(gap[1:] != gap[:-1])
-    return np.unique(np.concatenate([*found, edge, edge + 1]))
+    kept[edge] = kept[edge + 1] = True
+    return np.flatnonzero(kept[:n])

@@ -9,9 +9,24 @@ import subprocess
 import numpy as np
 import pytest
 from browser import browser, print_out, share, show
+from browser import run as run_browser
+from PIL import Image
 
+from edl6dof.report.dark import DARK
 from edl6dof.report.document import Report, Section
-from edl6dof.report.figure import BLUE, GOOD, GREEN, PURPLE, VERMILION, Axis, Figure, Panel, Trace
+from edl6dof.report.figure import (
+    BLUE,
+    GOOD,
+    GREEN,
+    PAPER,
+    PURPLE,
+    VERMILION,
+    Axis,
+    Figure,
+    Mark,
+    Panel,
+    Trace,
+)
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.overlay import comparison_report, darker
 from edl6dof.report.page import page
@@ -74,6 +89,86 @@ def test_a_curve_stands_where_its_numbers_say(tmp_path):
     assert slope == pytest.approx(-height / width, rel=0.02)
     middle = rows[np.abs(columns - columns.min() - width / 2) < 2]
     assert middle.mean() == pytest.approx(rows.min() + height / 2, abs=4)
+
+
+#: Says on the console which words of a plot lie over each other or leave it, and how many there are.
+MEASURE = """<script>
+const wait = setInterval(() => {
+  if (!document.documentElement.dataset.drawn) return;
+  clearInterval(wait);
+  const kinds = ".textpoint text, text.annotation-text, .legendtext, .xtick text, .ytick text, [class^=g-x] text, [class^=g-y] text";
+  let count = 0;
+  for (const plot of document.querySelectorAll("div.plot")) {
+    const edge = plot.getBoundingClientRect();
+    const boxes = [...plot.querySelectorAll(kinds)].map((text) => [text.textContent, text.getBoundingClientRect()])
+      .filter(([words, box]) => words && box.width > 0);
+    count += boxes.length;
+    boxes.forEach(([words, a], i) => {
+      if (a.left < edge.left - 1 || a.right > edge.right + 1) console.log(`OUTSIDE ${plot.dataset.figure}: ${words}`);
+      for (const [others, b] of boxes.slice(0, i)) {
+        const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (wide > 2 && high > 3) console.log(`OVER ${plot.dataset.figure}: ${words} | ${others}`);
+      }
+    });
+  }
+  console.log(`MEASURED ${count}`);
+}, 100);
+</script></body>"""  # noqa: E501
+
+
+def words_in_the_way(html: str, place, width: int) -> list[str]:
+    (place / "measured.html").write_text(html.replace("</body>", MEASURE), encoding="utf-8")
+    said = " ".join(show(place / "measured.html", place, width, 1000).console)
+    assert int(re.search(r"MEASURED (\d+)", said)[1]) > 10
+    return re.findall(r"(?:OVER|OUTSIDE) [^\"]*", said)
+
+
+@pytest.mark.parametrize("width", [1100, 500])
+def test_words_of_the_plots_do_not_cover_each_other(written, tmp_path, width):
+    assert words_in_the_way(written.read_text(encoding="utf-8"), tmp_path, width) == []
+
+
+def test_words_over_each_other_are_heard_of(tmp_path):
+    browser()
+    labels = Trace(np.arange(12.0) / 100.0, np.zeros(12), "", "points", labels=["word"] * 12)
+    panel = Panel(Axis("x (m)", (0.0, 10.0)), Axis("y (m)"), [labels])
+    report = Report("t", "h", "good", sections=[Section("s", "S", [Figure("f", "F", [panel])])])
+    assert any(said.startswith("OVER f: word") for said in words_in_the_way(page(report), tmp_path, 600))
+
+
+@pytest.mark.parametrize("width", [1100, 500])
+def test_words_of_lines_and_points_near_each_other_stand_apart(tmp_path, width):
+    browser()
+    t = np.linspace(0.0, 500.0, 101)
+    marks = [Mark("x", 200.0, "fault"), Mark("x", 200.4, "diagnosed"), Mark("x", 300.0, "parachute")]
+    places = Trace(
+        np.array([400.0, 406.0, 412.0]), np.full(3, 0.5), "events", "points", labels=("one", "two", "three")
+    )
+    panel = Panel(Axis("time (s)"), Axis("height (m)"), [Trace(t, np.sin(t / 50.0)), places], marks=marks)
+    report = Report("t", "h", "good", sections=[Section("s", "S", [Figure("f", "F", [panel])])])
+    assert words_in_the_way(page(report), tmp_path, width) == []
+
+
+def test_tables_are_not_cut_in_a_narrow_window(written, tmp_path):
+    script = """<script>addEventListener("load", () => {
+      for (const place of document.querySelectorAll("div.table"))
+        if (place.scrollWidth > place.clientWidth + 1) console.log("CUT " + place.textContent.slice(0, 40));
+      console.log("LOOKED " + document.querySelectorAll("div.table").length);
+    });</script></body>"""
+    html = written.read_text(encoding="utf-8").replace("</body>", script)
+    (tmp_path / "narrow.html").write_text(html, encoding="utf-8")
+    said = " ".join(show(tmp_path / "narrow.html", tmp_path, 500, 1000).console)
+    assert int(re.search(r"LOOKED (\d+)", said)[1]) >= 5 and "CUT" not in said
+
+
+def test_page_is_dark_where_the_reader_prefers_it(written, tmp_path):
+    dark = "--blink-settings=preferredColorScheme=0"
+    run_browser(written, tmp_path, dark, f"--screenshot={tmp_path / 'dark.png'}", "--window-size=1100,2500")
+    with Image.open(tmp_path / "dark.png") as image:
+        pixels = np.asarray(image.convert("RGB"))
+    assert np.median(pixels) < 40
+    assert share(pixels, PAPER) < 0.001 < share(pixels, DARK[PAPER])
 
 
 def test_print_of_the_nominal_flight_is_short(written, tmp_path):

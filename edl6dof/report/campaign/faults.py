@@ -177,7 +177,7 @@ def _figure(
     lost = [place for place, some in cells.items() if not all(row["success"] for row in some)]
     x, y = np.arange(len(across)), np.arange(len(down))
     kinds = Heat(x, y, what, "", 0, len(_BECAME) - 1, [colour for _, colour in _BECAME], labels)
-    taken = Heat(x, y, times, "s", 0.0, _LONGEST_S, _SCALE, labels)
+    taken = Heat(x, y, times, "time (s)", 0.0, _LONGEST_S, _SCALE, labels)
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
         Panel(*axes, _legend(what, lost), heat=kinds, title="What became of it"),

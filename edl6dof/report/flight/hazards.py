@@ -61,7 +61,7 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     kinds = Heat(e, n, verdict, "", 0, len(SHOWN) - 1, [colour for _, colour in SHOWN.values()])
     height = found.elevation_m[::every, ::every]
     low, high = (float(value) for value in np.nanpercentile(height, (0.5, 99.5)))
-    heights = Heat(e, n, height, "m", low, max(high, low + 0.1), SEQUENTIAL)
+    heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [
         Trace(np.array([np.nan]), np.array([np.nan]), text, "points", colour, symbol="square", width=4.0)
         for text, colour in SHOWN.values()

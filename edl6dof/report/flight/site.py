@@ -77,10 +77,13 @@ def landing_site(run: Run) -> Figure:
     last = run.between("backshell")
     marks = {"touchdown": "touchdown"}
     track = Trace(run[EAST][last], run[NORTH][last], "vehicle", colour=BLUE, width=2.2)
+    reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
+    away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
+    near = [_target(1.0)] if away < 2.0 * reach else []  # else there were nothing else to be seen
     right = Panel(
         _axis("east", "m"),
         _axis("north", "m"),
-        [_part(run, "backshell", "backshell", PURPLE, 1.0), track, _target(1.0), _events(run, 1.0, marks)],
+        [_part(run, "backshell", "backshell", PURPLE, 1.0), track, *near, _events(run, 1.0, marks)],
         equal=True,
         title="powered descent",
     )

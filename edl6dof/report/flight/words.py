@@ -14,6 +14,7 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Cell, Fact, Listing, Mood, Row, Table, Text
 from edl6dof.report.flight.parts import has_signal
+from edl6dof.report.numbers import printed
 from edl6dof.report.terminal import VERDICT, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
@@ -55,7 +56,7 @@ def facts(run: Run) -> list[Fact]:
     return [
         Fact(
             figure.meaning,
-            f"{value:{form}} {figure.unit.label}".strip(),
+            f"{value:{form}} {printed(figure.unit.label)}".strip(),
             "bad" if figure.meaning in missed else "plain",
         )
         for figure, form in ((figure_of_merit(name), form) for name, form in _FACTS)
@@ -87,7 +88,7 @@ def limits(run: Run) -> Table:
         rows.append(
             [
                 limit["name"],
-                limit["unit"],
+                printed(limit["unit"]),
                 shown,
                 f"≤ {allowed}",
                 used,
@@ -103,7 +104,7 @@ def published(run: Run) -> Table:
     rows: list[Row] = [
         [
             row.figure,
-            row.unit,
+            printed(row.unit),
             row.own,
             _sign(row.published),
             Cell(row.difference, _KEPT[row.kept]),

@@ -65,14 +65,14 @@ def _of_dispersed(vehicle: str, rows: Sequence[Row]) -> Iterator[Figure]:
         shares.append(plots.curve(np.sort(miss), np.arange(1, len(miss) + 1) / len(miss) * 100.0, law))
     limit = max(2.0 * TARGET_KM, 3.0 * quantile(misses(of(rows, law=order[0])), 0.99))
     share = plots.panel(
-        f"{vehicle}: miss at the mortar", "miss, km", "flights within, %", shares, x_range=(0.0, limit)
+        f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)", shares, x_range=(0.0, limit)
     )
     height = [
         plots.dots(misses(some := of(rows, law=law)), _column(some, "parachute_altitude_m") / 1e3, law)
         for law in order[:4]
     ]
     title = f"{vehicle}: altitude above the ellipsoid at the mortar, best four"
-    altitude = plots.panel(title, "miss, km", "altitude, km", height, x_range=(0.0, limit))
+    altitude = plots.panel(title, "miss (km)", "altitude (km)", height, x_range=(0.0, limit))
     yield plots.figure(f"{vehicle}_miss", (share, altitude))
     prints = [_footprint(vehicle, law, of(rows, law=law)) for law in order[:3]]
     yield plots.figure(f"{vehicle}_footprint", prints)
@@ -84,7 +84,7 @@ def _footprint(vehicle: str, law: str, rows: Sequence[Row]) -> Panel:
     )
     angle = np.linspace(0.0, 2.0 * np.pi, 100)
     circle = plots.reference(TARGET_KM * np.cos(angle), TARGET_KM * np.sin(angle), f"{TARGET_KM:g} km")
-    return plots.panel(f"{vehicle}: {law}", "crossrange, km", "downrange, km", (dots, circle), equal=True)
+    return plots.panel(f"{vehicle}: {law}", "crossrange (km)", "downrange (km)", (dots, circle), equal=True)
 
 
 def _column(rows: Sequence[Row], name: str) -> np.ndarray:

@@ -19,9 +19,9 @@ def drawings(rows: Sequence[Row]) -> Iterator[Figure]:
     """The comparison."""
     panels = [
         _abundances(rows),
-        _shares(rows, "largest_rock_m", "diameter, m", "largest rock under the lander", None),
-        _shares(rows, "spot_miss_m", "distance, m", "touchdown from the chosen spot", SPOT_M),
-        _shares(rows, "min_drift_distance_m", "least distance, m", "past backshell and canopy", CLEAR_M),
+        _shares(rows, "largest_rock_m", "diameter (m)", "largest rock under the lander", None),
+        _shares(rows, "spot_miss_m", "distance (m)", "touchdown from the chosen spot", SPOT_M),
+        _shares(rows, "min_drift_distance_m", "least distance (m)", "past backshell and canopy", CLEAR_M),
     ]
     yield Figure("comparison", "", panels, columns=2, height=360)
 
@@ -43,7 +43,7 @@ def _shares(rows: Sequence[Row], name: str, label: str, title: str, bound: float
     traces = [_share(values(of(rows, AT, way), name), way) for way in ways(rows)]
     if bound is not None:
         traces.append(plots.reference(np.array([bound, bound]), np.array([0.0, 100.0]), f"{bound:g} m"))
-    return plots.panel(f"{title}, {100.0 * AT:g} % rocks", label, "flights within, %", traces)
+    return plots.panel(f"{title}, {100.0 * AT:g} % rocks", label, "flights within (%)", traces)
 
 
 def _share(sample: np.ndarray, name: str) -> Trace:

@@ -20,9 +20,9 @@ _WORST_M = 1000.0
 def drawings(rows: Sequence[Row]) -> Iterator[Figure]:
     """The comparison."""
     panels = [
-        _shares(rows, "hover_fuel_kg", "propellant from ignition to hover, kg", "fuel"),
+        _shares(rows, "hover_fuel_kg", "propellant from ignition to hover (kg)", "fuel"),
         _misses(rows),
-        _shares(rows, "peak_tilt_deg", "largest tilt, deg", "tilt of the thrust axis"),
+        _shares(rows, "peak_tilt_deg", "largest tilt (deg)", "tilt of the thrust axis"),
         _diverts(rows),
     ]
     yield Figure("comparison", "", panels, columns=2, height=360)
@@ -30,7 +30,7 @@ def drawings(rows: Sequence[Row]) -> Iterator[Figure]:
 
 def _shares(rows: Sequence[Row], name: str, label: str, title: str) -> Panel:
     traces = [_share(values(of(rows, law), name, inf), law) for law in laws(rows)]
-    return plots.panel(title, label, "flights within, %", traces)
+    return plots.panel(title, label, "flights within (%)", traces)
 
 
 def _share(sample: np.ndarray, name: str) -> Trace:
@@ -45,8 +45,8 @@ def _misses(rows: Sequence[Row]) -> Panel:
     traces = [_share(values(of(rows, law), "target_miss_m", inf), law) for law in laws(rows)]
     traces.append(plots.reference(np.array([MISS_M, MISS_M]), np.array([0.0, 100.0]), f"{MISS_M:g} m"))
     return Panel(
-        Axis("distance from the target where hover begins, m", (0.01, _WORST_M), log=True),
-        Axis("flights within, %"),
+        Axis("distance from the target where hover begins (m)", (0.01, _WORST_M), log=True),
+        Axis("flights within (%)"),
         traces,
         title="miss",
     )
@@ -61,4 +61,4 @@ def _diverts(rows: Sequence[Row]) -> Panel:
         )
         for law in laws(rows)
     ]
-    return plots.panel("cost of a divert", "divert, m", "propellant to hover, kg", traces)
+    return plots.panel("cost of a divert", "divert (m)", "propellant to hover (kg)", traces)
