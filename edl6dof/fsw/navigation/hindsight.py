@@ -19,11 +19,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from edl6dof.fsw.navigation.bridge import acceleration_of
 from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.jit import kernel
 from edl6dof.records import COUNT, FLAG
 from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, cross, scale, sub, take3
+from edl6dof.spatial.vector import add, cross, norm, scale, sub, take3
 
 #: Cycles before and after the gap that are looked at, and all that are kept.
 BEFORE, AFTER, KEPT = 25, 15, 256
@@ -56,72 +57,68 @@ HINDSIGHT = np.dtype(
 
 
 @kernel
-def look_back(body, motion, added, memory, solution):
+def look_back(body, lever, inertial, motion, memory, solution):
     """Keep a cycle of ``motion``; a little after a gap, turn ``solution`` by what the bridge lacked.
 
     Args:
         body: believed configuration of the vehicle.
+        lever: from the centre of mass to the accelerometers, m, B.
+        inertial: ``INERTIAL_MEMORY`` record: what they read, and what the bridge added on arrival.
         motion: ``MOTION`` record.
-        added: angle (rad, B) that was added when the gyros came back.
         memory: ``HINDSIGHT`` record, updated.
         solution: ``SOLUTION`` record, updated.
     """
-    arm = sub(take3(body.hung_at, 0), take3(body.centre, 0))
-    hung = 1 if arm[0] != 0.0 or arm[1] != 0.0 or arm[2] != 0.0 else 0
+    hung = 1 if norm(sub(take3(body.hung_at, 0), take3(body.centre, 0))) > 0.0 else 0
     if hung != memory.hung:
         memory.hung, memory.kept = hung, 0
         # a gap that began in other circumstances is not looked at
         memory.gap = KEPT if motion.rate_known == 0 else 0
     if hung != 0:
-        _keep(body, arm, motion, memory)
+        _keep(body, lever, take3(inertial.gain, 0), motion, memory)
         if motion.rate_known == 0:
             memory.gap, memory.after = memory.gap + 1, 0
         elif memory.gap > 0:
-            _follow(added, memory, solution)
+            _follow(body, lever, inertial.bridge, memory, solution)
     for i in range(3):
         memory.rate[i] = motion.rate[i]
 
 
 @kernel
-def _keep(body, arm, motion, memory):
-    """Write a cycle into the ring."""
+def _keep(body, lever, gain, motion, memory):
+    """Write a cycle into the ring; ``gain`` m/s, B: at the accelerometers, so that the riser gives as much as
+    it does to the bridge.
+    """
     row = memory.kept % KEPT
     memory.kept += 1
-    force = scale(1.0 / motion.dt, take3(motion.gain, 0))
-    middle = scale(
-        0.5,
-        (memory.rate[0] + motion.rate[0], memory.rate[1] + motion.rate[1], memory.rate[2] + motion.rate[2]),
-    )
-    a, b, c = take3(body.inertia, 0)
-    torque = sub(
-        scale(body.mass, cross(arm, force)), cross(middle, (a * middle[0], b * middle[1], c * middle[2]))
-    )
+    force = scale(1.0 / motion.dt, gain)
+    middle = scale(0.5, add(take3(memory.rate, 0), take3(motion.rate, 0)))
+    given = acceleration_of(body, lever, force, middle)
     memory.dt[row] = motion.dt
     for i in range(3):
         memory.force[row, i], memory.turning[row, i] = force[i], middle[i]
         change = (motion.rate[i] - memory.rate[i]) / motion.dt
-        memory.unexplained[row, i] = change - torque[i] / body.inertia[i]
+        memory.unexplained[row, i] = change - given[i]
 
 
 @kernel
-def _follow(added, memory, solution):
+def _follow(body, lever, bridge, memory, solution):
     """Note the return of the gyros, and look back once enough cycles have followed it."""
     if memory.after == 0:
         last = (memory.kept - 1) % KEPT
         for i in range(3):
             memory.off[i] = memory.unexplained[last, i] * memory.dt[last]
-            memory.added[i] = added[i]
+            memory.added[i] = bridge.added[i]
         for i in range(4):
             memory.q_I2B[i] = solution.q_I2B[i]
     memory.after += 1
     if memory.after == AFTER:
         if memory.gap + BEFORE + AFTER < KEPT:
-            _turn(memory, solution)
+            _turn(body, lever, memory, solution)
         memory.gap = 0
 
 
 @kernel
-def _turn(memory, solution):
+def _turn(body, lever, memory, solution):
     """Turn the attitude by what the bridge lacked about pitch and yaw axis as they were on arrival."""
     begins = memory.kept - memory.after - memory.gap
     length = 0.0
@@ -129,9 +126,8 @@ def _turn(memory, solution):
         length += memory.dt[k % KEPT]
     _find(1, 2, length, memory)
     _find(2, 1, length, memory)
-    x, y, z = _lacked(begins, length, memory)
-    # about the roll axis what was added stays
-    lacked = (x, y - memory.added[1], z - memory.added[2])
+    x, y, z = _lacked(body, lever, begins, length, memory)
+    lacked = sub((x, y, z), take3(memory.added, 0))
     q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
     now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     turned = turn_by(now, to_frame(now, from_frame(q, lacked)))
@@ -171,8 +167,10 @@ def _find(axis, lateral, length, memory):
 
 
 @kernel
-def _lacked(begins, length, memory):
-    """Angle (rad, B) that the bridge lacked where the gap ends, by what was found."""
+def _lacked(body, lever, begins, length, memory):
+    """Angle (rad, B) that the bridge lacked where the gap ends, by what was found; what the rate still lacks
+    then is taken to have grown evenly.
+    """
     rate, angle = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     at = 0.0
     for k in range(begins, begins + memory.gap):
@@ -183,11 +181,18 @@ def _lacked(begins, length, memory):
         yaw = _times(memory.found[2], _terms(s, force[0], force[1]))
         half = scale(0.5 * dt, (0.0, pitch, yaw))
         rate = add(rate, half)
-        turning = add(take3(memory.turning[row], 0), rate)
+        bridged = take3(memory.turning[row], 0)
+        turning = add(bridged, rate)
+        # the force at the unit holds the rotation, of which the bridge had a wrong one
+        more = acceleration_of(body, lever, force, turning)
+        less = acceleration_of(body, lever, force, bridged)
+        half = add(half, scale(0.5 * dt, sub(more, less)))
         angle = add(angle, scale(dt, sub(rate, cross(turning, angle))))
         rate = add(rate, half)
         at += dt
-    return angle
+    # the cycle of arrival is in what the rate was off by, and not in the gap
+    off = scale(length / (length + memory.dt[begins % KEPT]), take3(memory.off, 0))
+    return add(angle, scale(0.5 * length, sub(off, rate)))
 
 
 @kernel

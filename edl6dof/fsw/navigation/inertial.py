@@ -33,6 +33,7 @@ INERTIAL_MEMORY = np.dtype(
         ("gyro_parity", PARITY),
         ("accelerometer_parity", PARITY),
         ("bridge", BRIDGE),
+        ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
     ],
     align=True,
 )
@@ -71,6 +72,7 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     motion.dt = dt
     rate_before = take3(motion.rate, 0)
     gain = _force(params, instruments, dt, inertial, solution, health, memory, motion)
+    put3(memory.gain, 0, gain)
     known_before = motion.rate_known
     _rotation(params, instruments, dt, inertial, solution, health, memory, motion)
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))

@@ -113,7 +113,8 @@ def navigate(onboard, state, sensed, memory):
             start_filter(params.filter, params, onboard, sensed, solution, memory.filter)
     elif dt > LEAST_TIME:
         integrate(onboard.planet, motion, solution)
-        look_back(body, motion, memory.inertial.bridge.added, memory.hindsight, solution)
+        lever = sub(take3(onboard.instruments.unit_position, 0), centre)
+        look_back(body, lever, memory.inertial, motion, memory.hindsight, solution)
         recover(params.recovery, onboard, memory.health, sensed, motion, memory.recovery, solution)
         solution.looked = 0
         correct_solution(

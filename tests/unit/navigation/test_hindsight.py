@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from edl6dof.fsw.navigation.bridge import BRIDGE, arrive, bridge
+from edl6dof.fsw.navigation.bridge import arrive, bridge
 from edl6dof.fsw.navigation.hindsight import HINDSIGHT, look_back
+from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY
 from edl6dof.fsw.navigation.solution import MOTION, SOLUTION
 from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.fsw.onboard import CONFIGURATION
@@ -14,6 +15,7 @@ from edl6dof.fsw.onboard import CONFIGURATION
 H = 0.02
 INERTIA = np.array([1148.0, 816.0, 866.0])
 NOTHING = np.zeros(3)
+LEVER = np.array([-0.1, 0.3, 0.03])
 
 
 def body():
@@ -39,22 +41,26 @@ def error_after_gap(centre_error=NOTHING, air=lambda t: NOTHING, gap=1.0, begins
     times = np.arange(0.0, ends, H)
     rates = solve_ivp(spin, (0.0, ends), [0.02, -0.05, 0.04], t_eval=times, rtol=1e-10, atol=1e-12).y.T
     motion, solution = np.zeros(1, MOTION)[0], np.zeros(1, SOLUTION)[0]
-    bridging, memory = np.zeros(1, BRIDGE)[0], np.zeros(1, HINDSIGHT)[0]
+    inertial, memory = np.zeros(1, INERTIAL_MEMORY)[0], np.zeros(1, HINDSIGHT)[0]
+    bridging = inertial["bridge"]
     solution["q_I2B"] = true = np.array([1.0, 0.0, 0.0, 0.0])
     motion["dt"], off = H, []
     for t, w0, w1 in zip(times, rates, rates[1:], strict=False):
-        angle, gain = 0.5 * H * (w0 + w1), H * force(t + 0.5 * H)
+        turn = (w1 - w0) / H
+        angle, middle = 0.5 * H * (w0 + w1), 0.5 * (w0 + w1)
+        at_unit = force(t + 0.5 * H) + np.cross(turn, LEVER) + np.cross(middle, np.cross(middle, LEVER))
+        gain = inertial["gain"] = H * at_unit
         before, was_known = motion["rate"].copy(), motion["rate_known"]
-        motion["gain"], motion["rate_known"] = gain, int(not begins <= t < begins + gap)
+        motion["rate_known"] = int(not begins <= t < begins + gap)
         if not motion["rate_known"]:
-            bridge(known, (0.0, 0.0, 0.0), tuple(gain), H, bridging, motion)
+            bridge(known, tuple(LEVER), tuple(gain), H, bridging, motion)
         else:
             motion["angle"], motion["rate"] = angle, w1
             if not was_known and bridging["push"] > 0.0:
-                arrive(known, (0.0, 0.0, 0.0), tuple(gain), H, tuple(before), bridging, motion)
+                arrive(known, tuple(LEVER), tuple(gain), H, tuple(before), bridging, motion)
         true = np.array(turn_by(tuple(true), tuple(angle)))
         solution["q_I2B"] = turn_by(tuple(solution["q_I2B"]), tuple(motion["angle"]))
-        look_back(known, motion, bridging["added"], memory, solution)
+        look_back(known, tuple(LEVER), inertial, motion, memory, solution)
         turned = Rotation.from_quat(true, scalar_first=True).inv()
         turned = turned * Rotation.from_quat(solution["q_I2B"], scalar_first=True)
         off.append(np.degrees(turned.magnitude()))
@@ -83,12 +89,13 @@ def test_centre_of_mass_elsewhere_and_the_torque_of_the_air_are_found_in_hindsig
 
 def test_gap_that_began_before_the_riser_pulled_is_not_looked_at():
     memory, motion, solution = np.zeros(1, HINDSIGHT)[0], np.zeros(1, MOTION)[0], np.zeros(1, SOLUTION)[0]
+    inertial = np.zeros(1, INERTIAL_MEMORY)[0]
     free, hung = body(), body()
     free["hung_at"] = free["centre"]
     solution["q_I2B"], motion["dt"] = (1.0, 0.0, 0.0, 0.0), H
     rng = np.random.default_rng(1)
     for k in range(200):
         motion["rate_known"] = int(not 20 <= k < 70)
-        motion["gain"], motion["rate"] = H * force(k * H), rng.normal(0.0, 0.05, 3)
-        look_back(free if k < 40 else hung, motion, np.zeros(3), memory, solution)
+        inertial["gain"], motion["rate"] = H * force(k * H), rng.normal(0.0, 0.05, 3)
+        look_back(free if k < 40 else hung, tuple(LEVER), inertial, motion, memory, solution)
     assert solution["q_I2B"].tolist() == [1.0, 0.0, 0.0, 0.0]

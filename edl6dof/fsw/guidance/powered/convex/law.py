@@ -3,8 +3,8 @@ again while it burns; between plans the thrust of the plan, with feedback of wha
 
 A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
 plan lands at the target, the one with the least error is flown, and ``landing_error`` says by how much.
-Where the engine turns out to be weaker than planned with, the next plan begins from nothing, and may light it
-at full level again.
+Where the engine turns out to be weaker than planned with, or a weak one cannot land in its throttle band, the
+next plan begins from nothing, and may give full level again.
 
 Sources: Acikmese & Ploen 2007, "Convex programming approach to powered descent guidance for Mars landing", J.
 Guidance 30(5): the problem; Yu, Elango, Acikmese 2021, IEEE Control Systems Letters 5(6): the method (PIPG);
@@ -175,6 +175,9 @@ def make_plan(p, state, nav, target, memory):
         first_plan(p, landing, memory)
     else:
         next_plan(p, landing, nav.t - memory.start, plan, memory.other)
+        if state.thrust_lost > 0.0 and error_of(plan) > TOLERATED:
+            describe(p, state, nav, target, landing)
+            first_plan(p, landing, memory)
     memory.plans += 1
     memory.start = nav.t
     memory.landing_error = error_of(plan)
