@@ -23,6 +23,7 @@ GUIDE = np.dtype(
         ("side", "f8"),  # that entry guidance banks to: +1 right, -1 left, 0 before it has begun
         ("downrange_to_go", "f8"),  # along the course until the aim point lies abeam, m
         ("drag_ratio", "f8"),  # measured over believed drag
+        ("drag_trend", "f8"),  # of it with height, 1/m
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
         ("spot_chosen", FLAG),  # the spot to land on, by hazard detection

@@ -185,6 +185,21 @@ def test_predicted_range_grows_without_jumps(onboard, at_65_km, drag_ratio):
     assert np.diff(ends).min() > 0.0 and np.diff(ends).max() < 300.0
 
 
+def test_trend_of_drag_is_air_with_another_scale_height(onboard, at_65_km):
+    """The same end as in a table of the air that has the trend in its densities."""
+    record, out, plan = onboard[0], out_record(1.05), shifted(0.1, 1.0, 0.0, 0.0)
+    out["drag_trend"] = -2e-6
+    followed = predict(record, at_65_km, out, plan)
+    still = predict(record, at_65_km, out_record(1.05), plan)
+    air = record["atmosphere"]
+    heights = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    air["ln_density"] += np.log(1.05 - 2e-6 * (heights - at_65_km["altitude"]))
+    told = predict(record, at_65_km, out_record(), plan)
+    assert abs(still[0] - told[0]) > 5e3
+    assert followed[0] == pytest.approx(told[0], abs=0.05 * abs(still[0] - told[0]))
+    assert followed[2] == pytest.approx(told[2], abs=100.0)
+
+
 @pytest.mark.parametrize("drag_ratio", [0.9, 1.0, 1.1])
 def test_solution_of_the_corrector_is_predicted_to_hit(onboard, at_65_km, drag_ratio):
     """From 65 km on the way that the vehicle flies, within reach of the target in all three airs; to the

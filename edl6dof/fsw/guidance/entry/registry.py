@@ -63,6 +63,7 @@ def entry_guidance(law, onboard, nav, memory, out):
     """
     out.range_to_go, out.crossrange, out.downrange_to_go = to_target(onboard, nav)
     measure_air(onboard, nav, memory.air)
-    out.drag_ratio, out.lift_ratio = memory.air.drag, memory.air.lift
+    air = memory.air
+    out.drag_ratio, out.drag_trend, out.lift_ratio = air.drag, air.trend, air.lift
     wanted = wanted_bank(law, onboard.guidance.entry, onboard.plan, onboard, nav, memory.law, out)
     steer_bank(onboard, nav, memory.steering, out, wanted)

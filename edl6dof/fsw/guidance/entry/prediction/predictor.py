@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import asin, atan2
 
 from edl6dof.fsw.guidance.entry.heading_alignment import heading_bank
+from edl6dof.fsw.guidance.entry.observers.air_data import drag_ratio_at
 from edl6dof.fsw.guidance.entry.prediction.bank_plan import in_plane, next_corner, planned_bank
 from edl6dof.fsw.guidance.entry.prediction.motion import (
     acceleration,
@@ -34,7 +35,8 @@ LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 def predict(onboard, nav, out, plan):
     """Fly on from ``nav`` to the parachute with a bank plan (:mod:`bank_plan`).
 
-    Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``.
+    Drag and lift-to-drag ratio are the believed ones times the ratios measured so far, from ``out``; that of
+    drag follows its trend with height.
 
     Returns:
         downrange miss (m, positive beyond the aim point) and crossrange miss (m, positive right of it)
@@ -47,17 +49,20 @@ def predict(onboard, nav, out, plan):
     ahead = unit(sub(target, scale(dot(target, here), here)))
     steered_above = max(entry.align_speed, entry.heading.speed)
     bank = present_bank(nav, out) if in_plane(plan) else nav.bank
+    height_here = height_above_ellipsoid(planet, r)
     t, dt = 0.0, 0.0
     r_old, speed, excess, excess_old = r, norm(v), 0.0, 0.0
     lift_up, lift_right = 1.0, 0.0
     aligning, at_handover = False, 0.0
     for _ in range(MAX_STEPS):
-        a, drag, mach = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
+        height = height_above_ellipsoid(planet, r)
+        ratio = drag_ratio_at(entry.air_data, out.drag_ratio, out.drag_trend, height - height_here)
+        a, drag, mach = acceleration(onboard, ratio, out.lift_ratio, r, v, lift_up, lift_right)
         end_speed = (
             entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         )
         excess = speed - end_speed
-        if excess <= 0.0 or height_above_ellipsoid(planet, r) < LOWEST:
+        if excess <= 0.0 or height < LOWEST:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
         slowing = -dot(a, v) / speed
@@ -75,9 +80,9 @@ def predict(onboard, nav, out, plan):
         bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
         if in_plane(plan):
             lift_right = 0.0
-        a, _, _ = acceleration(onboard, out.drag_ratio, out.lift_ratio, r, v, lift_up, lift_right)
+        a, _, _ = acceleration(onboard, ratio, out.lift_ratio, r, v, lift_up, lift_right)
         r_old, excess_old = r, excess
-        r, v = step(onboard, out.drag_ratio, out.lift_ratio, r, v, a, lift_up, lift_right, dt)
+        r, v = step(onboard, ratio, out.lift_ratio, r, v, a, lift_up, lift_right, dt)
         speed = norm(v)
         t += dt
     if excess < 0.0 < excess_old:
