@@ -36,7 +36,7 @@ from edl6dof.replay.views.cameras import Cameras
 from edl6dof.replay.views.curves import axis_range, drawn, ends
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.legend import Legend
-from edl6dof.replay.views.panels import GROUPS, PLOTS
+from edl6dof.replay.views.panels import GROUPS, PLOTS, Plot
 from edl6dof.replay.views.phase_plane import PhasePlanes
 from edl6dof.replay.views.scale_bar import ScaleBar
 from edl6dof.replay.views.spatial import TIMELINE, Shown
@@ -150,7 +150,7 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         start=places[0],
         end=places[-1],
         deploy=None if deploy is None else places[deploy],
-        plots=frozenset(plot.entity for plot in PLOTS if set(plot.columns) <= set(first.series)),
+        plots=frozenset(plot.entity for plot in PLOTS if _says_something(plot, first)),
         groups=tuple(group for group in GROUPS if group in jets),
         jets=tuple(first.jets),
         instruments=tuple(dict.fromkeys(one.kind for one in first.instruments)),
@@ -163,6 +163,12 @@ def _shown(flights: Sequence[History], motion: Motion, labels: Sequence[str], en
         globe_eye=2.3 * middle,
         globe_target=0.0 * middle,
     )
+
+
+def _says_something(plot: Plot, flight: History) -> bool:
+    """Whether a flight has what a plot shows: not one that is never anything but zero."""
+    held = [flight.series[name] for name in plot.columns if name in flight.series]
+    return len(held) == len(plot.columns) and any(np.nan_to_num(values).any() for values in held)
 
 
 def _ranges(

@@ -25,7 +25,9 @@ FLIGHTS: tuple[RGB, ...] = (
     (210, 140, 255),
 )
 #: The pages of powered descent and of the choice of a spot.
-POWERED, HAZARDS = "Powered descent", "Hazards"
+POWERED, HAZARDS, THRUSTERS = "Powered descent", "Hazards", "Thrusters"
+#: Pages that show fast things: their plots end so long (s) before and after the present.
+AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
 #: Titles of the lanes of instruments by kind.
 INSTRUMENTS = {"gyro": "Gyros", "accelerometer": "Accelerometers", "beam": "Radar beams"}
 
@@ -83,8 +85,7 @@ class Layout:
         if self.flown.ensemble:
             readout = rrb.Vertical(rrb.TextDocumentView(origin="/campaign", name="Campaign"), readout)
         around = rrb.Tabs(
-            self.views.afar("Descent") or self.views.whole(),
-            self.views.whole(),
+            *[view for view in (self.views.afar("Descent"), self.views.whole()) if view is not None],
             self.views.globe(),
             active_tab=0,
         )
@@ -145,7 +146,7 @@ class Layout:
             for axis in ("roll", "pitch", "yaw")
         ]
         return rrb.Horizontal(
-            rrb.Vertical(*planes), self._grid("Control"), column_shares=[2, 5], name="Control"
+            rrb.Tabs(*planes, active_tab=0), self._grid("Control"), column_shares=[2, 5], name="Control"
         )
 
     def _navigation(self) -> rrb.Container | None:
@@ -154,7 +155,7 @@ class Layout:
         rrb = self.rrb
         lanes = [
             rrb.StateTimelineView(
-                origin=f"/instruments/{kind}", name=INSTRUMENTS[kind], time_view=self._axis("Flight")
+                origin=f"/instruments/{kind}", name=INSTRUMENTS[kind], time_view=self._axis(NAVIGATION)
             )
             for kind in self.flown.instruments
         ]
@@ -168,16 +169,16 @@ class Layout:
         names, half = sorted(self.flown.jets), (len(self.flown.jets) + 1) // 2
         lanes = rrb.Horizontal(self._jets(names[:half]), self._jets(names[half:]))
         plots = [
-            self._plot(f"thruster_duty/{g}", f"{GROUPS[g]} thrusters, duty (0 to 1)", "Flight")
+            self._plot(f"thruster_duty/{g}", f"{GROUPS[g]} thrusters, duty (0 to 1)", THRUSTERS)
             for g in self.flown.groups
         ]
         plots += [
-            self._plot(plot.entity, plot.title, "Flight")
-            for plot in PAGES["Thrusters"]
+            self._plot(plot.entity, plot.title, THRUSTERS)
+            for plot in PAGES[THRUSTERS]
             if plot.entity in self.flown.plots
         ]
-        right = rrb.Vertical(self.views.body(), rrb.Grid(*plots, grid_columns=2), row_shares=[2, 3])
-        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name="Thrusters")
+        right = rrb.Vertical(self.views.body(), rrb.Grid(*plots, grid_columns=2), row_shares=[4, 5])
+        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=THRUSTERS)
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
         contents, title = (
@@ -185,11 +186,16 @@ class Layout:
             f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters",
         )
         return self.rrb.StateTimelineView(
-            origin="/rcs", contents=contents, name=title, time_view=self._axis("Flight")
+            origin="/rcs", contents=contents, name=title, time_view=self._axis(THRUSTERS)
         )
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
+        if page in AROUND_NOW:
+            edge = rrb.TimeRangeBoundary.cursor_relative
+            return rrb.TimeAxis(
+                view_range=rrb.TimeRange(start=edge(seconds=-NEAR_S), end=edge(seconds=NEAR_S))
+            )
         first, last = self.spans.get(page, self.flown.span)
         last += 0.02 * (last - first)  # or a label at the end would be cut off
         edge = rrb.TimeRangeBoundary.absolute
@@ -222,14 +228,16 @@ class Layout:
 
     def _time_of(self, page: str, plot: Plot) -> str:
         """The page whose time a plot shows: that of powered descent where it means nothing before, though its
-        own page is of the whole flight.
+        own page has no time of its own.
         """
         return POWERED if plot.since == "backshell" and page not in self.spans else page
 
     def _lanes(self, page: str) -> rrb.StateTimelineView:
         """Lanes of the time that the page's plots show, in which each name has the room it needs."""
         return self.rrb.StateTimelineView(
-            origin=f"/{lanes_of(page, self.spans)}", name="Phases", time_view=self._axis(page)
+            origin=f"/{lanes_of(page, self.spans)}",
+            name="Phases",
+            time_view=self._axis(page if page in self.spans else "Flight"),
         )
 
 

@@ -234,7 +234,7 @@ def root_of(number: int) -> str:
 def body_eye(start: np.ndarray, end: np.ndarray, size: float) -> np.ndarray:
     """Where the eye stands from a vehicle of this size (m) when it looks at its frames and forces, m in L."""
     along, length, side = _beside(start, end)
-    return size * (0.7 * along / length - 2.0 * side + [0.0, 0.0, 0.65])
+    return size * (0.84 * along / length - 2.4 * side + [0.0, 0.0, 0.78])
 
 
 def _beside(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
