@@ -63,4 +63,5 @@ def pytest_sessionstart(session):
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_node_collection_finished(node):
     """No test begins before the simulator is compiled."""
-    node.config.stash[COMPILING].wait()
+    if compiling := node.config.stash.get(COMPILING, None):
+        compiling.wait()
