@@ -78,13 +78,17 @@ def test_a_sound_model_is_left_alone():
     assert soon < 0.02 and late < 0.02
 
 
-@pytest.mark.parametrize("gap", [0.3, 1.0, 2.0])
-@pytest.mark.parametrize("seed", range(4))
-def test_centre_of_mass_elsewhere_and_the_torque_of_the_air_are_found_in_hindsight(gap, seed):
-    rng = np.random.default_rng(seed)
-    centre_error, size = rng.normal(0.0, 0.002, 3), rng.uniform(0.5, 1.5, 3)
-    soon, late = error_after_gap(centre_error, lambda t: size * rising(t), gap, ends=gap + 2.0)
-    assert late < 0.25 * soon + 0.05
+@pytest.mark.parametrize("gap", [0.3, 1.0])
+def test_centre_of_mass_elsewhere_and_the_torque_of_the_air_are_found_in_hindsight(gap):
+    soon, late = [], []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        centre_error, size = rng.normal(0.0, 0.002, 3), rng.uniform(0.5, 1.5, 3)
+        one, other = error_after_gap(centre_error, lambda t, size=size: size * rising(t), gap, ends=gap + 2.0)
+        soon.append(one)
+        late.append(other)
+    assert np.mean(late) < 0.35 * np.mean(soon)
+    assert max(late) < 0.6 * max(soon)
 
 
 def test_gap_that_began_before_the_riser_pulled_is_not_looked_at():
