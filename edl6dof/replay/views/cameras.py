@@ -45,10 +45,10 @@ class Cameras(Recorder):
     """Writes ``near``, which moves with the centre of mass, ``camera`` and ``camera_away``."""
 
     def statics(self) -> None:
-        """The flight's name above it, where there are several."""
+        """The flight's name below it, where there are several."""
         if self.label:
             name = self.rr.Points3D(
-                [[0.0, 0.0, 1.25 - 0.2 * self.number]],
+                [[0.0, 0.0, -1.12 - 0.15 * self.number]],
                 labels=[self.label],
                 colors=self.own,
                 radii=-2.0,
