@@ -16,8 +16,8 @@ from edl6dof.runs.run import Run
 
 #: What a body without parts, flight software or limits has none of.
 PARTS = re.compile(
-    "parachute|thruster|propellant|engine|corridor|bank|radar|navigated|diagnos|\\bfault|heat shield|backshell|"
-    "touchdown|guidance|mortar|flight computer|hazard",
+    r"parachute|thruster|propellant|engine|corridor|bank|radar|navigated|diagnos|\bfault|heat shield|"
+    r"backshell|touchdown|guidance|mortar|flight computer|hazard",
     re.IGNORECASE,
 )
 
