@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 
 import numpy as np
@@ -10,6 +11,8 @@ from made_up import entities, synthetic_flight
 
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene import aeroshell, lander
+from edl6dof.replay.scene.canopy import canopy
+from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.outline import outline
 from edl6dof.scenario.schema import load_scenario
 from edl6dof.vehicle.propulsion.rcs import RcsParams
@@ -98,3 +101,23 @@ def test_own_meshes_take_the_place_of_parts_and_lander(tmp_path):
         assert (entity, "Transform3D:scale") in held
     assert ("/site/vehicle/backshell", "Mesh3D:vertex_positions") in held
     assert "/site/vehicle/legs" not in entities(tmp_path / "own.rrd")
+
+
+def test_each_parachute_has_its_own_size_while_it_flies():
+    """A drogue of 5 m up to the deployment of the main parachute, which the made-up flight calls mortar."""
+    own = vehicle().parachutes[0].model_dump(mode="json")
+    drogue = {**own, "name": "drogue", "pack": None, "diameter_m": 5.0, "line_length_m": 12.0}
+    flight = synthetic_flight(("sensors.set=perfect", f"vehicle.parachutes={json.dumps([drogue, own])}"))
+    main = next(event for event in flight.events if event["key"] == "mortar")
+    motion = Motion(history(flight))
+    (alone,) = motion.parachutes()
+    assert (alone.number, motion.t[alone.first]) == (1, pytest.approx(main["t_s"], abs=0.05))
+    phase = next(one for one in flight.scenario.mission.phases if one.events and one.role == "parachute")
+    mortar = next(one for one in phase.events if one.name == "mortar")
+    phase.events.append(mortar.model_copy(update={"name": "drogue", "thing": "drogue"}))
+    flight.events.append({**main, "key": "drogue"})
+    main["t_s"] += 3.0
+    pair = Motion(history(flight)).parachutes()
+    assert [one.number for one in pair] == [0, 1] and pair[0].end == pair[1].first
+    widths = [extent(canopy(flight.scenario.vehicle, one.number)[0])[1:] for one in pair]
+    assert widths[1] / widths[0] == pytest.approx(own["diameter_m"] / 5.0, rel=1e-6)
