@@ -13,7 +13,7 @@ def announce_compiling(talk: bool) -> bool:
         return False
     if talk:
         print(
-            "Compiling the simulator (first use on this machine; one to two minutes, kept for later) ...",
+            "Compiling the simulator (first use on this machine; about a minute, kept for later) ...",
             file=sys.stderr,
             flush=True,
         )
