@@ -160,9 +160,9 @@ def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, A
 
 
 def _in_words(values: Mapping[str, float | None]) -> str:
-    """Altitude, speed and Mach number, as far as they are known."""
+    """Height, speed and Mach number, as far as they are known."""
     forms = (
-        ("altitude_m", 1e-3, "{:.1f} km above the ellipsoid"),
+        ("height_m", 1.0, "{:z,.0f} m above the ground"),
         ("speed_m_s", 1.0, "{:.0f} m/s"),
         ("mach", 1.0, "Mach {:.2f}"),
     )

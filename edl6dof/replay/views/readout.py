@@ -108,7 +108,7 @@ class Readout(Recorder):
         ]
 
     def _line(self, field: Field, values: np.ndarray) -> list[str]:
-        return [f"| {field.label} | **{value:{field.form}}** {field.unit} |" for value in values.tolist()]
+        return [f"| {field.label} | **{value:z{field.form}}** {field.unit} |" for value in values.tolist()]
 
     def _troubles(self, rows: np.ndarray) -> list[str]:
         """What has failed, was diagnosed or is excluded, at some rows."""
