@@ -24,8 +24,8 @@ FLIGHTS: tuple[RGB, ...] = (
     (240, 200, 70),
     (210, 140, 255),
 )
-#: The pages of powered descent and of the choice of a spot.
-POWERED, HAZARDS = "Powered descent", "Hazards"
+#: The pages of powered descent, of the choice of a spot, and of the scripted camera.
+POWERED, HAZARDS, TOUR = "Powered descent", "Hazards", "Tour"
 #: Titles of the lanes of instruments by kind.
 INSTRUMENTS = {"gyro": "Gyros", "accelerometer": "Accelerometers", "beam": "Radar beams"}
 
@@ -53,6 +53,7 @@ class Layout:
             self._thrusters(),
         )
         pages = [self._with_lanes(page) for page in possible if page is not None]
+        pages.append(self._tour())
         names = [str(page.name) for page in pages]
         return rrb.Blueprint(
             rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
@@ -127,6 +128,12 @@ class Layout:
         rrb = self.rrb
         right = rrb.Vertical(self.views.chase(), self.views.site(), row_shares=[1, 1])
         return rrb.Horizontal(self.views.above(self.flown.scanned), right, column_shares=[1, 1], name=HAZARDS)
+
+    def _tour(self) -> rrb.Container:
+        """The director's picture and the readout, and nothing else."""
+        rrb = self.rrb
+        readout = rrb.TextDocumentView(origin="/readout", name="Readout")
+        return rrb.Horizontal(self.views.tour(), readout, column_shares=[4, 1], name=TOUR)
 
     def _control(self) -> rrb.Container | None:
         if not self.flown.jets:
