@@ -52,8 +52,8 @@ def encoder() -> str:
             found = None
     if found is None:
         raise NoFilm(
-            "a film needs ffmpeg, which this machine has not: install it (Debian: apt-get install ffmpeg), or "
-            "the extra of this package that brings one (pip install 'edl6dof[video]')"
+            "a film needs ffmpeg, which is not on this machine: install it (Debian: apt-get install ffmpeg), "
+            "or the extra of this package that brings one (pip install 'edl6dof[video]')"
         )
     return found
 

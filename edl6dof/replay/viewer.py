@@ -11,9 +11,8 @@ from tempfile import TemporaryDirectory
 from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
 from edl6dof.replay.views.spatial import TIMELINE
 
-#: A picture is finished when two half a second apart are the same, not before notices of the viewer's start
-#: have faded (s), nor later than (s).
-PAUSE_S, LEAST_S, MOST_S = 0.5, 2.5, 60.0
+#: Notices of the viewer's start have faded after (s); a picture that still changes after (s) never settles.
+START_S, MOST_S = 2.5, 60.0
 
 
 def show(recording: Path) -> None:
@@ -71,6 +70,10 @@ def drawing(
         def draw(at_s: float) -> bytes:
             with program.asked():
                 viewer.set_time(TIMELINE, duration=at_s, play_state="paused")
+            return _settled(look)
+
+        def look() -> bytes:
+            with program.asked():
                 viewer.save_screenshot(str(picture))  # returns when it is painted and saved
             return picture.read_bytes()
 
@@ -78,17 +81,18 @@ def drawing(
         with program.asked():
             viewer = rr.experimental.ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
             viewer.open(str(recording.resolve()))
-        _settle(lambda: draw(t))
+        start = time.monotonic()
+        draw(t)
+        time.sleep(max(START_S - (time.monotonic() - start), 0.0))
         yield draw
 
 
-def _settle(look: Callable[[], bytes]) -> None:
-    """Take pictures until the drawing is finished: views load and notices fade."""
+def _settled(look: Callable[[], bytes]) -> bytes:
+    """A picture that is the same twice in a row: until then views load, and show that they do."""
     before, start = b"", time.monotonic()
-    while (gone := time.monotonic() - start) < MOST_S:
+    while time.monotonic() - start < MOST_S:
         now = look()
-        if gone >= LEAST_S and now == before:
-            return
+        if now == before:
+            return now
         before = now
-        time.sleep(PAUSE_S)
     raise ViewerFailed("the viewer did not finish drawing")

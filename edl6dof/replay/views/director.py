@@ -23,7 +23,7 @@ CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
 #: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
 PARACHUTE_DEG, POWERED_DEG = (60.0, -14.0), (74.0, 3.0)
 #: From which height on it stands at the site, and how far from it, both in diameters of the vehicle.
-LANDING_HEIGHT, LANDING_DISTANCE = 25.0, 4.0
+LANDING_HEIGHT, LANDING_DISTANCE = 5.0, 4.0
 #: How high (m) above the ground the eye stays, and a person stands.
 CLEAR_M = 1.7
 

@@ -40,8 +40,14 @@ class Layout:
         self.spans = spans_of(flown.span, flown.when)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """All pages, that named ``active`` in front."""
+        """All pages, that named ``active`` in front; the tour alone, as a film is."""
         rrb = self.rrb
+        clock = rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing")
+        if active == TOUR:
+            top = rrb.TopPanel(state="hidden")
+            return rrb.Blueprint(
+                self._tour(), clock, top, auto_views=False, auto_layout=False, collapse_panels=True
+            )
         possible = (
             self._flight(),
             self._entry(),
@@ -57,7 +63,7 @@ class Layout:
         names = [str(page.name) for page in pages]
         return rrb.Blueprint(
             rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
-            rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"),
+            clock,
             auto_views=False,
             auto_layout=False,
             collapse_panels=True,
