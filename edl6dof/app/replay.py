@@ -1,20 +1,22 @@
-"""``edl6dof replay``: show one flight or several, or a whole campaign, in the viewer, the browser, a file or
-a picture.
+"""``edl6dof replay``: show one flight or several, or a whole campaign, in the viewer, the browser, a file,
+a picture or a film.
 """
 
 from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.config.errors import refusal
@@ -25,12 +27,24 @@ from edl6dof.scenario.viewed import viewed_scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.landing_map import LandingMap
 
+if TYPE_CHECKING:
+    from edl6dof.replay.film import Cut
+
 RECORDING = "replay.rrd"
 #: Which flight of a campaign is followed where none is named, and why.
 NOMINAL = (
     "the nominal flight, in which nothing is dispersed and nothing fails: the cases are spread about it. It "
     "is none of them; to follow another flight, name its run folder after the campaign's."
 )
+
+
+class FilmOptions(NamedTuple):
+    """What a film shows: first and last time of the flight, its own length, s, and frames per second."""
+
+    first_s: float | None = None
+    last_s: float | None = None
+    length_s: float | None = None
+    fps: float = 24.0
 
 
 @dataclass(frozen=True)
@@ -44,6 +58,8 @@ class ReplayOptions:
     at_s: float | None
     page: str
     force: bool
+    video: Path | None = None
+    film: FilmOptions = FilmOptions()
 
 
 class FlownRun:
@@ -82,20 +98,27 @@ class FlownRun:
 
 def run_replay(options: ReplayOptions) -> int:
     """Do what the options ask for; returns the exit status."""
+    from edl6dof.replay.film import NoFilm, encoder
     from edl6dof.replay.program import ViewerFailed
 
-    targets = [path for path in (options.html, options.screenshot) if path is not None]
+    targets = [path for path in (options.html, options.screenshot, options.video) if path is not None]
     for path in targets:
         refuse_existing_file(path, options.force)
     if options.at_s is not None and options.screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
+    if options.video is None and options.film != FilmOptions():
+        raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
+    if options.page and options.runs[0].is_file():
+        raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
     for run in options.runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
     try:
+        if options.video is not None:
+            encoder()  # or the flight would be drawn in vain
         with _ended_by_signals(), _recording(options) as recording:
             _show(recording, options)
-    except ViewerFailed as error:
+    except (ViewerFailed, NoFilm) as error:
         print(error, file=sys.stderr)
         return UNAVAILABLE
     for path in targets:
@@ -105,16 +128,20 @@ def run_replay(options: ReplayOptions) -> int:
 
 def _show(recording: Path, options: ReplayOptions) -> None:
     """Write what was asked for, or show the recording until the viewer is closed."""
-    from edl6dof.replay import page, server, viewer
+    from edl6dof.replay import film, page, server, viewer
 
     title = f"edl6dof replay: {', '.join(_labels(options.runs))}"
     if options.screenshot is not None:
         with atomic_file(options.screenshot, options.force) as partial:
-            viewer.screenshot(recording, partial, _time(recording, options.at_s))
+            viewer.screenshot(recording, partial, _time(recording, "--at", options.at_s))
+    if options.video is not None:
+        cut = _cut(recording, options.film)
+        with atomic_file(options.video, options.force) as partial, _told() as told:
+            film.film(recording, partial, cut, told)
     if options.html is not None:
         with atomic_file(options.html, options.force) as partial:
             partial.write_bytes(page.page(recording, title))
-    if options.screenshot is None and options.html is None:
+    if options.screenshot is None and options.html is None and options.video is None:
         if options.web:
             server.serve(page.page(recording, title))
         else:
@@ -185,8 +212,8 @@ def _labels(runs: Sequence[Path]) -> list[str]:
     return names if len(set(names)) == len(names) else ["/".join(run.resolve().parts[-2:]) for run in runs]
 
 
-def _time(recording: Path, asked_s: float | None) -> float:
-    """The time of the picture, s: what was asked for, or the end of the recording.
+def _time(recording: Path, option: str, asked_s: float | None) -> float:
+    """A time of the recording, s: what was asked for, or its end.
 
     Raises:
         ConfigError: the recording does not reach so far.
@@ -198,6 +225,28 @@ def _time(recording: Path, asked_s: float | None) -> float:
         return last
     if not first <= asked_s <= last:
         raise refusal(
-            "--at", f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
+            option, f"{asked_s:g} s is not in the recording: give a time from {first:.2f} to {last:.2f} s"
         )
     return asked_s
+
+
+def _cut(recording: Path, asked: FilmOptions) -> Cut:
+    """What the film shows: the whole flight, in no more than a minute, where nothing else was asked for."""
+    from edl6dof.replay.film import LENGTH_S, Cut
+    from edl6dof.replay.recording import recorded_span
+
+    first = recorded_span(recording)[0] if asked.first_s is None else asked.first_s
+    first, last = _time(recording, "--from", first), _time(recording, "--to", asked.last_s)
+    if first >= last:
+        raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
+    return Cut(first, last, asked.length_s or min(last - first, LENGTH_S), asked.fps)
+
+
+@contextmanager
+def _told() -> Iterator[Callable[[int, int], None]]:
+    """Show on a terminal how many of how many frames are drawn."""
+    console = Console(stderr=True)
+    columns = (TextColumn("frames"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("frames", total=None)
+        yield lambda done, of: progress.update(task, completed=done, total=of)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.cli.options import Trust, load_plugins
+from edl6dof.config.errors import refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem")
 
@@ -35,25 +36,63 @@ def replay(
             metavar="NAME",
             help=(
                 "Page in front: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, Navigation, "
-                "Thrusters."
+                "Thrusters, Tour."
             ),
         ),
     ] = "",
+    tour: Annotated[
+        bool, typer.Option("--tour", help="Page Tour in front: cameras that follow the stages.")
+    ] = False,
+    video: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write a film (MP4) of the page; needs ffmpeg or the extra 'video'."
+        ),
+    ] = None,
+    start: Annotated[
+        float | None, typer.Option("--from", metavar="T", help="First time of the film, s.")
+    ] = None,
+    end: Annotated[float | None, typer.Option("--to", metavar="T", help="Last time of the film, s.")] = None,
+    length: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            min=0.1,
+            help="How long the film is, s; if not given, as long as the flight, or 60 s.",
+        ),
+    ] = None,
+    fps: Annotated[
+        float, typer.Option(metavar="N", min=1.0, max=120.0, help="Its frames per second.")
+    ] = 24.0,
     force: Annotated[bool, typer.Option("--force", help="Replace existing files.")] = False,
     trust: Trust = False,
 ) -> None:
     """Show the 3D replay of one flight, or of several in one scene.
 
-    Exit status: 0 shown or written, 2 bad input, 69 the viewer does not run here.
+    Exit status: 0 shown or written, 2 bad input, 69 the viewer, or the encoder of films, does not run here.
     """
     from edl6dof.app.exit_status import refusing_damage
 
+    if tour and page not in ("", "Tour"):
+        raise refusal("--tour", f"is the page Tour; --page names {page}")
     if runs[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         load_plugins(runs[0], trust=trust)
-    from edl6dof.app.replay import ReplayOptions, run_replay
+    from edl6dof.app.replay import FilmOptions, ReplayOptions, run_replay
 
     with refusing_damage(*runs):
-        status = run_replay(ReplayOptions(tuple(runs), web, html, screenshot, at, page, force))
+        status = run_replay(
+            ReplayOptions(
+                tuple(runs),
+                web,
+                html,
+                screenshot,
+                at,
+                page or ("Tour" if tour else ""),
+                force,
+                video,
+                FilmOptions(start, end, length, fps),
+            )
+        )
     raise typer.Exit(status)
 
 

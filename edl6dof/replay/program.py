@@ -80,13 +80,21 @@ class Program:
             time.sleep(0.1)
         raise ViewerFailed(f"the viewer does not start within {STARTUP_S:g} s")
 
-    def failure(self, error: Exception) -> ViewerFailed:
-        """What to say when talking to it failed: why it ended, if it did."""
+    @contextmanager
+    def asked(self) -> Iterator[None]:
+        """While it is asked for something: what fails is said in its own words, if it ended.
+
+        Raises:
+            ViewerFailed: it does not do what it is asked for.
+        """
         try:
-            self._process.wait(timeout=5.0)
-        except subprocess.TimeoutExpired:
-            return ViewerFailed(f"the viewer cannot take a picture: {error}")
-        return self._why_ended()
+            yield
+        except Exception as error:  # the client raises bare exceptions of its transport
+            try:
+                self._process.wait(timeout=5.0)
+            except subprocess.TimeoutExpired:
+                raise ViewerFailed(f"the viewer cannot take a picture: {error}") from None
+            raise self._why_ended() from None
 
     def _why_ended(self) -> ViewerFailed:
         self._log.seek(0)

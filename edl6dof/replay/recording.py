@@ -3,7 +3,7 @@
 Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle
 lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and
 grows under the parachute: seen from it, capsule and canopy both fill the view; ``/site/camera_away`` follows
-what fell away.  Further flights lie under ``/site/flight_1``
+what fell away; ``/site/tour`` is the director's.  Further flights lie under ``/site/flight_1``
 and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
 planes, ``/Flight``, ``/Entry``, ``/Parachute``, ``/Powered-descent``, ``/rcs`` and ``/instruments`` the
 lanes, ``/events`` the timeline, ``/legend`` what colours mean.
@@ -34,6 +34,7 @@ from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
 from edl6dof.replay.views.cameras import Cameras
 from edl6dof.replay.views.curves import axis_range, drawn, ends
+from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.legend import Legend
 from edl6dof.replay.views.panels import GROUPS, PLOTS, Plot
@@ -48,6 +49,7 @@ PARTS: tuple[type[Recorder], ...] = (
     Globe,
     Track,
     Cameras,
+    Director,
     ScaleBar,
     Vehicle,
     Flames,

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
 from edl6dof.replay.program import HOST, ViewerFailed, free_port, running
 from edl6dof.replay.views.spatial import TIMELINE
 
-#: A picture is finished when two in a row are the same, looked at every half second, at least and at most
-#: this often.
-LEAST_LOOKS, MOST_LOOKS = 5, 60
+#: Notices of the viewer's start have faded after (s); a picture that still changes after (s) never settles.
+START_S, MOST_S = 2.5, 60.0
 
 
 def show(recording: Path) -> None:
@@ -35,32 +36,63 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
         NoViewer: this machine lacks what it needs.
         ViewerFailed: it ended with an error, or never finishes drawing.
     """
+    with drawing(recording, t, size) as draw:
+        picture.write_bytes(draw(t))
+
+
+@contextmanager
+def drawing(
+    recording: Path, t: float, size: tuple[int, int] = (1920, 1080)
+) -> Iterator[Callable[[float], bytes]]:
+    """What draws the recording at a time (s) as PNG, in a viewer without a window that has finished drawing
+    it at time ``t`` (s).
+
+    Raises:
+        NoViewer: this machine lacks what it needs.
+        ViewerFailed: it ended with an error, or never finishes drawing.
+    """
     import rerun as rr
 
     port = free_port()
-    with running(
-        "--headless", "--port", str(port), "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen"
-    ) as program:
+    with (
+        TemporaryDirectory(prefix="edl6dof-") as folder,
+        running(
+            "--headless",
+            "--port",
+            str(port),
+            "--window-size",
+            f"{size[0]}x{size[1]}",
+            "--hide-welcome-screen",
+        ) as program,
+    ):
+        picture = Path(folder) / "picture.png"
+
+        def draw(at_s: float) -> bytes:
+            with program.asked():
+                viewer.set_time(TIMELINE, duration=at_s, play_state="paused")
+            return _settled(look)
+
+        def look() -> bytes:
+            with program.asked():
+                viewer.save_screenshot(str(picture))  # returns when it is painted and saved
+            return picture.read_bytes()
+
         program.wait_for(port)
-        try:
+        with program.asked():
             viewer = rr.experimental.ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
             viewer.open(str(recording.resolve()))
-            viewer.set_time(TIMELINE, duration=t, play_state="paused")
-            _settle(viewer, picture.resolve())
-        except ViewerFailed:
-            raise
-        except Exception as error:  # the client raises bare exceptions of its transport
-            raise program.failure(error) from None
+        start = time.monotonic()
+        draw(t)
+        time.sleep(max(START_S - (time.monotonic() - start), 0.0))
+        yield draw
 
 
-def _settle(viewer: Any, picture: Path) -> None:
-    """Take pictures until the drawing is finished: views load and notices fade."""
-    before = b""
-    for look in range(MOST_LOOKS):
-        time.sleep(0.5)
-        viewer.save_screenshot(str(picture))
-        now = picture.read_bytes()
-        if look >= LEAST_LOOKS and now == before:
-            return
+def _settled(look: Callable[[], bytes]) -> bytes:
+    """A picture that is the same twice in a row: until then views load, and show that they do."""
+    before, start = b"", time.monotonic()
+    while time.monotonic() - start < MOST_S:
+        now = look()
+        if now == before:
+            return now
         before = now
     raise ViewerFailed("the viewer did not finish drawing")

@@ -24,8 +24,8 @@ FLIGHTS: tuple[RGB, ...] = (
     (240, 200, 70),
     (210, 140, 255),
 )
-#: The pages of powered descent and of the choice of a spot.
-POWERED, HAZARDS, THRUSTERS = "Powered descent", "Hazards", "Thrusters"
+#: The pages of powered descent, of the choice of a spot, of the thrusters, and of the scripted camera.
+POWERED, HAZARDS, THRUSTERS, TOUR = "Powered descent", "Hazards", "Thrusters", "Tour"
 #: Pages that show fast things: their plots end so long (s) before and after the present.
 AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
 #: Titles of the lanes of instruments by kind.
@@ -42,8 +42,14 @@ class Layout:
         self.spans = spans_of(flown.span, flown.when)
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """All pages, that named ``active`` in front."""
+        """All pages, that named ``active`` in front; the tour alone, as a film is."""
         rrb = self.rrb
+        clock = rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing")
+        if active == TOUR:
+            top = rrb.TopPanel(state="hidden")
+            return rrb.Blueprint(
+                self._tour(), clock, top, auto_views=False, auto_layout=False, collapse_panels=True
+            )
         possible = (
             self._flight(),
             self._entry(),
@@ -55,10 +61,11 @@ class Layout:
             self._thrusters(),
         )
         pages = [self._with_lanes(page) for page in possible if page is not None]
+        pages.append(self._tour())
         names = [str(page.name) for page in pages]
         return rrb.Blueprint(
             rrb.Tabs(*pages, active_tab=names.index(active) if active in names else 0),
-            rrb.TimePanel(timeline=TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"),
+            clock,
             auto_views=False,
             auto_layout=False,
             collapse_panels=True,
@@ -128,6 +135,12 @@ class Layout:
         rrb = self.rrb
         right = rrb.Vertical(self.views.chase(), self.views.site(), row_shares=[1, 1])
         return rrb.Horizontal(self.views.above(self.flown.scanned), right, column_shares=[1, 1], name=HAZARDS)
+
+    def _tour(self) -> rrb.Container:
+        """The director's picture and the readout, and nothing else."""
+        rrb = self.rrb
+        readout = rrb.TextDocumentView(origin="/readout", name="Readout")
+        return rrb.Horizontal(self.views.tour(), readout, column_shares=[4, 1], name=TOUR)
 
     def _control(self) -> rrb.Container | None:
         if not self.flown.jets:

@@ -24,6 +24,8 @@ FIELD_DEG = 55.0
 KEPT_DEG = 20.0
 #: Where the eye stands in a camera's frame, whose unit is the sphere's radius: beside, a little above.
 EYE = np.array([2.6, 9.2, 2.6]) / np.linalg.norm([2.6, 9.2, 2.6]) / np.sin(np.radians(KEPT_DEG))
+#: Where the director's eye stands in the frame of its camera, which looks along x.
+TOUR_EYE = np.array([-1.0, 0.0, 0.0]) / np.sin(np.radians(KEPT_DEG))
 #: What only other views show.
 _NOT_CHASE = (
     "campaign",
@@ -125,18 +127,25 @@ class Views:
 
     def chase(self) -> rrb.Spatial3DView | rrb.Grid:
         """The vehicle with all that it hangs from, wherever it goes; side by side where there are several."""
-        views = [
-            self._following(f"{root}/camera", f"Chase: {label}" if label else "Chase")
-            for root, label in zip(self.roots(), self.flown.labels, strict=True)
-        ]
-        return views[0] if len(views) == 1 else self.rrb.Grid(*views, name="Chase")
+        return self._each("camera", "Chase", _NOT_CHASE, EYE)
+
+    def tour(self) -> rrb.Spatial3DView | rrb.Grid:
+        """What the director shows; side by side where there are several flights."""
+        return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), TOUR_EYE)
 
     def away(self) -> rrb.Spatial3DView:
         """What fell away last."""
         return self._view("What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), EYE, np.zeros(3))
 
-    def _following(self, camera: str, name: str) -> rrb.Spatial3DView:
-        return self._view(name, camera, _NOT_CHASE, EYE, np.zeros(3))
+    def _each(
+        self, camera: str, name: str, hidden: Sequence[str], eye: np.ndarray
+    ) -> rrb.Spatial3DView | rrb.Grid:
+        """A view from the same camera of each flight."""
+        views = [
+            self._view(f"{name}: {label}" if label else name, f"{root}/{camera}", hidden, eye, np.zeros(3))
+            for root, label in zip(self.roots(), self.flown.labels, strict=True)
+        ]
+        return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)
 
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
