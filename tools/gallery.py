@@ -1,0 +1,144 @@
+"""Make the gallery, docs/gallery.md and its pictures, from flights made now: ``python tools/gallery.py``.
+
+Each picture stands beside the command that made it.  Everything is flown and drawn in a folder for the time
+being; ``--only NAME,NAME`` draws some pictures again and keeps the others.  It needs the viewer (see
+``edl6dof replay --help``) and, for small files, Pillow, which comes with matplotlib.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+from PIL import Image
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+#: Width (pixels) and quality of the pictures as they are kept.
+WIDTH, QUALITY = 1280, 82
+
+#: Commands that fly what the pictures show, by the folder that they write.
+FLIGHTS = {
+    "runs/tianwen1": "fly tianwen1",
+    "runs/heavy": "fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
+    "runs/rocks": "fly tianwen1_hazards --out runs/rocks --set terrain.landing_area.rock_abundance=0.1",
+    "runs/titan_probe": "fly titan_probe",
+    "runs/earth_drop": "fly earth_drop",
+    "runs/faults": "faults tianwen1 --out runs/faults --kinds stuck_off --at 'every 60 s'",
+}
+
+
+class Picture(NamedTuple):
+    """A picture: its name, what it shows, the flights it needs, the command that draws it, and the file
+    that the command writes where that is not the picture's own name.
+    """
+
+    name: str
+    shows: str
+    flights: tuple[str, ...]
+    command: str
+    writes: str = ""
+
+
+def tour(name: str, shows: str, run: str, t: float) -> Picture:
+    """What the scripted camera sees of a run at a time (s)."""
+    return Picture(name, shows, (run,), f"replay {run} --tour --screenshot {name}.png --at {t:g}")
+
+
+def page(name: str, shows: str, title: str, t: float, *runs: str) -> Picture:
+    """A page of the replay of some runs at a time (s)."""
+    return Picture(
+        name,
+        shows,
+        runs,
+        f"replay {' '.join(runs)} --page {shlex.quote(title)} --screenshot {name}.png --at {t:g}",
+    )
+
+
+PICTURES = (
+    tour("entry", "Entry at Mach 24, banked.", "runs/tianwen1", 100.0),
+    tour("parachute", "The disk-gap-band parachute, 22 s after the mortar.", "runs/tianwen1", 302.0),
+    tour("heat_shield", "The heat shield falls away.", "runs/tianwen1", 311.3),
+    tour("powered", "Powered descent, 420 m above the ground.", "runs/tianwen1", 470.0),
+    tour("touchdown", "Dust under the engine, metres above the ground.", "runs/tianwen1", 536.0),
+    tour("landed", "The lander on its legs.", "runs/tianwen1", 542.0),
+    page(
+        "flight", "The whole replay: views, readout, plots, phases, events.", "Flight", 296.0, "runs/tianwen1"
+    ),
+    page("hazards", "The hazard map that the lander made at the hover.", "Hazards", 508.0, "runs/rocks"),
+    page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
+    Picture(
+        "faults",
+        "Every dead thruster all along the flight: what became of it, and when it was known.",
+        ("runs/faults",),
+        "report runs/faults --png",
+        "runs/faults/report/faults_stuck_off.png",
+    ),
+    tour("titan", "A probe sinks through the haze of Titan.", "runs/titan_probe", 6000.0),
+    tour("earth", "A capsule falls on Earth.", "runs/earth_drop", 60.0),
+)
+
+
+def make(pictures: tuple[Picture, ...], folder: Path) -> None:
+    """Fly and draw in a folder, and keep the pictures."""
+    for run in dict.fromkeys(run for picture in pictures for run in picture.flights):
+        execute(FLIGHTS[run], folder)
+    for picture in pictures:
+        execute(picture.command, folder)
+        with Image.open(folder / (picture.writes or f"{picture.name}.png")) as drawn:
+            height = round(drawn.height * WIDTH / drawn.width)
+            small = drawn.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS)
+            small.save(kept(picture), quality=QUALITY)
+
+
+def execute(command: str, folder: Path) -> None:
+    """Run a command of edl6dof; a flight outside its limits is one that can be shown."""
+    print(f"edl6dof {command}", flush=True)
+    words = [sys.executable, "-c", "from edl6dof.cli import main; main()", *shlex.split(command)]
+    done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode > 1:
+        raise SystemExit(f"edl6dof {command}: exit status {done.returncode}\n{done.stdout}")
+
+
+def kept(picture: Picture) -> Path:
+    """Where a picture is kept."""
+    return DOCS / "gallery" / f"{picture.name}.webp"
+
+
+def text() -> str:
+    """The page."""
+    parts = [
+        "# Gallery\n",
+        "Each picture is of a real run, beside what made it; `python tools/gallery.py` makes",
+    ]
+    parts[-1] += " them all again.\n"
+    for picture in PICTURES:
+        commands = [*(FLIGHTS[run] for run in picture.flights), picture.command]
+        lines = "\n".join(f"edl6dof {command}" for command in commands)
+        parts.append(
+            f"## {picture.shows.rstrip('.')}\n\n![{picture.shows}](gallery/{picture.name}.webp)\n\n"
+            f"```sh\n{lines}\n```\n"
+        )
+    return "\n".join(parts)
+
+
+def main() -> None:
+    """Make what the command line asks for."""
+    parser = argparse.ArgumentParser(description="Make docs/gallery.md and its pictures.")
+    parser.add_argument("--only", help="names of pictures, with commas")
+    asked = parser.parse_args()
+    names = asked.only.split(",") if asked.only else [picture.name for picture in PICTURES]
+    if unknown := set(names) - {picture.name for picture in PICTURES}:
+        raise SystemExit(f"no such picture: {', '.join(sorted(unknown))}")
+    (DOCS / "gallery").mkdir(exist_ok=True)
+    with TemporaryDirectory(prefix="edl6dof-") as folder:
+        make(tuple(picture for picture in PICTURES if picture.name in names), Path(folder))
+    (DOCS / "gallery.md").write_text(text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
