@@ -184,7 +184,7 @@ class Harness:
         flown = {seed: CaseRunner(plan.loaded).fly(list(plan.cases())) for seed, plan in self.plans.items()}
         for plan in self.plans.values():
             table_of(flown[plan.campaign.seed]), source_hash(), plan.text  # there for all children
-        campaign_flight.load_plan = lambda file, sets, cases, seed: self.plans[seed or SEEDS[0]]
+        campaign_flight.load_plan = lambda file, sets, cases, seed, sampling: self.plans[seed or SEEDS[0]]
         self._use(Recorded(flown, stops=True))
         for seed in SEEDS:
             assert (
