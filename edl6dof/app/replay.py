@@ -106,6 +106,8 @@ def run_replay(options: ReplayOptions) -> int:
         refuse_existing_file(path, options.force)
     if options.at_s is not None and options.screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
+    if options.video is not None and options.video.suffix.lower() != ".mp4":
+        raise refusal(options.video, "is no name of a film; films are written as .mp4")
     if options.video is None and options.film != FilmOptions():
         raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
     if options.page and options.runs[0].is_file():

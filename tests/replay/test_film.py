@@ -137,6 +137,12 @@ def test_times_that_make_no_film_are_refused(recording, tmp_path, drawn, encoder
     assert drawn == []
 
 
+def test_another_kind_of_file_is_refused(recording, tmp_path, drawn):
+    with pytest.raises(ConfigError, match=r"flight\.mkv: .*\.mp4"):
+        run_replay(options(recording, tmp_path / "flight.mkv"))
+    assert drawn == []
+
+
 def test_times_without_a_film_are_refused(recording):
     with pytest.raises(ConfigError, match="--video FILE"):
         run_replay(options(recording, None, 3.0))
