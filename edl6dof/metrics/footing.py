@@ -7,7 +7,7 @@ about x of B through the outermost of its points, at the lowest of them.
 
 from __future__ import annotations
 
-from math import atan, hypot, isfinite, pi, sqrt
+from math import atan, cos, hypot, isfinite, pi, sin, sqrt
 
 import numpy as np
 
@@ -93,7 +93,7 @@ def plane_of_footpads(case, tables, outputs, q, rotation):
 
 @kernel
 def under_belly(case, tables, outputs, q, rotation, plane):
-    """Below the underside, node by node of the lattice: how far the ground rises above the ``plane`` of the
+    """Below the underside, at the nodes of the lattice and along its edge: how far the ground rises above the ``plane`` of the
     footpads at most, and how much is left between it and the underside at least, m.
     """
     gear, out, step = case.vehicle.landing_gear, outputs, case.terrain.landing_area.cell
@@ -114,13 +114,27 @@ def under_belly(case, tables, outputs, q, rotation, plane):
     for i in range(first, first + count):
         for j in range(left, left + count):
             y, x = i * step - north, j * step - east
-            if (y - middle[0]) ** 2 + (x - middle[1]) ** 2 > radius * radius:
-                continue
-            height = ground_beside(case, tables, out, y, x)[0] - out.elevation
-            down = middle[2] - dot(along, (y - middle[0], x - middle[1], 0.0)) / along[2]
-            reach = max(reach, height + out.elevation - plane[0] - plane[1] * y - plane[2] * x)
-            clearance = min(clearance, out.height - down - height)
+            if (y - middle[0]) ** 2 + (x - middle[1]) ** 2 <= radius * radius:
+                rise, left_over = _below(case, tables, out, plane, middle, along, y, x)
+                reach, clearance = max(reach, rise), min(clearance, left_over)
+    around = int(2.0 * pi * radius / step) + 1
+    for k in range(around):
+        angle = 2.0 * pi * k / around
+        y, x = middle[0] + radius * cos(angle), middle[1] + radius * sin(angle)
+        rise, left_over = _below(case, tables, out, plane, middle, along, y, x)
+        reach, clearance = max(reach, rise), min(clearance, left_over)
     return reach, clearance
+
+
+@kernel
+def _below(case, tables, out, plane, middle, along, y, x):
+    """At a place (m north and east of the centre of mass): how far the ground rises above the ``plane`` of the
+    footpads, and what is left between it and the underside, m.
+    """
+    elevation = ground_beside(case, tables, out, y, x)[0]
+    down = middle[2] - dot(along, (y - middle[0], x - middle[1], 0.0)) / along[2]
+    rise = elevation - plane[0] - plane[1] * y - plane[2] * x
+    return rise, out.height - down - (elevation - out.elevation)
 
 
 @kernel
