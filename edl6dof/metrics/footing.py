@@ -93,8 +93,8 @@ def plane_of_footpads(case, tables, outputs, q, rotation):
 
 @kernel
 def under_belly(case, tables, outputs, q, rotation, plane):
-    """Below the underside, at the nodes of the lattice and along its edge: how far the ground rises above the ``plane`` of the
-    footpads at most, and how much is left between it and the underside at least, m.
+    """Below the underside, at the nodes of the lattice and along its edge: how far the ground rises above the
+    ``plane`` of the footpads at most, and how much is left between it and the underside at least, m.
     """
     gear, out, step = case.vehicle.landing_gear, outputs, case.terrain.landing_area.cell
     lowest, radius = -1e9, 0.0
@@ -128,8 +128,8 @@ def under_belly(case, tables, outputs, q, rotation, plane):
 
 @kernel
 def _below(case, tables, out, plane, middle, along, y, x):
-    """At a place (m north and east of the centre of mass): how far the ground rises above the ``plane`` of the
-    footpads, and what is left between it and the underside, m.
+    """At a place (m north and east of the centre of mass): how far the ground rises above the ``plane`` of
+    the footpads, and what is left between it and the underside, m.
     """
     elevation = ground_beside(case, tables, out, y, x)[0]
     down = middle[2] - dot(along, (y - middle[0], x - middle[1], 0.0)) / along[2]
