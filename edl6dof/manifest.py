@@ -12,8 +12,10 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from io import BufferedReader
 from pathlib import Path
 
 from edl6dof import __version__
@@ -56,7 +58,7 @@ def seal(folder: Path, kind: str) -> None:
     content = {
         "written_by": f"edl6dof {__version__}",
         "kind": kind,
-        "files": {name: _hash((folder / name).read_bytes()) for name in names},
+        "files": {name: _hash_of(folder / name) for name in names},
     }
     write_atomic(folder / MANIFEST, (json.dumps(content, indent=1) + "\n").encode())
 
@@ -126,7 +128,7 @@ class Manifest:
             path = self.folder / name
             if path.is_symlink() or not (name in (MANIFEST, *self.files) or _is_later(name, self.kind)):
                 return f"{name}, which edl6dof did not write"
-            if name in self.files and _hash(_bytes(path)) != self.files[name]:
+            if name in self.files and _hash_of(path) != self.files[name]:
                 return f"{name}, which has changed since edl6dof wrote it"
         return None
 
@@ -150,13 +152,31 @@ def _names(folder: Path) -> Iterator[str]:
 
 
 def _bytes(path: Path) -> bytes:
+    with _opened(path) as file:
+        return file.read()
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[BufferedReader]:
+    """A file to be read.
+
+    Raises:
+        ConfigError: it cannot be.
+    """
     if not path.is_file():
         raise refusal(path, "no such file" if not path.exists() else "is not a regular file")
     try:
-        return path.read_bytes()
+        with path.open("rb") as file:
+            yield file
     except OSError as error:
         raise refusal(path, f"cannot be read: {error.strerror or error}") from None
 
 
 def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
+
+
+def _hash_of(path: Path) -> str:
+    """The same of a file, of which a part at a time is held."""
+    with _opened(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -112,7 +112,7 @@ def write_replay(
         recording.flush()  # or the viewer would find them at the end of the file
         for part in parts:
             part.motions()
-        recording.flush()
+            recording.flush()  # or it would hold all of them at once
     pa.default_memory_pool().release_unused()
 
 

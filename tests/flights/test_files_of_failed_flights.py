@@ -83,7 +83,7 @@ def test_drawings_of_the_page_are_strict_json(flown):
 
 
 def test_case_that_diverges_flies_again_to_the_same_row(tmp_path):
-    """Legs so stiff that the first millimetre throws the vehicle out of all numbers; some that land with a tilt
+    """Legs so stiff that the first millimetre throws the vehicle out of all numbers; some that land tilted
     tip over before.
     """
     (tmp_path / "stiff.yaml").write_text(

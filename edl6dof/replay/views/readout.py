@@ -14,6 +14,8 @@ from edl6dof.telemetry.instruments import EXCLUDED
 
 #: Least rate of the rows, Hz.
 READOUT_HZ = 10.0
+#: Rows that are written at once: a text is long.
+AT_ONCE = 1000
 
 ENTRY, CHUTE, POWERED, GROUND = "entry", "under parachute", "on its own", "on the ground"
 STAGES = (ENTRY, CHUTE, POWERED, GROUND)
@@ -61,8 +63,12 @@ class Readout(Recorder):
         """The lines at each time."""
         if self.number:
             return
-        rows = thin(self.t, READOUT_HZ)
-        stages = self._stages()[rows]
+        rows, stages = thin(self.t, READOUT_HZ), self._stages()
+        for some in np.array_split(rows, -(-len(rows) // AT_ONCE)):
+            self._written(some, stages[some])
+
+    def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
+        """The texts of some rows, in so many stages."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
         said = [
             "\n|:--|--:|\n".join(
