@@ -94,7 +94,8 @@ class History:
 
     Attributes:
         t: time of the rows, s.
-        series: telemetry columns of plots by name, and ``t_s``, at all rows that can be drawn.
+        series: telemetry columns of plots by name, in single precision, and ``t_s``, at all rows that can be
+            drawn.
         columns: telemetry columns by name at these rows, those that the flight has.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
         jets: names of the thrusters.
@@ -118,7 +119,8 @@ class History:
         self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
-        self.series = {name: table[name][rows] for name in ("t_s", *plotted) if name in table}
+        self.series = {name: table[name][rows].astype(np.float32) for name in plotted if name in table}
+        self.series["t_s"] = table["t_s"][rows]
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]
         components = flight.scenario.components if on_instruments(flight) else {}
         wanted = dict.fromkeys([*POSES, *names, *columns_of(components)])

@@ -160,7 +160,7 @@ def test_plots_hold_the_telemetry(flight, replay):
         times, columns = read(replay, entity)
         shown, whole = np.array(columns["Scalars:scalars"]), factor * np.stack([tm[n] for n in names], -1)
         rows = np.searchsorted(tm["t_s"], times - 1e-6)
-        assert np.array_equal(shown, whole[rows])
+        assert np.allclose(shown, whole[rows], rtol=2e-7, atol=0.0)  # single precision
         for k in range(len(names)):
             between = np.interp(tm["t_s"], times, shown[:, k])
             assert np.abs(between - whole[:, k]).max() <= np.ptp(whole[:, k]) / 4000
@@ -176,9 +176,7 @@ def test_the_largest_value_of_a_plot_is_the_peak_of_the_flight(nominal, tmp_path
     }
     for entity, (figure, factor) in peaks.items():
         _, columns = read(tmp_path / "replay.rrd", entity)
-        assert np.max(columns["Scalars:scalars"]) == pytest.approx(
-            nominal.metrics[figure] * factor, rel=1e-12
-        )
+        assert np.max(columns["Scalars:scalars"]) == pytest.approx(nominal.metrics[figure] * factor, rel=2e-7)
 
 
 def test_the_viewer_draws_extremes_where_it_has_no_room_for_every_value(replay):
