@@ -117,7 +117,7 @@ def under_belly(case, tables, outputs, q, rotation, plane):
             if (y - middle[0]) ** 2 + (x - middle[1]) ** 2 <= radius * radius:
                 rise, left_over = _below(case, tables, out, plane, middle, along, y, x)
                 reach, clearance = max(reach, rise), min(clearance, left_over)
-    around = int(2.0 * pi * radius / step) + 1
+    around = endless_cell(2.0 * pi * radius / step) + 1
     for k in range(around):
         angle = 2.0 * pi * k / around
         y, x = middle[0] + radius * cos(angle), middle[1] + radius * sin(angle)

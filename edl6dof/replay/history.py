@@ -119,7 +119,8 @@ class History:
         self.landing_map = flight.landing_map
         self.when = first_times(flight.events)
         rows = _drawable(table)
-        self.series = {name: table[name][rows].astype(np.float32) for name in plotted if name in table}
+        with np.errstate(over="ignore"):  # of a flight that diverged
+            self.series = {name: table[name][rows].astype(np.float32) for name in plotted if name in table}
         self.series["t_s"] = table["t_s"][rows]
         rows = rows[thin(table["t_s"][rows], POSE_HZ)]
         components = flight.scenario.components if on_instruments(flight) else {}

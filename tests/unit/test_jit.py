@@ -44,7 +44,9 @@ def write(root, name, text):
 
 def call(root, **environment):
     """Run the caller kernel in a fresh process: (result, cache hits, cache folder)."""
-    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")} | environment
+    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+    # Python takes sources that are edited within a second, to the same length, for those of its bytecode
+    env |= {"PYTHONDONTWRITEBYTECODE": "1"} | environment
     run = subprocess.run(
         [sys.executable, "-c", CALL.format(root=str(root))],
         capture_output=True,
