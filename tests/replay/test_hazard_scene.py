@@ -7,7 +7,6 @@ import pytest
 from made_up import read
 
 import edl6dof
-from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.landscape import NEAR, Landscape
 from edl6dof.replay.scene.site import Site
 
@@ -17,13 +16,6 @@ pytest.importorskip("rerun")
 @pytest.fixture(scope="module")
 def flight():
     return edl6dof.fly("tianwen1_hazards", ["terrain.landing_area.rock_abundance=0.1"])
-
-
-@pytest.fixture(scope="module")
-def replay(flight, tmp_path_factory):
-    path = tmp_path_factory.mktemp("hazards") / "replay.rrd"
-    write_replay([history(flight)], path)
-    return path
 
 
 def test_drawn_ground_is_that_of_the_simulation_and_its_rocks_lie_on_it(flight):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -32,13 +31,6 @@ STEP = 0.09
 @pytest.fixture(scope="module")
 def flight() -> SimpleNamespace:
     return flight_on_instruments()
-
-
-@pytest.fixture(scope="module")
-def replay(flight, tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("replay") / "replay.rrd"
-    write_replay([history(flight)], path)
-    return path
 
 
 def rgb(colour: int) -> tuple[int, ...]:

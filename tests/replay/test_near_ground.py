@@ -19,19 +19,6 @@ from edl6dof.scenario.schema import load_scenario
 pytest.importorskip("rerun")
 
 
-@pytest.fixture(scope="module")
-def flight() -> SimpleNamespace:
-    """The made-up flight."""
-    return synthetic_flight()
-
-
-@pytest.fixture(scope="module")
-def replay(flight, tmp_path_factory):
-    path = tmp_path_factory.mktemp("near") / "replay.rrd"
-    write_replay([history(flight)], path)
-    return path
-
-
 def test_shadow_lies_on_the_ground_where_the_light_throws_it(flight, replay):
     times, columns = read(replay, "/site/near_ground/shadow")
     place = np.array([cell[0] for cell in columns["Transform3D:translation"]])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,18 +19,6 @@ from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
 from edl6dof.telemetry.spans import spans
 
 pytest.importorskip("rerun")
-
-
-@pytest.fixture(scope="module")
-def flight() -> SimpleNamespace:
-    return synthetic_flight()
-
-
-@pytest.fixture(scope="module")
-def replay(flight, tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("replay") / "replay.rrd"
-    write_replay([history(flight)], path)
-    return path
 
 
 def test_file_is_sound_and_small(replay):

@@ -4,7 +4,6 @@ names fit, a readout of what counts.
 
 from __future__ import annotations
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,18 +19,6 @@ from edl6dof.replay.views.lanes import fitted
 from edl6dof.replay.views.spatial import body_eye
 
 pytest.importorskip("rerun")
-
-
-@pytest.fixture(scope="module")
-def flight() -> SimpleNamespace:
-    return synthetic_flight()
-
-
-@pytest.fixture(scope="module")
-def replay(flight, tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("views") / "replay.rrd"
-    write_replay([history(flight)], path)
-    return path
 
 
 def overlaps(middles: np.ndarray, halves: np.ndarray) -> bool:
