@@ -18,8 +18,9 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.config.model_paths import value_at
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.scenario.records import build_records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.studies.cases import Spread, draw
 
 ENTRY = "flight_software.guidance.entry"
