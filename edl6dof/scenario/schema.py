@@ -106,6 +106,9 @@ class LimitParams(Params):
     body_rate_deg_s: float = param(
         300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0
     )
+    powered_tilt_deg: float = param(
+        90.0, "tilt from the vertical with an engine burning beyond which attitude is lost", gt=0.0, le=180.0
+    )
     total_alpha_deg: float = param(
         60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
     )
