@@ -31,6 +31,7 @@ from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
 from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
+from edl6dof.fsw.guidance.powered.held_thrust import HeldThrustDescentParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
@@ -142,6 +143,7 @@ class PoweredGuidanceParams(_PoweredLaws):
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
+    held_thrust: HeldThrustDescentParams = group(HeldThrustDescentParams, "descent on a throttle that stands")
 
 
 class GuidanceParams(Params):
