@@ -116,9 +116,8 @@ class KeptCode:
         try:
             kept: Any = caching.FunctionCache(self._function)
         except RuntimeError:
-            say_once(
-                f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}"
-            )
+            words = "no folder for machine code can be written to: it is compiled for this process alone"
+            say_once(f"{words} {_ADVICE}")
             return None
         finally:
             SETTINGS.CACHE_LOCATOR_CLASSES = before
