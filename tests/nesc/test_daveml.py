@@ -145,8 +145,8 @@ def test_gridded_table_becomes_the_static_table_of_a_capsule(tmp_path):
     "body, line, words",
     [
         ("<ungriddedTableDef utID='u'/>", 3, "<ungriddedTableDef> is not supported"),
-        (calculated("a", "<apply><sin/><cn>1</cn></apply>"), 3, "<sin> is not supported"),
-        (calculated("a", "<piecewise/>"), 3, "<piecewise> is not supported"),
+        (calculated("a", "<apply><quotient/><cn>1</cn><cn>1</cn></apply>"), 3, "<quotient> is not supported"),
+        (calculated("a", "<piecewise/>"), 3, "<piecewise> must hold <piece>"),
         (variable("a", 1.0) + variable("b", 1.0, "\n<array/>"), 5, "<array> is not supported"),
         (variable("a", "many"), 3, "must hold a finite number (got 'many')"),
         (variable("a", "nan"), 3, "must hold a finite number"),
