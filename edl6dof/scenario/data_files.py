@@ -27,11 +27,8 @@ from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_to
 from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.mesh_file import read_mesh_file
 from edl6dof.scenario.mesh_paths import MESHES
-<<<<<<< HEAD
-from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
-=======
 from edl6dof.scenario.schema import Scenario
->>>>>>> wt-f
+from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
 from edl6dof.vehicle.aerodynamics.table import (
     aero_inputs,
     build_aero_table,
