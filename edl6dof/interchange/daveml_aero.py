@@ -188,11 +188,6 @@ def _damping(
         change = _at(model, given, {**at, SPEED: _V, rate: _RATE}) - still
         if np.any(np.delete(change, columns, axis=-1) != 0.0):
             raise model.error(1, f"a force or moment that {rate} does not usually make is not supported")
-        if not np.any(change):
-            continue
-        if length is None:
-            raise model.error(1, f"damping by {rate} needs a reference length to be made dimensionless")
-        found[..., 3 * k : 3 * k + 3] = change[..., columns] * 2.0 * _V / (_RATE * length)
         fast = {**at, BETA: 0.5 * beta[-1], SPEED: 2.0 * _V}
         again = _at(model, given, {**fast, rate: 3.0 * _RATE}) - _at(model, given, fast)
         if np.max(np.abs(again - 1.5 * change)) > 1e-9 * max(1.0, float(np.max(np.abs(change)))):
@@ -201,6 +196,11 @@ def _damping(
                 f"damping by {rate} must be linear in its rate times length over speed, and the same at all "
                 "angles of sideslip",
             )
+        if not np.any(change):
+            continue
+        if length is None:
+            raise model.error(1, f"damping by {rate} needs a reference length to be made dimensionless")
+        found[..., 3 * k : 3 * k + 3] = change[..., columns] * 2.0 * _V / (_RATE * length)
     return found
 
 
