@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from edl6dof.scenario.schema import LoadedScenario
+    from edl6dof.scenario.loading import LoadedScenario
     from edl6dof.sim.flight import Flight
 
 __version__ = "0.1.0"
@@ -35,7 +35,7 @@ def load(name_or_path: str | Path, overrides: Iterable[str] = (), trust: bool = 
     from edl6dof.plugins import activate
 
     activate([name_or_path], trust)
-    from edl6dof.scenario.schema import load_scenario
+    from edl6dof.scenario.loading import load_scenario
 
     return load_scenario(name_or_path, overrides)
 

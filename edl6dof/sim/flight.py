@@ -17,7 +17,8 @@ from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
 from edl6dof.sim.figures import figures_of
