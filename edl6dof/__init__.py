@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from edl6dof.api.flights import Flight, RecordedFlight
     from edl6dof.api.simulation import Simulation
     from edl6dof.config.errors import ConfigError
-    from edl6dof.scenario.schema import LoadedScenario
+    from edl6dof.scenario.loading import LoadedScenario
 
 __version__ = "0.1.0"
 __all__ = [
@@ -47,7 +47,7 @@ _CLASSES = {
     "CampaignResult": "edl6dof.api.campaigns",
     "ConfigError": "edl6dof.config.errors",
     "Flight": "edl6dof.api.flights",
-    "LoadedScenario": "edl6dof.scenario.schema",
+    "LoadedScenario": "edl6dof.scenario.loading",
     "RecordedFlight": "edl6dof.api.flights",
     "Simulation": "edl6dof.api.simulation",
 }

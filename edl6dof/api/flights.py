@@ -14,7 +14,7 @@ from edl6dof.api.overrides import Overrides, texts
 from edl6dof.api.results import FlightResults
 from edl6dof.metrics.evaluation import LIMITS, Check
 from edl6dof.runs.run import Run
-from edl6dof.scenario.schema import LoadedScenario
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim import flight as sim
 from edl6dof.sim.checkpoint import State
 from edl6dof.telemetry.columns import describe

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from edl6dof.api.campaigns import CampaignResult
     from edl6dof.api.flights import Flight, RecordedFlight
-    from edl6dof.scenario.schema import LoadedScenario
+    from edl6dof.scenario.loading import LoadedScenario
 
 #: Changes of a scenario: texts ``"dotted.path=value"``; or data by dotted path, or nested as in a file.
 Overrides = Iterable[str] | Mapping[str, Any]
@@ -39,7 +39,7 @@ def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = Fals
     from edl6dof.api.overrides import texts
 
     activate(name_or_path, trust=trust)
-    from edl6dof.scenario.schema import load_scenario
+    from edl6dof.scenario.loading import load_scenario
 
     return load_scenario(name_or_path, texts(overrides))
 

@@ -10,7 +10,7 @@ from edl6dof.api.campaign_flight import EngineChoice
 from edl6dof.api.campaigns import CampaignResult, Progress, flown, fly_campaign, listed, open_campaign
 from edl6dof.api.flights import Flight, RecordedFlight, continued, fly
 from edl6dof.api.overrides import Overrides, texts
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 if TYPE_CHECKING:
     from edl6dof.calibration.findings import Findings

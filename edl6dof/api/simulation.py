@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -12,11 +12,11 @@ from edl6dof.api.flights import Flight
 from edl6dof.api.one import activate
 from edl6dof.api.overrides import texts
 from edl6dof.campaign.design.case import Case
-from edl6dof.campaign.design.plan import Plan, load_plan
+from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
 from edl6dof.scenario.records import Built
-from edl6dof.scenario.schema import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
 from edl6dof.sim.simulation import SteppedFlight
 
 #: Cases that a seed can draw: those of a campaign that samples at random and has no end.
@@ -29,6 +29,11 @@ class Starts:
 
     A seed is the number of a case of a campaign that samples at random (``monte_carlo``), so that a row of
     ``edl6dof campaign NAME -n N --sampling monte_carlo`` is the flight of its number.
+
+    Args:
+        scenario: file, name, or a loaded scenario.
+        overrides: as of :func:`edl6dof.load`.
+        faults: of a campaign: one of these, each as likely, in every flight, instead of its own.
     """
 
     def __init__(
@@ -38,9 +43,11 @@ class Starts:
         if isinstance(scenario, LoadedScenario):
             self.loaded = scenario
             return
-        data = read_document(resolve_scenario(str(scenario))).data
-        if data.get(CAMPAIGN_SECTIONS[0]) is not None:
-            self._plan = _endless(load_plan(str(scenario), texts(overrides), cases=1, sampling="monte_carlo"))
+        document = read_document(resolve_scenario(str(scenario)))
+        if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
+            if faults:
+                campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
+            self._plan = _endless(plan_of(document, texts(overrides), cases=1, sampling="monte_carlo"))
             self.loaded = self._plan.loaded
         else:
             self.loaded = load_scenario(scenario, texts(overrides))

@@ -20,7 +20,7 @@ from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Progress as FlightProgress
 

@@ -54,18 +54,19 @@ def command_angles_and_engine(vehicle, goal, state, command):
 
 @kernel
 def commanded_thrust(vehicle, t, state, command):
-    """Thrust (N) that the engines are to give now, all together."""
+    """Thrust (N) that the engines are to give now, all together, but for that of thrusters."""
     thrust = 0.0
     if t >= state.ignition_time:
         for i in range(vehicle.n_engines):
-            thrust += command.thrust[i]
+            thrust += command.thrust[i] * (1.0 - vehicle.engines[i].by_thrusters)
     return thrust
 
 
 @kernel
 def axial_load(unexplained, goal, state):
     """Axial force of air and riser, N: what neither thrusters nor engine explain."""
-    return abs(unexplained[0] + goal.thrust) if state.ignited != 0 else abs(unexplained[0])
+    thrust = goal.thrust * (1.0 - state.engine.by_thrusters)
+    return abs(unexplained[0] + thrust) if state.ignited != 0 else abs(unexplained[0])
 
 
 @kernel
@@ -208,7 +209,7 @@ def run(onboard, sensed, k, fsw):
             phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
         )
         torque = replace_torque(external, torque, own)
-        compose_demand(phase, vehicle, state.ignited, healthy, nav, goal, torque, error, fsw.demand)
+        compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
 
         # allocation
         allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)

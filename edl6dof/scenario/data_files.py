@@ -11,7 +11,6 @@ import csv
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,15 +27,13 @@ from edl6dof.environment.terrain import ground_arrays, ground_inputs, require_to
 from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.mesh_file import read_mesh_file
 from edl6dof.scenario.mesh_paths import MESHES
+from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.table import (
     aero_inputs,
     build_aero_table,
     read_static_table,
     static_table_path,
 )
-
-if TYPE_CHECKING:
-    from edl6dof.scenario.schema import Scenario
 
 #: Keys of a scenario that name a table, and the file that such a name means.
 TABLES: dict[str, Callable[[str], Path]] = {

@@ -14,7 +14,8 @@ from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import LoadedScenario, Scenario
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause

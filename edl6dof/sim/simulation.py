@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import Records
-from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.commanding import Command, Commander
 from edl6dof.sim.flight import Flight, flight_of

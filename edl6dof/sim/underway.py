@@ -15,7 +15,8 @@ from edl6dof.config.document.source import parse_document
 from edl6dof.config.dtype import duplicate
 from edl6dof.config.dump import dump_resolved
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
 from edl6dof.sim.loop import fly as fly_cycles

@@ -91,7 +91,7 @@ def test_what_the_flight_computer_observes_holds_no_truth(short):
     """With a heavier vehicle than it was told, its mass is the one it was told."""
     heavy = edl6dof.Simulation("tianwen1", {**SHORT, "truth": {"vehicle.mass.entry_kg": 1300.0}})
     heavy.step()
-    assert heavy.observe()["mass_kg"] == pytest.approx(1285.0, abs=0.1)
+    assert heavy.observe()["mass_kg"] == pytest.approx(1284.0, abs=0.1)
     assert heavy.truth()["mass_kg"] == pytest.approx(1300.0, abs=0.1)
 
 
@@ -204,7 +204,7 @@ def test_lander_goes_to_the_spot_that_is_commanded(burning, nominal):
 
 def test_duties_open_the_valves_of_the_thrusters_named(flight):
     flight.step(cycles=3000)  # check-out of the thrusters is over
-    flight.step({"duties": {"D1": 1.0, "D7": 0.0}}, 2)
+    flight.step({"duties": {"D1": 1.0, "D7": 0.0}}, 20)  # pulses under way come to their ends
     names = flight.loaded.scenario.thruster_names
     command = flight.underway.fsw["command"]
     open_s = (command["closes"] - command["opens"])[0, : len(names)]

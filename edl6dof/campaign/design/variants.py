@@ -19,8 +19,9 @@ from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.model_paths import Keys, overridden, walk
 from edl6dof.scenario.cross_checks import section_problems
+from edl6dof.scenario.loading import LoadedScenario, check_document, truth_problem
 from edl6dof.scenario.records import Built, Records, build_records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, truth_problem
+from edl6dof.scenario.schema import Scenario
 
 
 @dataclass(frozen=True)
