@@ -1,6 +1,6 @@
 """One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
 attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
-from it.
+from it.  Behind each box stands what may replace what it worked out: a command from outside.
 
 The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
 signature names.
@@ -21,6 +21,15 @@ from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
 from edl6dof.fsw.estimation.held_thrust import held_thrust
 from edl6dof.fsw.estimation.update import estimate_disturbance
+from edl6dof.fsw.external import (
+    replace_bank,
+    replace_duties,
+    replace_estimate,
+    replace_health,
+    replace_landing_point,
+    replace_thrust,
+    replace_torque,
+)
 from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
@@ -75,6 +84,7 @@ def run(onboard, sensed, k, fsw):
     """Base cycle number ``k``: from ``sensed`` to ``fsw.command``."""
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command
+    external, own = fsw.external, fsw.own
     dt = 1.0 / rates.base
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
@@ -83,6 +93,7 @@ def run(onboard, sensed, k, fsw):
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
+    replace_estimate(external, fsw.navigation.estimate)
     derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
@@ -111,6 +122,7 @@ def run(onboard, sensed, k, fsw):
         fsw.landing_point,
         command,
     )
+    replace_landing_point(external, fsw.landing_point)
 
     # guidance
     guide(
@@ -124,7 +136,10 @@ def run(onboard, sensed, k, fsw):
         fsw.landing_point,
         fsw.guidance,
         goal,
+        own,
     )
+    replace_bank(external, onboard.guidance.entry.bank_rate, command.bank, dt, goal)
+    replace_thrust(external, onboard.guidance.powered, state, nav.t, goal)
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
@@ -168,6 +183,7 @@ def run(onboard, sensed, k, fsw):
         healthy,
         command.shut,
     )
+    replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
     if checking and fsw.diagnosis.leak.branch != NONE:
@@ -198,10 +214,12 @@ def run(onboard, sensed, k, fsw):
         torque, error = attitude_control(
             phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
         )
+        torque = replace_torque(external, torque, own)
         compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
 
         # allocation
         allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)
+        replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
         modulate(

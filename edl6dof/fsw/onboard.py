@@ -21,6 +21,7 @@ from edl6dof.fsw.control.registry import CONTROL, CONTROLLERS
 from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, DiagnosisParams
 from edl6dof.fsw.estimation.registry import DISTURBANCE, EstimationParams
 from edl6dof.fsw.estimation.update import ESTIMATION
+from edl6dof.fsw.external import OWN
 from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.expected_wind import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.heading_alignment import HeadingAlignmentParams
@@ -52,6 +53,7 @@ from edl6dof.fsw.navigation.update import NAVIGATION
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
+from edl6dof.interface.external import EXTERNAL
 from edl6dof.interface.thrusters import BRANCHES
 from edl6dof.records import FLAG
 from edl6dof.spatial.frames import LOCAL_FRAME
@@ -320,6 +322,8 @@ FSW = np.dtype(
         ("allocation", ALLOCATION),
         ("modulation", MODULATION),
         ("command", COMMAND),
+        ("external", EXTERNAL),
+        ("own", OWN),
         ("hazard", HAZARD),  # by far the largest
     ],
     align=True,

@@ -31,7 +31,7 @@ from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, put3, take3
+from edl6dof.spatial.vector import dot, put3, scale, take3
 
 GUIDANCE = np.dtype(
     [
@@ -110,7 +110,7 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
 
 
 @kernel
-def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal):
+def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
@@ -125,6 +125,7 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
         point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
+        own: ``OWN`` record: what guidance itself wants, apart from commands from outside; written.
     """
     rates = onboard.rates
     goal.spot_chosen = point.fine_known
@@ -133,11 +134,13 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
     if kind == G_HOLD_BANK or kind == G_ENTRY:
         if begins or k % rates.entry_guidance_every == 0:
             entry = onboard.guidance.entry
-            goal.alpha = entry.trim_alpha
+            goal.alpha, goal.bank = entry.trim_alpha, own.bank
             if kind == G_HOLD_BANK:
                 hold_bank(onboard, nav, goal)
             else:
                 entry_guidance(entry.law, onboard, nav, memory.entry, goal)
+            own.bank = goal.bank
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
         descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal)
+        put3(own.thrust_N, 0, scale(goal.thrust, take3(goal.thrust_direction_N, 0)))
