@@ -44,7 +44,7 @@ def run(laws: Sequence[str], flights: int, progress: Progress) -> Report:
                 rows.append(row)
                 progress(len(rows), total)
             calls[vehicle.name, law] = call_time(loaded)
-    far = [row for vehicle in VEHICLES if vehicle.dispersed for row in lift_up(vehicle, rows, flights)]
+    far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
     beyond = {vehicle.name: out_of_reach(of(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
     return Report(
         tuple(findings(rows, calls, beyond)),
