@@ -29,6 +29,7 @@ from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
 from edl6dof.vehicle.propulsion.branches import fill_branches
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Sections of the flight software that stand in the record as they are.
@@ -149,6 +150,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
         slot["full_thrust"], slot["specific_impulse"] = engine.full_thrust_n, engine.full_specific_impulse_s
         slot["throttle_min"], slot["throttle_max"] = engine.throttle_min_n, engine.throttle_max_n
+        slot["by_thrusters"] = 1.0 if engine.model == thruster_set.NAME else 0.0
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction

@@ -20,7 +20,7 @@ from edl6dof.campaign.neighbours import FLIGHTS, SPEED_STEP_M_S, SampleMean, nei
 from edl6dof.campaign.rows import Row, table_of
 from edl6dof.metrics.published import published_figures
 from edl6dof.report.figure import Figure
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.spatial.frames import great_circle
 from edl6dof.studies import plots

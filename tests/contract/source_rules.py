@@ -42,8 +42,8 @@ LAYERS = (
     ("campaign",),
     ("calibration", "design"),
     ("report", "replay"),
-    ("studies", "verify"),
-    ("cli", "app", "__init__", "__main__"),
+    ("studies", "verify", "missions"),
+    ("api", "gym", "cli", "app", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}
 

@@ -44,7 +44,7 @@ def run(laws: Sequence[str], flights: int, progress: Progress) -> Report:
                 rows.append(row)
                 progress(len(rows), total)
             calls[vehicle.name, law] = call_time(loaded)
-    far = [row for vehicle in VEHICLES if vehicle.dispersed for row in lift_up(vehicle, rows, flights)]
+    far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
     beyond = {vehicle.name: out_of_reach(of(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
     return Report(
         tuple(findings(rows, calls, beyond)),
@@ -62,11 +62,15 @@ def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[
     some = range(max(flights // _PER_CONDITION, 1))
     plan = [(condition, flight) for condition in CONDITIONS for flight in some]
     flown = [condition.case(i, scenario, flight, label) for i, (condition, flight) in enumerate(plan)]
-    return [*flown, *_dispersed(scenario, flights, len(flown), label)] if vehicle.dispersed else flown
+    return (
+        [*flown, *_dispersed(vehicle.dispersions, flights, len(flown), label)]
+        if vehicle.dispersions
+        else flown
+    )
 
 
-def _dispersed(scenario: Scenario, flights: int, first: int, label: dict[str, str]) -> Iterator[Case]:
-    for flight, truth in enumerate(entries(scenario, flights)):
+def _dispersed(dispersions: str, flights: int, first: int, label: dict[str, str]) -> Iterator[Case]:
+    for flight, truth in enumerate(entries(dispersions, flights)):
         about = {**label, "condition": DISPERSED}
         yield Case(first + flight, {**truth, **WAVES_AND_GUSTS}, profile=flight, label=about)
 

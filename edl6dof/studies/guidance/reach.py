@@ -42,7 +42,7 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
     if not missed:
         return []
     loaded = vehicle.load("simulation.log_every=5", *_LIFT_UP)
-    truths, label = entries(loaded.scenario, flights), {"vehicle": vehicle.name, "condition": LIFT_UP}
+    truths, label = entries(vehicle.dispersions, flights), {"vehicle": vehicle.name, "condition": LIFT_UP}
     about = {**label, "law": "constant_bank"}
     cases = (Case(i, {**truths[n], **WAVES_AND_GUSTS}, profile=n, label=about) for i, n in enumerate(missed))
     return list(fly_rows(loaded, cases))
