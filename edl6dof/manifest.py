@@ -47,6 +47,7 @@ LATER = {
         ),
     ),
     "study": (),
+    "validation": (),
 }
 
 
@@ -69,7 +70,7 @@ class Manifest:
 
     Attributes:
         folder: the folder.
-        kind: ``flight`` or ``study``.
+        kind: ``flight``, ``study`` or ``validation``.
         files: SHA-256 (hexadecimal) of each file by its name.
     """
 

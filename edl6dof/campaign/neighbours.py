@@ -72,16 +72,16 @@ def fly_neighbours(
 
 
 def sample_means(rows: Sequence[Row], published: Published) -> dict[str, SampleMean]:
-    """Mean and spread of every figure of merit that a flight reached, in the order of their declaration; of
-    its size where one is published without a sign.
+    """Mean and spread of every figure of merit that a flight reached, in the order of their declaration, then
+    of those at events that are published; of its size where one is published without a sign.
     """
     beside = {figure.name: entry for figure, entry in published_figures(published)}
     found = {}
-    for figure in FIGURES:
-        size = abs if figure.name in beside and beside[figure.name].magnitude is not None else float
-        values = [size(row[figure.name]) for row in rows if row.get(figure.name) is not None]
+    for name in dict.fromkeys([*(figure.name for figure in FIGURES), *beside]):
+        size = abs if name in beside and beside[name].magnitude is not None else float
+        values = [size(row[name]) for row in rows if row.get(name) is not None]
         if values:
-            found[figure.name] = SampleMean.of(values)
+            found[name] = SampleMean.of(values)
     return found
 
 

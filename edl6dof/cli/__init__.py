@@ -9,7 +9,7 @@ import sys
 from edl6dof.cli.campaigns import campaign, faults, refly
 from edl6dof.cli.covariance import covariance
 from edl6dof.cli.design import design
-from edl6dof.cli.evidence import calibrate, figures, study, verify
+from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.group import app
 from edl6dof.cli.results import compare, export, plot, replay, report
 from edl6dof.cli.scenarios import check, fly, params, schema
@@ -25,7 +25,7 @@ def version() -> None:
 #: In the order of the help.
 COMMANDS = (
     *(fly, check, params, schema, replay, report, plot, compare, export),
-    *(verify, figures, calibrate, study, campaign, covariance, refly, faults, version),
+    *(verify, validate, figures, calibrate, study, campaign, covariance, refly, faults, version),
 )
 for command in COMMANDS:
     app.command()(command)

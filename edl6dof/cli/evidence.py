@@ -55,6 +55,41 @@ def figures(
     raise typer.Exit(run_figures(scenario, tuple(sets or ()), flights, as_json))
 
 
+def validate(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="NAME", help="Missions, by name or file; all shipped ones if none is named."),
+    ] = None,
+    flights: Annotated[
+        int | None,
+        typer.Option("-n", "--flights", metavar="N", help="Dispersed flights of each; 200 if not given."),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--jobs", "--workers", metavar="N", min=1, max=1024, help="Threads; all cores if not given."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder; runs/validation if not given.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
+    trust: Trust = False,
+) -> None:
+    """Fly missions that flew, and set dispersed flights beside what was published.
+
+    A mission is a scenario whose file disperses it and which says what was published of its flight.
+    Afterwards, the same flights with a report: edl6dof campaign NAME -n N.
+
+    Exit status: 0 nine in ten flown values within three sigma, 1 not, 2 bad input, 130 interrupted.
+    """
+    load_plugins(*(names or []), trust=trust)
+    from edl6dof.app.validate import ValidateOptions, run_validate
+
+    raise typer.Exit(run_validate(ValidateOptions(tuple(names or ()), flights, workers, out, force, as_json)))
+
+
 def calibrate(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="Scenario with a calibration section, such as tianwen1.")

@@ -165,6 +165,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
 )
 _BY_NAME = {figure.name: figure for figure in FIGURES}
+#: Their names.
+DECLARED = frozenset(_BY_NAME)
 
 
 def figure_of_merit(name: str) -> FigureOfMerit:

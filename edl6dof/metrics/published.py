@@ -6,20 +6,20 @@ known.  Only what was required of the mission is a bound, and a bound is kept or
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from difflib import get_close_matches
-from math import hypot
+from math import copysign, hypot, inf
 from typing import Literal, NamedTuple, Self
 
 from pydantic import model_validator
 
 from edl6dof.config.base import Params, param
 from edl6dof.config.errors import Inconsistent
-from edl6dof.metrics.figures import FIGURES, FigureOfMerit, figure_of_merit
+from edl6dof.metrics.at_events import AT_EVENTS, event_and_quantity
+from edl6dof.metrics.figures import DECLARED, FigureOfMerit, figure_of_merit
 
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"
-_FIGURE_NAMES = tuple(figure.name for figure in FIGURES)
 
 
 class PublishedFigure(Params):
@@ -35,6 +35,9 @@ class PublishedFigure(Params):
     at_least: float | None = param(None, "requirement: the figure is no smaller", record=False)
     sigma: float | None = param(
         None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
+    )
+    because: str = param(
+        "", "why flights of this model differ from it, where they do; validate tells it", record=False
     )
 
     @model_validator(mode="after")
@@ -87,6 +90,14 @@ class PublishedFigure(Params):
             return None
         return (self.of(own) - self.number) / hypot(self.sigma, deviation)
 
+    def away(self, mean: float, deviation: float) -> float:
+        """Difference of the mean of many flights to the flown value in standard deviations, of the published
+        value where it has one and of a single flight; infinite where neither has one and they differ.
+        """
+        difference = self.of(mean) - self.number
+        width = hypot(self.sigma or 0.0, deviation)
+        return difference / width if width > 0.0 else copysign(inf, difference) if difference else 0.0
+
     def kept(self, own: float) -> bool | None:
         """Whether a requirement is kept; ``None`` where it is none.  No number keeps no requirement."""
         if self.at_most is not None:
@@ -116,13 +127,15 @@ def published_figures(entries: Published) -> list[Beside]:
     ]
 
 
-def published_problems(names: Iterable[str]) -> dict[str, str]:
-    """Dotted path to message of published values of what is no figure of a flight."""
+def published_problems(names: Iterable[str], events: Collection[str]) -> dict[str, str]:
+    """Dotted path to message of published values of what is no figure of a flight with these ``events``."""
     problems = {}
     for name in names:
-        if name not in _FIGURE_NAMES:
-            near = get_close_matches(name, _FIGURE_NAMES, n=1)
-            problems[f"published.{name}"] = "no figure of a flight has this name" + (
-                f"; did you mean {near[0]!r}?" if near else ""
+        if name not in DECLARED and event_and_quantity(name, events) is None:
+            near = get_close_matches(name, sorted(DECLARED), n=1)
+            problems[f"published.{name}"] = (
+                "no figure of a flight has this name, nor is it an event of the mission with one of "
+                + ", ".join(f"_{quantity}" for quantity in AT_EVENTS)
+                + (f"; did you mean {near[0]!r}?" if near else "")
             )
     return problems

@@ -20,7 +20,7 @@ from edl6dof.manifest import MANIFEST, Manifest, seal
 STALE_S = 86400.0
 
 #: Command that makes a folder of each kind.
-_COMMANDS = {"flight": "fly", "study": "study"}
+_COMMANDS = {"flight": "fly", "study": "study", "validation": "validate"}
 
 
 @contextmanager
@@ -33,7 +33,7 @@ def atomic_folder(target: Path, kind: str, force: bool) -> Iterator[Path]:
 
     Args:
         target: the folder wanted.
-        kind: what it is a result of, as its manifest says: ``flight`` or ``study``.
+        kind: what it is a result of, as its manifest says: ``flight``, ``study`` or ``validation``.
         force: whether a result of the same kind may be replaced.
 
     Raises:

@@ -198,7 +198,9 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"mission"}), _heed_problems),
     CrossCheck(frozenset({"mission", "vehicle"}), lambda s: event_problems(s.mission, s.vehicle)),
     CrossCheck(frozenset({"initial", "flight_software", "mission"}), _entry_problems),
-    CrossCheck(frozenset({"published"}), lambda s: published_problems(s.published)),
+    CrossCheck(
+        frozenset({"published", "mission"}), lambda s: published_problems(s.published, s.mission.events)
+    ),
     CrossCheck(
         frozenset({"flight_software", "vehicle"}),
         lambda s: check_out_problems(s.flight_software.check_out, s.thruster_names),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from edl6dof.metrics.at_events import event_figures
 from edl6dof.metrics.deployment import deployment_figures
 from edl6dof.metrics.diagnosis import diagnosis_figures
 from edl6dof.metrics.drift import drift_figures
@@ -29,6 +30,8 @@ def figures_of(flight: Flight) -> dict[str, float]:
     when = {key: t for key, t in happened.items() if t >= flight.telemetry["t_s"][0] - 1e-9}
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite gives figures that are not
         figures = metrics(flight.telemetry, when, scenario.phase_roles)
+        done = dict(zip(scenario.mission.events, plant["done"].tolist(), strict=False))
+        figures |= event_figures(flight.telemetry, scenario.published, done)
         figures |= peak_figures(plant, flight.peaks[0], happened)
         figures |= touchdown_state(flight.case, flight.plant)
         figures |= footing_figures(flight.case, flight.tables, flight.plant, flight.outputs)

@@ -42,7 +42,7 @@ LAYERS = (
     ("campaign",),
     ("calibration", "design"),
     ("report", "replay"),
-    ("studies", "verify"),
+    ("studies", "verify", "missions"),
     ("cli", "app", "__init__", "__main__"),
 )
 HEIGHT = {name: height for height, names in enumerate(LAYERS) for name in names}

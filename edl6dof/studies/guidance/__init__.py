@@ -59,11 +59,15 @@ def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[
     some = range(max(flights // _PER_CONDITION, 1))
     plan = [(condition, flight) for condition in CONDITIONS for flight in some]
     flown = [condition.case(i, scenario, flight, label) for i, (condition, flight) in enumerate(plan)]
-    return [*flown, *_dispersed(scenario, flights, len(flown), label)] if vehicle.dispersed else flown
+    return (
+        [*flown, *_dispersed(vehicle.dispersions, flights, len(flown), label)]
+        if vehicle.dispersions
+        else flown
+    )
 
 
-def _dispersed(scenario: Scenario, flights: int, first: int, label: dict[str, str]) -> Iterator[Case]:
-    for flight, truth in enumerate(entries(scenario, flights)):
+def _dispersed(dispersions: str, flights: int, first: int, label: dict[str, str]) -> Iterator[Case]:
+    for flight, truth in enumerate(entries(dispersions, flights)):
         about = {**label, "condition": DISPERSED}
         yield Case(first + flight, {**truth, **WAVES_AND_GUSTS}, profile=flight, label=about)
 

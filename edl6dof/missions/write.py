@@ -1,0 +1,104 @@
+"""The folder of a validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+
+from edl6dof import __version__
+from edl6dof.campaign.rows import Row, table_of
+from edl6dof.config.document.jsontext import json_text
+from edl6dof.missions.comparison import Compared, Predicted, inside, reached_goal
+from edl6dof.missions.drawing import drawing
+from edl6dof.missions.words import HEADS, causes, cells, failures, heading, outcome
+from edl6dof.report.matplotlib_figure import write_figure
+
+#: Columns of the CSV, a row for each published figure.
+COLUMNS = (
+    *("mission", "figure", "unit", "mean", "deviation", "flights", "published", "kind", "published_sigma"),
+    *("status", "calibrated_on", "sigmas", "share_below", "inside", "because"),
+)
+
+
+def write_validation(missions: Sequence[Compared], rows: Mapping[str, Sequence[Row]], folder: Path) -> None:
+    """Write every file into ``folder``, which exists; ``rows`` are the flights of each by its name."""
+    (folder / "validation.md").write_text(to_markdown(missions), encoding="utf-8")
+    (folder / "validation.csv").write_text(to_csv(missions), encoding="utf-8")
+    (folder / "validation.json").write_text(to_json(missions), encoding="utf-8")
+    for name, flown in rows.items():
+        pq.write_table(table_of(flown), folder / f"{name}.parquet", compression="zstd")
+    write_figure(drawing(missions), folder / "validation.png")
+
+
+def to_markdown(missions: Sequence[Compared]) -> str:
+    """One table of all missions, under it what misses and why."""
+    lines = [
+        "| " + " | ".join(head.rstrip(">") for head in HEADS) + " |",
+        "|" + "|".join("---:" if head.endswith(">") else "---" for head in HEADS) + "|",
+    ]
+    for mission in missions:
+        lines.append("| " + " | ".join(f"**{words}**" if words else "" for words in heading(mission)) + " |")
+        for one in mission.predicted:
+            lines.append("| " + " | ".join(cells(one)).replace("+-", "±") + " |")
+    lines += ["", f"{outcome(missions)}.", ""]
+    for mission in missions:
+        lines += [f"- {words}" for words in (*causes(mission), *failures(mission))]
+    return "\n".join(lines) + "\n"
+
+
+def to_csv(missions: Sequence[Compared]) -> str:
+    """A row for each published figure of each mission."""
+    text = io.StringIO()
+    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    for mission in missions:
+        table.writerows({"mission": mission.name, **_plain(one)} for one in mission.predicted)
+    return text.getvalue()
+
+
+def to_json(missions: Sequence[Compared]) -> str:
+    """The same with the outcome of each mission's flights; what could not be formed is null."""
+    share = inside([one for mission in missions for one in mission.predicted])
+    found = {
+        "edl6dof_version": __version__,
+        "flown_values": share.trials,
+        "inside": share.successes,
+        "goal_reached": reached_goal(missions),
+        "missions": [
+            {
+                "mission": mission.name,
+                "flights": mission.flights,
+                "within_limits": mission.successes,
+                "causes": mission.causes,
+                "figures": [_plain(one) for one in mission.predicted],
+            }
+            for mission in missions
+        ],
+    }
+    return json_text(found)
+
+
+def _plain(one: Predicted) -> dict[str, Any]:
+    published = one.published
+    kinds = ("value", "magnitude", "at_most", "at_least")
+    return {
+        "figure": one.figure.name,
+        "unit": one.figure.unit.label,
+        "mean": one.mean,
+        "deviation": one.deviation,
+        "flights": one.flights,
+        "published": published.number,
+        "kind": next(kind for kind in kinds if getattr(published, kind) is not None),
+        "published_sigma": published.sigma,
+        "status": one.status,
+        "calibrated_on": one.fitted,
+        "sigmas": one.sigmas if one.flown else None,
+        "share_below": one.below,
+        "inside": one.inside if one.flown else None,
+        "because": published.because,
+    }

@@ -1,0 +1,170 @@
+"""Missions that flew: what is one, what counts as predicted, and the command on a body that is dropped."""
+
+from __future__ import annotations
+
+import csv
+import json
+from math import inf
+
+import pytest
+from in_process import called
+
+import edl6dof
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.executor import fly_rows
+from edl6dof.config.errors import ConfigError
+from edl6dof.metrics.published import PublishedFigure, published_problems
+from edl6dof.missions.comparison import compare, inside, reached_goal
+from edl6dof.missions.mission import Mission, load_mission, shipped_missions
+from edl6dof.missions.words import causes, cells, failures, outcome
+
+#: A dropped body: the campaign draws its entry mass and the density; true speed after 2 s is about 52 m/s.
+DROP = """\
+name: {name}
+planet: mars
+vehicle: tianwen1
+terrain: {{model: none, site_elevation_m: -4099.4, site_latitude_deg: 25.066, site_longitude_deg: 109.925}}
+atmosphere: {{table: marsgram2010_jezero_feb2021_winds.csv}}
+simulation: {{time_limit_s: 2.0}}
+mission: {{goal: time}}
+initial:
+  {{altitude_m: 9000.0, latitude_deg: 25.0, longitude_deg: 110.0, speed_m_s: 50.0,
+   flight_path_angle_deg: -80.0, azimuth_deg: 0.0}}
+published:
+  peak_dynamic_pressure_pa: {{value: {pressure}, sigma: 0.5, because: "a made-up value"}}   # [P] nowhere
+  touchdown_s: 100.0                                                                   # [R] never reached
+  heat_load_j_cm2: {{at_most: 1000.0}}                                                  # [P] a requirement
+campaign:
+  cases: 5
+  truth: {{atmosphere.density_factor: {{kind: normal, three_sigma: 0.3}}}}
+"""
+
+
+@pytest.fixture
+def drop(tmp_path):
+    """Writes the scenario file of a drop whose published pressure may be chosen."""
+
+    def written(pressure=12.5, name="drop"):
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(DROP.format(pressure=pressure, name=name))
+        return path
+
+    return written
+
+
+def made_up(drop, *values, cause=""):
+    """A mission's comparison over flights with these peak pressures."""
+    rows = [
+        {
+            "peak_dynamic_pressure_pa": value,
+            "heat_load_j_cm2": 2000.0 * k,
+            "success": not cause,
+            "cause": cause,
+        }
+        for k, value in enumerate(values)
+    ]
+    return compare(load_mission(str(drop(9.7))), rows)
+
+
+def test_a_mission_disperses_what_is_published_in_its_own_file():
+    found = shipped_missions()
+    assert {"tianwen1_mc", "msl_mc"} <= set(found)
+    # those inherit what is published of the flight that they are not
+    assert not {"tianwen1", "tianwen1_range_trigger", "tianwen1_hazards", "schiaparelli_like"} & set(found)
+    for name in found:
+        mission = load_mission(name, 2)
+        assert mission.plan.count == 2 and all(mission.status.values()), name
+
+
+def test_figures_that_a_scenario_was_calibrated_on_are_told():
+    mission = load_mission("tianwen1_mc")
+    assert {"lift_start_s", "touchdown_s"} <= mission.fitted and "max_bank_rate_deg_s" not in mission.fitted
+    assert load_mission("msl_mc").fitted == frozenset()
+
+
+def test_distance_to_a_flown_value_counts_its_own_sigma_and_that_of_one_flight():
+    assert PublishedFigure(value=10.0, sigma=0.3).away(12.0, 0.4) == pytest.approx(4.0)
+    assert PublishedFigure(value=10.0).away(12.0, 0.5) == pytest.approx(4.0)
+    assert PublishedFigure(magnitude=10.0, sigma=0.3).away(-9.0, 0.4) == pytest.approx(-2.0)
+    assert (
+        PublishedFigure(value=4.0).away(4.0, 0.0) == 0.0 and PublishedFigure(value=4.0).away(3.0, 0.0) == -inf
+    )
+
+
+def test_a_value_is_predicted_within_three_standard_deviations(drop):
+    near, far = made_up(drop, 9.0, 11.0), made_up(drop, 19.0, 19.1)
+    pressure = near.predicted[0]
+    assert (pressure.mean, pressure.flights, pressure.below) == (10.0, 2, 0.5)
+    assert pressure.deviation == pytest.approx(2.0**0.5) and pressure.inside
+    assert pressure.sigmas == pytest.approx(0.3 / (2.0 + 0.25) ** 0.5)
+    assert not far.predicted[0].inside and cells(far.predicted[0])[-1] == "outside"
+    # a figure that no flight reached is not predicted; a requirement is no flown value
+    assert [one.inside for one in near.flown] == [True, False] and inside(near.predicted).trials == 2
+    assert cells(near.predicted[2])[-1] == "50 % keep"
+    assert not reached_goal([near])
+    assert "1 of 2 flown values within 3 sigma, 50 %" in outcome([near])
+    assert causes(far) == [
+        "drop, peak dynamic pressure: a made-up value",
+        "drop, touchdown: no cause is known",
+    ]
+    assert failures(made_up(drop, 9.0, 11.0, cause="crashed")) == ["drop: 2 flights: crashed"]
+
+
+def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(drop, tmp_path):
+    done = called("validate", drop(), "-n", "12", "--jobs", "1", cwd=tmp_path)
+    folder = tmp_path / "runs" / "validation"
+    assert done.returncode == 1 and "drop, touchdown: no cause is known" in done.stdout, done.stderr
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        *(
+            "validation.md",
+            "validation.csv",
+            "validation.json",
+            "validation.png",
+            "drop.parquet",
+            "manifest.json",
+        )
+    }
+    rows = list(csv.DictReader((folder / "validation.csv").open(encoding="utf-8")))
+    assert [row["figure"] for row in rows] == ["peak_dynamic_pressure_pa", "touchdown_s", "heat_load_j_cm2"]
+    assert [row["status"] for row in rows] == ["published", "recalled", "published"]
+    found = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
+    figures = {one["figure"]: one for one in found["missions"][0]["figures"]}
+    assert (found["flown_values"], found["inside"], found["goal_reached"]) == (2, 1, False)
+    assert figures["touchdown_s"]["sigmas"] is None and figures["heat_load_j_cm2"]["share_below"] == 1.0
+    mean = float(rows[0]["mean"])
+    assert mean == pytest.approx(12.5, abs=1.5)
+    assert f"| {mean:.1f} ± " in (folder / "validation.md").read_text(encoding="utf-8")
+    again = called("validate", drop(), "-n", "12", "--jobs", "2", "--force", cwd=tmp_path)
+    assert again.stdout == done.stdout
+    assert called("validate", drop(), "-n", "12", cwd=tmp_path).returncode == 2  # the folder is there
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("msl",), "is no mission: it has no campaign: section (shipped missions: "),
+        (("earth_drop",), "has no published: and no campaign: section"),
+        (("msl_mc", "msl_mc"), "msl_mc: named twice"),
+        (("msl_mc", "-n", "1"), "-n 1: a spread needs 2 flights"),
+        (("no_such",), "no such scenario file"),
+    ],
+)
+def test_what_is_no_mission_is_refused(words, message, tmp_path):
+    done = called("validate", *words, cwd=tmp_path)
+    assert done.returncode == 2 and message in done.stderr and not any(tmp_path.iterdir())
+
+
+def test_figures_at_any_event_of_the_mission_are_formed_where_they_are_published():
+    own = "published={trim_wing_height_m: 12000, mortar_s: 259.0, mortar_mach: {value: 1.7, sigma: 0.1}}"
+    loaded = edl6dof.load("msl", [own])
+    (row,) = fly_rows(loaded, [Case(0)])
+    assert row["mortar_s"] == row["parachute_s"] and row["mortar_mach"] == row["parachute_mach"]
+    assert row["parachute_height_m"] < row["trim_wing_height_m"] < row["parachute_height_m"] + 6000.0
+    assert list(published_problems(["mortar_s", "mortar_colour", "morta_s"], {"mortar": None})) == [
+        "published.mortar_colour",
+        "published.morta_s",
+    ]
+    with pytest.raises(ConfigError, match="no figure of a flight has this name, nor is it an event"):
+        edl6dof.load("msl", ["published={no_event_s: 1.0}"])
+    assert isinstance(load_mission("msl_mc", 2), Mission)
