@@ -75,7 +75,7 @@ def _check(options: CampaignOptions) -> None:
 
 def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: bool) -> int:
     """Fly one case again with all its telemetry, and compare it with its row; returns the exit status."""
-    from edl6dof.app.fly import write_files
+    from edl6dof.app.fly import draw_replay, write_numbers
     from edl6dof.campaign.refly import differences, reflown
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.storage.store import Store
@@ -87,7 +87,9 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     with atomic_folder(target, "flight", force) as partial:
         flight = reflown(plan, number)
         wrong = differences(store, plan, number, flight)
-        write_files(flight, partial, replay)
+        write_numbers(flight, partial)
+        if replay:
+            draw_replay(flight, partial)
     print(f"{target}: case {number}, {flight.outcome}")
     print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
     return 1 if wrong else 0

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from edl6dof.app.blocked_imports import blocked_imports
+from edl6dof.app.blocked_imports import UNUSED_BY_ARROW, blocked_imports
 from edl6dof.app.compiling import announce_compiling
+from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
@@ -65,9 +66,15 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     announce_compiling(talk)
     # a plugin's kernels may hold matrix products
     unused = () if outside_sources else UNUSED_BY_NUMBA
-    with _progress(talk) as report, blocked_imports(*unused):
-        flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-    write_files(flight, folder, options.replay)
+    with artist_beside(loaded, folder / REPLAY) if options.replay else nullcontext() as artist:
+        log = None if artist is None else artist.log
+        with _progress(talk) as report, blocked_imports(*unused):
+            flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report, log=log)
+        if artist is not None:
+            artist.draw(flight)
+        write_numbers(flight, folder)
+        if options.replay and not (artist is not None and artist.wait()):
+            draw_replay(flight, folder)
     return flight
 
 
@@ -75,28 +82,28 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
 #: the package has any.
 UNUSED_BY_NUMBA = ("scipy.linalg",)
 
-#: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its
-#: access to Amazon's storage.
-UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
+REPLAY = "replay.rrd"
 
 
 @blocked_imports(*UNUSED_BY_ARROW)
-def write_files(flight: Flight, folder: Path, replay: bool) -> None:
-    """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a
-    replay.
-    """
+def write_numbers(flight: Flight, folder: Path) -> None:
+    """Write all files of a run but its replay."""
     from edl6dof.runs.results import write_run
 
     write_run(flight, folder)
     if flight.saved is not None:
         flight.saved.save(folder / "state.npz")
-    if replay:
-        from edl6dof.replay.recording import history, write_replay
 
-        shown = history(flight)
-        # the telemetry is on disk by now; without this the replay would not fit the memory budget
-        flight.release_log()
-        write_replay([shown], folder / "replay.rrd")
+
+@blocked_imports(*UNUSED_BY_ARROW)
+def draw_replay(flight: Flight, folder: Path) -> None:
+    """Write the replay; the flight keeps its results and lets its telemetry go."""
+    from edl6dof.replay.recording import history, write_replay
+
+    shown = history(flight)
+    # the telemetry is on disk by now; without this the replay would not fit the memory budget
+    flight.release_log()
+    write_replay([shown], folder / REPLAY)
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
