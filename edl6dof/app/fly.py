@@ -12,7 +12,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from edl6dof.app.blocked_imports import UNUSED_BY_ARROW, blocked_imports
+from edl6dof.api.blocked_imports import blocked_imports
+from edl6dof.api.flights import Flight, continued, fly
+from edl6dof.api.run_files import REPLAY, draw_replay, write_numbers
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
@@ -21,7 +23,6 @@ from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.flight import Progress as FlightProgress
 
 
@@ -48,7 +49,7 @@ def run_fly(options: FlyOptions) -> int:
     with atomic_folder(target, "flight", options.force) as folder:
         flight = _fly_into(folder, options, loaded, state)
     if options.report:
-        from edl6dof.app.report import report_of, write_page
+        from edl6dof.api.reports import report_of, write_page
 
         write_page(report_of(target), target / "report.html", force=False)
     _show(flight, target, options)
@@ -74,36 +75,13 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
             artist.draw(flight)
         write_numbers(flight, folder)
         if options.replay and not (artist is not None and artist.wait()):
-            draw_replay(flight, folder)
+            draw_replay(flight, folder, release=True)
     return flight
 
 
 #: What numba imports to learn whether matrix products can be compiled: a tenth of a second, and no kernel of
 #: the package has any.
 UNUSED_BY_NUMBA = ("scipy.linalg",)
-
-REPLAY = "replay.rrd"
-
-
-@blocked_imports(*UNUSED_BY_ARROW)
-def write_numbers(flight: Flight, folder: Path) -> None:
-    """Write all files of a run but its replay."""
-    from edl6dof.runs.results import write_run
-
-    write_run(flight, folder)
-    if flight.saved is not None:
-        flight.saved.save(folder / "state.npz")
-
-
-@blocked_imports(*UNUSED_BY_ARROW)
-def draw_replay(flight: Flight, folder: Path) -> None:
-    """Write the replay; the flight keeps its results and lets its telemetry go."""
-    from edl6dof.replay.recording import history, write_replay
-
-    shown = history(flight)
-    # the telemetry is on disk by now; without this the replay would not fit the memory budget
-    flight.release_log()
-    write_replay([shown], folder / REPLAY)
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
@@ -130,12 +108,9 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
                 "edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE"
             )
         return load_scenario(options.scenario, options.sets), None
-    from edl6dof.sim.flight import continue_from
-
     if options.scenario is not None:
         raise _problem("--from", "a saved state brings its own scenario; give no other")
-    state = State.load(options.start)
-    return continue_from(state, options.sets), state
+    return continued(options.start, options.sets)
 
 
 def _problem(place: str, message: str) -> ConfigError:

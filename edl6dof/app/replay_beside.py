@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from edl6dof.app.blocked_imports import UNUSED_BY_ARROW, blocked_imports
+from edl6dof.api.blocked_imports import UNUSED_BY_ARROW, blocked_imports
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.flight import Flight, log_rows
 from edl6dof.telemetry.channels import TICK
