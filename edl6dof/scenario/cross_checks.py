@@ -63,7 +63,8 @@ def _lag_problems(scenario: Scenario) -> dict[str, str]:
     step = scenario.simulation.step_s
     found = {}
     for engine in scenario.vehicle.engines:
-        lag = {"throttled": engine.throttled.lag_s, "pulsed": engine.pulsed.lag_s}.get(engine.model, step)
+        lags = {"throttled": engine.throttled, "pulsed": engine.pulsed, "solid": engine.solid}
+        lag = lags[engine.model].lag_s if engine.model in lags else step
         if step > (1.0 + 1e-9) * lag:
             own = f"vehicle.engines.{engine.name}.{engine.model}.lag_s"
             found["simulation.step_s"] = f"must not exceed {own} = {lag:g} s (got {step:g})"

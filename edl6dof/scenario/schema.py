@@ -109,6 +109,12 @@ class LimitParams(Params):
     powered_tilt_deg: float = param(
         90.0, "tilt from the vertical with an engine burning beyond which attitude is lost", gt=0.0, le=180.0
     )
+    powered_tilt_deg: float = param(
+        90.0,
+        "tilt of -x of B from the vertical while an engine is on beyond which attitude is lost",
+        gt=0.0,
+        le=180.0,
+    )
     total_alpha_deg: float = param(
         60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
     )
