@@ -18,7 +18,10 @@ DEMAND = np.dtype(
         ("wrench", "f8", (ROWS,)),  # N and N m, B: force and torque
         ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
         ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
-        ("boosting", FLAG),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
+        (
+            "boosting",
+            FLAG,
+        ),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
         ("descending", FLAG),  # they are the engine: the axial force demanded is its thrust
     ],
     align=True,
