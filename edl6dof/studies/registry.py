@@ -9,6 +9,7 @@ from edl6dof.studies import (
     landing,
     lu_bayard,
     msl,
+    newtonian,
     schiaparelli,
     wu2013,
     yan2016,
@@ -28,6 +29,7 @@ STUDIES: dict[str, Study] = {
         hazards,
         hu2022,
         msl,
+        newtonian,
         schiaparelli,
     )
 }  # fmt: skip

@@ -46,7 +46,7 @@ class Variants:
 
     def __init__(self, loaded: LoadedScenario):
         self.base = loaded
-        self._nominal = Built(loaded, build_records(loaded))
+        self.nominal = Built(loaded, build_records(loaded))
         self._keys: dict[str, Keys] = {}
 
     def build(self, case: Case) -> Variant:
@@ -56,7 +56,7 @@ class Variants:
             ConfigError: a path does not exist, or its value is not allowed.
         """
         loaded = self._overridden(case) or self._checked(case)
-        return Variant(loaded, build_records(loaded, self._nominal))
+        return Variant(loaded, build_records(loaded, self.nominal))
 
     def _overridden(self, case: Case) -> LoadedScenario | None:
         """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
