@@ -45,11 +45,11 @@ def command_angles_and_engine(vehicle, goal, state, command):
 
 @kernel
 def commanded_thrust(vehicle, t, state, command):
-    """Thrust (N) that the engines are to give now, all together."""
+    """Thrust (N) along the axis that the engines are to give now, all together."""
     thrust = 0.0
     if t >= state.ignition_time:
         for i in range(vehicle.n_engines):
-            thrust += command.thrust[i]
+            thrust += command.thrust[i] * vehicle.engines[i].axial
     return thrust
 
 
