@@ -4,46 +4,62 @@
 >>> flight = edl6dof.fly("tianwen1")
 >>> flight.outcome
 'landed within limits'
+
+What the command line does, each of these functions does and returns as an object; see docs/python.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from edl6dof.api.many import calibrate, campaign, faults, refly, verify
+from edl6dof.api.one import fly, load, open_run, replay, report
+
 if TYPE_CHECKING:
-    from edl6dof.scenario.schema import LoadedScenario
-    from edl6dof.sim.flight import Flight
+    from edl6dof.api.campaigns import CampaignResult
+    from edl6dof.api.flights import Flight, RecordedFlight
+    from edl6dof.api.simulation import Simulation
+    from edl6dof.config.errors import ConfigError
+    from edl6dof.scenario.loading import LoadedScenario
 
 __version__ = "0.1.0"
-__all__ = ["fly", "load"]
+__all__ = [
+    "CampaignResult",
+    "ConfigError",
+    "Flight",
+    "LoadedScenario",
+    "RecordedFlight",
+    "Simulation",
+    "calibrate",
+    "campaign",
+    "faults",
+    "fly",
+    "load",
+    "open_run",
+    "refly",
+    "replay",
+    "report",
+    "verify",
+]
+
+#: Modules of the classes, which are loaded when they are asked for.
+_CLASSES = {
+    "CampaignResult": "edl6dof.api.campaigns",
+    "ConfigError": "edl6dof.config.errors",
+    "Flight": "edl6dof.api.flights",
+    "LoadedScenario": "edl6dof.scenario.loading",
+    "RecordedFlight": "edl6dof.api.flights",
+    "Simulation": "edl6dof.api.simulation",
+}
 
 
-def load(name_or_path: str | Path, overrides: Iterable[str] = (), trust: bool = False) -> LoadedScenario:
-    """Read and validate a scenario file, or a shipped scenario by name.
+def __getattr__(name: str) -> Any:
+    if name in _CLASSES:
+        from importlib import import_module
 
-    Args:
-        name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
-        overrides: texts ``"dotted.path=value"``.
-        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other
-            scenario always are.
-
-    Raises:
-        edl6dof.config.errors.ConfigError: with every problem found, each with file, line and key.
-    """
-    from edl6dof.plugins import activate
-
-    activate([name_or_path], trust)
-    from edl6dof.scenario.schema import load_scenario
-
-    return load_scenario(name_or_path, overrides)
+        return getattr(import_module(_CLASSES[name]), name)
+    raise AttributeError(f"module 'edl6dof' has no attribute {name!r}")
 
 
-def fly(scenario: LoadedScenario | str | Path, overrides: Iterable[str] = (), **options: Any) -> Flight:
-    """Fly a scenario and return the flight; see :func:`edl6dof.sim.flight.fly` for the options."""
-    # before the flight software is imported
-    loaded = load(scenario, overrides) if isinstance(scenario, str | Path) else scenario
-    from edl6dof.sim.flight import fly as fly_scenario
-
-    return fly_scenario(loaded, **options)
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
+from edl6dof.api.calibrations import found_by, write_findings
 from edl6dof.app.counting import count_runs
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
-from edl6dof.calibration.findings import Findings, find, plain, remarks, rounded
-from edl6dof.calibration.fit import DESIGNS, Fit
-from edl6dof.calibration.overlay import overlay_text
+from edl6dof.calibration.findings import Findings, remarks
+from edl6dof.calibration.fit import Fit
 from edl6dof.calibration.problem import load_calibration
-from edl6dof.calibration.surface import TooFew
-from edl6dof.campaign.neighbours import FLIGHTS
-from edl6dof.config.document.jsontext import json_text
-from edl6dof.config.errors import refusal
 from edl6dof.manifest import listed
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import open_table
@@ -43,42 +38,15 @@ def run_calibrate(options: CalibrateOptions) -> int:
     calibration = load_calibration(options.scenario, options.sets, options.flights)
     name = calibration.loaded.scenario.name
     target = options.out or Path("runs") / f"calibration-{name}"
-    flown, total = count(1), DESIGNS * calibration.params.flights + 2 * FLIGHTS
     with atomic_folder(target, "calibration", options.force) as folder:
         with count_runs(name, quiet=options.as_json) as progress:
-            try:
-                found = find(calibration, lambda done, row: progress(next(flown), total))
-            except TooFew as error:
-                raise refusal(options.scenario, str(error)) from error
-        summary = json_text(plain(found))
-        (folder / "summary.json").write_text(summary, encoding="utf-8")
-        text = overlay_text(
-            f"{name}_calibrated", _extended(options.scenario), rounded(found), claims(options, found)
-        )
-        (folder / "calibrated.yaml").write_text(text, encoding="utf-8")
+            found = found_by(calibration, options.scenario, progress)
+        summary = write_findings(found, folder, options.scenario, options.sets, options.flights)
     if options.as_json:
         print(summary, end="")
     else:
         _show(found, target)
     return 0 if not found.unexplained else NOT_WITHIN_LIMITS
-
-
-def _extended(scenario: str) -> str:
-    """How the overlay names the scenario it extends: by the name of a shipped one, or by its full path."""
-    file = Path(scenario)
-    return str(file.resolve()) if file.is_file() else scenario
-
-
-def claims(options: CalibrateOptions, found: Findings) -> dict[str, str]:
-    """Mark of each value: the command that made it, its standard deviation and its prior."""
-    sets = (f"--set {text}" for text in options.sets)
-    flights = () if options.flights is None else (f"-n {options.flights}",)
-    command = " ".join(["edl6dof calibrate", options.scenario, *sets, *flights])
-    return {
-        path: f"[C] {command}: +- {significant(found.sigmas[path], 2)}; "
-        f"prior {prior.mean:g} +- {prior.sigma:g}"
-        for path, prior in found.calibration.params.parameters.items()
-    }
 
 
 def _show(found: Findings, target: Path) -> None:

@@ -10,10 +10,14 @@ import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from edl6dof.app.exit_status import INTERRUPTED
 from edl6dof.config.base import stated
 from edl6dof.config.errors import ConfigError, Problem
+
+if TYPE_CHECKING:
+    from edl6dof.api.campaign_flight import EngineChoice
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,8 @@ class CampaignOptions:
 
 def run_campaign(options: CampaignOptions) -> int:
     """Fly a campaign, or go on with one; returns the exit status."""
-    _check(options)
     try:
+        _check(options)
         from edl6dof.app.campaign_flight import fly_new, go_on
 
         return go_on(options) if options.resume else fly_new(options)
@@ -67,15 +71,19 @@ def _check(options: CampaignOptions) -> None:
             "edl6dof campaign",
             "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign",
         )
-    if options.engine not in ("threads", "dask"):
-        raise problem("--engine", f"must be threads or dask (got {options.engine!r})")
-    if options.cluster is not None and options.engine != "dask":
-        raise problem("--cluster", "needs --engine dask")
+    engine_of(options).check()
+
+
+def engine_of(options: CampaignOptions) -> EngineChoice:
+    """What flies."""
+    from edl6dof.api.campaign_flight import EngineChoice
+
+    return EngineChoice(options.engine, options.workers, options.cluster)
 
 
 def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: bool) -> int:
     """Fly one case again with all its telemetry, and compare it with its row; returns the exit status."""
-    from edl6dof.app.fly import write_files
+    from edl6dof.api.run_files import write_files
     from edl6dof.campaign.refly import differences, reflown
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.storage.store import Store
@@ -86,8 +94,8 @@ def run_refly(folder: Path, number: int, out: Path | None, force: bool, replay: 
     plan = resumed_plan(store)
     with atomic_folder(target, "flight", force) as partial:
         flight = reflown(plan, number)
-        wrong = differences(store, plan, number, flight)
-        write_files(flight, partial, replay)
+        wrong = differences(store.table(), folder, plan, number, flight)
+        write_files(flight, partial, replay, release=True)
     print(f"{target}: case {number}, {flight.outcome}")
     print("identical to its row" if not wrong else f"differs from its row: {', '.join(wrong)}")
     return 1 if wrong else 0

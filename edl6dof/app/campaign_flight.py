@@ -11,14 +11,15 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from edl6dof.app.campaign import CampaignOptions, problem
+from edl6dof.api.campaign_flight import Watch, check_until
+from edl6dof.api.campaign_flight import fly_new as fly_campaign
+from edl6dof.api.campaign_flight import go_on as go_on_with
+from edl6dof.app.campaign import CampaignOptions, engine_of
 from edl6dof.app.campaign_show import show
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.app.exit_status import INTERRUPTED, refuse
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
-from edl6dof.campaign.engines import Engine, Threads, dask_engine
-from edl6dof.campaign.statistics import Until
 from edl6dof.campaign.storage.files import StoreError, refused
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.base import stated
@@ -30,10 +31,8 @@ def fly_new(options: CampaignOptions) -> int:
     Raises:
         ConfigError: the campaign is wrong, or there is something in its folder that it must not replace.
     """
-    _check(options)
     plan = _plan(options)
-    if plan.swaps is not None and options.until is not None:
-        raise problem("--until", "sobol_indices flies its whole design: its flights are not independent")
+    check_until(options.until, plan)
     return fly_plan(plan, Store(options.out or Path("runs") / plan.name), options)
 
 
@@ -44,11 +43,8 @@ def fly_plan(plan: Plan, store: Store, options: CampaignOptions) -> int:
         ConfigError: there is something in the folder that the plan must not replace.
     """
     try:
-        with store.lock(make=True):
-            store.check_new(options.force)
-            with _engine(options) as engine:  # before anything is replaced: it may not be there
-                run.begin(plan, store, options.until, options.force)
-                return _fly(plan, store, engine, options)
+        fly_campaign(plan, store, engine_of(options), options.until, options.force, _watch(options))
+        return _shown(plan, store, options)
     except KeyboardInterrupt:
         print(f"interrupted; {_standing(store, plan, options)}", file=sys.stderr)
         return INTERRUPTED
@@ -62,16 +58,11 @@ def go_on(options: CampaignOptions) -> int:
     Raises:
         ConfigError: the folder holds none, or one of another program, or is damaged.
     """
-    _check(options)
+    check_until(options.until)
     store = Store(_folder(options))
     try:
-        with store.lock():
-            plan = run.resumed_plan(store)
-            store.tidy()
-            if store.complete:
-                return _shown(plan, store, options)
-            with _engine(options) as engine:
-                return _fly(plan, store, engine, options)
+        plan = go_on_with(store, engine_of(options), _watch(options))
+        return _shown(plan, store, options)
     except OSError as error:
         return refuse(f"{_reason(store, error)}; {_going_on(store, options)}")
 
@@ -92,14 +83,6 @@ def _standing(store: Store, plan: Plan, options: CampaignOptions) -> str:
         if store.plan_text == plan.text:
             return _going_on(store, options)
     return "nothing was written"
-
-
-def _check(options: CampaignOptions) -> None:
-    if options.until is not None:
-        try:
-            Until.parse(options.until)
-        except ValueError as error:
-            raise problem("--until", str(error)) from None
 
 
 def _plan(options: CampaignOptions) -> Plan:
@@ -132,14 +115,6 @@ def require_plan(store: Store, plan: Plan, options: CampaignOptions) -> None:
         )
 
 
-def _fly(plan: Plan, store: Store, engine: Engine, options: CampaignOptions) -> int:
-    talk = not (options.quiet or options.as_json)
-    _warm_up(plan, talk)
-    with _progress(talk, plan.count) as report:
-        run.fly(plan, store, engine, report)
-    return _shown(plan, store, options)
-
-
 def _shown(plan: Plan, store: Store, options: CampaignOptions) -> int:
     """What a complete campaign came to; returns the exit status."""
     if plan.fault_matrix is not None:
@@ -150,24 +125,17 @@ def _shown(plan: Plan, store: Store, options: CampaignOptions) -> int:
     return 0
 
 
-@contextmanager
-def _engine(options: CampaignOptions) -> Iterator[Engine]:
-    if options.engine == "threads":
-        yield Threads(options.workers)
-        return
-    try:
-        with dask_engine(options.cluster, options.workers) as engine:
-            yield engine
-    except ImportError:
-        raise problem("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
+def _watch(options: CampaignOptions) -> Watch:
+    """Says that the simulator has to be compiled, if it has, and shows the progress."""
+    talk = not (options.quiet or options.as_json)
 
+    @contextmanager
+    def watch(total: int) -> Iterator[run.Report | None]:
+        announce_compiling(talk)
+        with _progress(talk, total) as report:
+            yield report
 
-def _warm_up(plan: Plan, talk: bool) -> None:
-    """Compile before anything flies in parallel: two processes that compile would do the work twice."""
-    if announce_compiling(talk):
-        from edl6dof.campaign.executor import CaseRunner
-
-        CaseRunner(plan.loaded).fly(list(plan.cases(0, 1)))
+    return watch
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
-from edl6dof.app.report import write_page
+from edl6dof.api.reports import write_page
 from edl6dof.config.errors import refusal
 from edl6dof.report.document import Cell, Table, Text
 from edl6dof.report.terminal import open_table

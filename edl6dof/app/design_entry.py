@@ -18,7 +18,8 @@ from edl6dof.design.entry_plan import Plan
 from edl6dof.design.entry_profile import Design, Goal, design_entry
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, check_document, load_scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import resolved_text
 
 SUFFIXES = (".yaml", ".yml")

@@ -22,7 +22,8 @@ from edl6dof.design.landing.transcription import propagate
 from edl6dof.fsw.mission.roles import POWERED_DECELERATION
 from edl6dof.report.terminal import open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.scenario.schema import Scenario, load_scenario
+from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight, fly
 
 _DIVERT = "flight_software.guidance.powered.target.divert_m"

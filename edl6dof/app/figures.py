@@ -17,7 +17,7 @@ from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.numbers import significant
 from edl6dof.report.terminal import comparison, open_table, published_table
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 
 #: More flights than any mean needs.
 MOST_FLIGHTS = 100_000

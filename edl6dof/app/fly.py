@@ -12,15 +12,16 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from edl6dof.app.blocked_imports import blocked_imports
+from edl6dof.api.blocked_imports import blocked_imports
+from edl6dof.api.flights import Flight, continued, fly
+from edl6dof.api.run_files import write_files
 from edl6dof.app.compiling import announce_compiling
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
 from edl6dof.runs.folder import atomic_folder
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.flight import Progress as FlightProgress
 
 
@@ -47,7 +48,7 @@ def run_fly(options: FlyOptions) -> int:
     with atomic_folder(target, "flight", options.force) as folder:
         flight = _fly_into(folder, options, loaded, state)
     if options.report:
-        from edl6dof.app.report import report_of, write_page
+        from edl6dof.api.reports import report_of, write_page
 
         write_page(report_of(target), target / "report.html", force=False)
     _show(flight, target, options)
@@ -67,36 +68,13 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     unused = () if outside_sources else UNUSED_BY_NUMBA
     with _progress(talk) as report, blocked_imports(*unused):
         flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-    write_files(flight, folder, options.replay)
+    write_files(flight, folder, options.replay, release=True)
     return flight
 
 
 #: What numba imports to learn whether matrix products can be compiled: a tenth of a second, and no kernel of
 #: the package has any.
 UNUSED_BY_NUMBA = ("scipy.linalg",)
-
-#: What pyarrow takes along where it is installed, without need: 28 MiB and a quarter of a second, and its
-#: access to Amazon's storage.
-UNUSED_BY_ARROW = ("pandas", "pyarrow._s3fs")
-
-
-@blocked_imports(*UNUSED_BY_ARROW)
-def write_files(flight: Flight, folder: Path, replay: bool) -> None:
-    """Write all files of a run; the flight keeps its results and lets its telemetry go when there is a
-    replay.
-    """
-    from edl6dof.runs.results import write_run
-
-    write_run(flight, folder)
-    if flight.saved is not None:
-        flight.saved.save(folder / "state.npz")
-    if replay:
-        from edl6dof.replay.recording import history, write_replay
-
-        shown = history(flight)
-        # the telemetry is on disk by now; without this the replay would not fit the memory budget
-        flight.release_log()
-        write_replay([shown], folder / "replay.rrd")
 
 
 def _show(flight: Flight, target: Path, options: FlyOptions) -> None:
@@ -123,12 +101,9 @@ def _load(options: FlyOptions) -> tuple[LoadedScenario, State | None]:
                 "edl6dof fly", "name a scenario, such as tianwen1, or continue a state with --from STATE"
             )
         return load_scenario(options.scenario, options.sets), None
-    from edl6dof.sim.flight import continue_from
-
     if options.scenario is not None:
         raise _problem("--from", "a saved state brings its own scenario; give no other")
-    state = State.load(options.start)
-    return continue_from(state, options.sets), state
+    return continued(options.start, options.sets)
 
 
 def _problem(place: str, message: str) -> ConfigError:

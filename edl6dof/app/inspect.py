@@ -11,7 +11,8 @@ from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import CALIBRATION, CAMPAIGN_SECTIONS, Scenario, load_document
+from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
+from edl6dof.scenario.schema import Scenario
 
 
 def run_check(files: Sequence[str], sets: Sequence[str]) -> int:

@@ -97,9 +97,27 @@ class FlownRun:
 
 
 def run_replay(options: ReplayOptions) -> int:
-    """Do what the options ask for; returns the exit status."""
-    from edl6dof.replay.film import NoFilm, encoder
+    """Do what the options ask for, and say what was written; returns the exit status."""
+    from edl6dof.replay.film import NoFilm
     from edl6dof.replay.program import ViewerFailed
+
+    try:
+        for path in show_replay(options):
+            print(path)
+    except (ViewerFailed, NoFilm) as error:
+        print(error, file=sys.stderr)
+        return UNAVAILABLE
+    return 0
+
+
+def show_replay(options: ReplayOptions) -> list[Path]:
+    """Do what the options ask for; returns what was written.
+
+    Raises:
+        ConfigError: the options do not fit together, or name no replay.
+        ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run here.
+    """
+    from edl6dof.replay.film import encoder
 
     targets = [path for path in (options.html, options.screenshot, options.video) if path is not None]
     for path in targets:
@@ -115,17 +133,11 @@ def run_replay(options: ReplayOptions) -> int:
     for run in options.runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
-    try:
-        if options.video is not None:
-            encoder()  # or the flight would be drawn in vain
-        with _ended_by_signals(), _recording(options) as recording:
-            _show(recording, options)
-    except (ViewerFailed, NoFilm) as error:
-        print(error, file=sys.stderr)
-        return UNAVAILABLE
-    for path in targets:
-        print(path)
-    return 0
+    if options.video is not None:
+        encoder()  # or the flight would be drawn in vain
+    with _ended_by_signals(), _recording(options) as recording:
+        _show(recording, options)
+    return targets
 
 
 def _show(recording: Path, options: ReplayOptions) -> None:

@@ -1,70 +1,14 @@
-"""``edl6dof report``: one page for whatever the folder holds."""
+"""``edl6dof report``."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from edl6dof.config.errors import refusal
-from edl6dof.report.document import Report
-from edl6dof.runs.files import atomic_file, refuse_existing_file
-from edl6dof.runs.run import TELEMETRY, Run
+from edl6dof.api.reports import write_report
 
 
 def run_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> int:
-    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers
-    beside it instead.
-    """
-    target = out or folder / "report.html"
-    print_out = target.with_suffix(".pdf")
-    for path in [print_out] * pdf or [target] * (not png):
-        refuse_existing_file(path, force)
-    report = report_of(folder)
-    if png:
-        _write_figures(report, target.with_suffix(""), force)
-    if pdf:
-        from edl6dof.report.pdf import write_pdf
-
-        with atomic_file(print_out, force) as partial:
-            write_pdf(report, partial)
-        print(print_out)
-    if not (pdf or png):
-        write_page(report, target, force)
-        print(target)
-    return 0
-
-
-def report_of(folder: Path) -> Report:
-    """The report of a folder, by what lies in it.
-
-    Raises:
-        ConfigError: nothing in it can be reported on.
-    """
-    if (folder / TELEMETRY).is_file():
-        from edl6dof.report.flight.build import flight_report
-
-        return flight_report(Run(folder))
-    if (folder / "campaign.json").is_file():
-        from edl6dof.report.campaign.build import campaign_report
-
-        return campaign_report(folder)
-    if not folder.is_dir():
-        raise refusal(folder, "no such folder; name that of a run or a campaign")
-    raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
-
-
-def write_page(report: Report, path: Path, force: bool) -> None:
-    """Write a report as one HTML file."""
-    from edl6dof.report.page import page
-
-    with atomic_file(path, force) as partial:
-        partial.write_text(page(report), encoding="utf-8")
-
-
-def _write_figures(report: Report, folder: Path, force: bool) -> None:
-    from edl6dof.report.matplotlib_figure import write_figure
-
-    for figure in report.figures():
-        path = folder / f"{figure.key}.png"
-        with atomic_file(path, force) as partial:
-            write_figure(figure, partial)
+    """Write the report of a folder and say where; returns the exit status."""
+    for path in write_report(folder, out, pdf, png, force):
         print(path)
+    return 0

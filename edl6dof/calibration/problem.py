@@ -19,7 +19,7 @@ from edl6dof.config.document.source import Document, read_document, resolve_scen
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, published_figures
-from edl6dof.scenario.schema import CALIBRATION, LoadedScenario, load_document
+from edl6dof.scenario.loading import CALIBRATION, LoadedScenario, load_document
 
 
 @dataclass(frozen=True)

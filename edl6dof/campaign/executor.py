@@ -23,7 +23,7 @@ from edl6dof.campaign.design.variants import Variant, Variants
 from edl6dof.campaign.readback import NotApplied, Place, applied
 from edl6dof.campaign.rows import Collect, Row, failed_row, flown_row, table_of
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import LoadedScenario
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.flight import fly, log_rows
 from edl6dof.telemetry.channels import BRIEF, TICK
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 
+import pyarrow as pa
+
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.fault_response import collected
-from edl6dof.campaign.storage.store import Store
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight, fly
 
 
@@ -31,16 +33,15 @@ def reflown(plan: Plan, number: int) -> Flight:
     return fly(case_scenario(plan, number))
 
 
-def differences(store: Store, plan: Plan, number: int, flight: Flight) -> list[str]:
-    """Columns in which a flight differs from its row, by as much as one bit.
+def differences(table: pa.Table, place: object, plan: Plan, number: int, flight: Flight) -> list[str]:
+    """Columns in which a flight differs from its row, by as much as one bit; ``place`` is whose table it is.
 
     Raises:
         ConfigError: the case has no row yet.
     """
-    table = store.table()
     found = table["case"].to_pylist()
     if number not in found:
-        raise ConfigError([Problem(str(store.folder), 0, 0, "", f"case {number} has not flown yet")])
+        raise ConfigError([Problem(str(place), 0, 0, "", f"case {number} has not flown yet")])
     row = table.slice(found.index(number), 1).to_pylist()[0]
     mine = {
         "success": flight.success,

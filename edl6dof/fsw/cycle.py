@@ -1,6 +1,6 @@
 """One base cycle of the flight software, box by box: navigation, mission phases, hazard detection, guidance,
 attitude control, allocation, modulation; beside them estimation, fault isolation and the health that follows
-from it.
+from it.  Behind each box stands what may replace what it worked out: a command from outside.
 
 The cycle alone sees the memories of all modules.  It hands each module its own, and of the others what its
 signature names.
@@ -19,7 +19,17 @@ from edl6dof.fsw.diagnosis.exercise import pair_to_test
 from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
+from edl6dof.fsw.estimation.held_thrust import held_thrust
 from edl6dof.fsw.estimation.update import estimate_disturbance
+from edl6dof.fsw.external import (
+    replace_bank,
+    replace_duties,
+    replace_estimate,
+    replace_health,
+    replace_landing_point,
+    replace_thrust,
+    replace_torque,
+)
 from edl6dof.fsw.guidance.update import guide, switch_engine
 from edl6dof.fsw.hazard.update import detect_hazards
 from edl6dof.fsw.mission.phases import G_AVOID
@@ -45,18 +55,29 @@ def command_angles_and_engine(vehicle, goal, state, command):
 
 @kernel
 def commanded_thrust(vehicle, t, state, command):
-    """Thrust (N) along the axis that the engines are to give now, all together."""
+    """Thrust (N) along the axis that the engines are to give now, all together, but for that of thrusters."""
     thrust = 0.0
     if t >= state.ignition_time:
         for i in range(vehicle.n_engines):
-            thrust += command.thrust[i] * vehicle.engines[i].axial
+            engine = vehicle.engines[i]
+            thrust += command.thrust[i] * engine.axial * (1.0 - engine.by_thrusters)
     return thrust
+
+
+@kernel
+def believe_thrust(params, vehicle, t, disturbance, command, dt, memory, state):
+    """What the engines lack, or hold, by the axial force that the thrusters do not explain."""
+    commanded, measured = commanded_thrust(vehicle, t, state, command), -disturbance.unexplained[0]
+    state.held_thrust = held_thrust(params.held_thrust, commanded, measured, dt, memory.held_thrust)
+    lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
+    state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
 
 
 @kernel
 def axial_load(unexplained, goal, state):
     """Axial force of air and riser, N: what neither thrusters nor engine explain."""
-    return abs(unexplained[0] + goal.thrust) if state.ignited != 0 else abs(unexplained[0])
+    thrust = goal.thrust * (1.0 - state.engine.by_thrusters)
+    return abs(unexplained[0] + thrust) if state.ignited != 0 else abs(unexplained[0])
 
 
 @kernel
@@ -64,6 +85,7 @@ def run(onboard, sensed, k, fsw):
     """Base cycle number ``k``: from ``sensed`` to ``fsw.command``."""
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command
+    external, own = fsw.external, fsw.own
     dt = 1.0 / rates.base
     control_dt = dt * rates.control_every
     for i in range(command.request.shape[0]):
@@ -72,6 +94,7 @@ def run(onboard, sensed, k, fsw):
 
     # navigation
     estimate_state(onboard, state, sensed, fsw.navigation)
+    replace_estimate(external, fsw.navigation.estimate)
     derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
@@ -100,6 +123,7 @@ def run(onboard, sensed, k, fsw):
         fsw.landing_point,
         command,
     )
+    replace_landing_point(external, fsw.landing_point)
 
     # guidance
     guide(
@@ -113,7 +137,10 @@ def run(onboard, sensed, k, fsw):
         fsw.landing_point,
         fsw.guidance,
         goal,
+        own,
     )
+    replace_bank(external, onboard.guidance.entry.bank_rate, command.bank, dt, goal)
+    replace_thrust(external, onboard.guidance.powered, state, nav.t, goal)
     command_angles_and_engine(vehicle, goal, state, command)
     if k % rates.control_every != 0:
         return
@@ -136,12 +163,8 @@ def run(onboard, sensed, k, fsw):
         fsw.estimation,
         disturbance,
     )
-    state.thrust_lost = engine_shortfall(
-        onboard.estimation.engine_shortfall,
-        commanded_thrust(vehicle, nav.t, state, command),
-        -disturbance.unexplained[0],
-        control_dt,
-        fsw.estimation.engine_shortfall,
+    believe_thrust(
+        onboard.estimation, vehicle, nav.t, disturbance, command, control_dt, fsw.estimation, state
     )
 
     # fault isolation
@@ -161,6 +184,7 @@ def run(onboard, sensed, k, fsw):
         healthy,
         command.shut,
     )
+    replace_health(external, count, healthy)
 
     checking = under_check_out(onboard.check_out, fsw.mission.phase, fsw.check_out)
     if checking and fsw.diagnosis.leak.branch != NONE:
@@ -191,10 +215,12 @@ def run(onboard, sensed, k, fsw):
         torque, error = attitude_control(
             phase.control, onboard.control, nav, goal, fsw.control.inputs, control_dt, fsw.control.law
         )
-        compose_demand(phase, vehicle, state.ignited, healthy, nav, goal, torque, error, fsw.demand)
+        torque = replace_torque(external, torque, own)
+        compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, fsw.demand)
 
         # allocation
         allocate(onboard.allocation, vehicle, healthy, fsw.effectiveness, fsw.demand, fsw.allocation)
+        replace_duties(external, count, fsw.allocation.duty, own)
 
         # modulation
         modulate(

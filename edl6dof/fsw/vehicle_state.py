@@ -19,10 +19,9 @@ ENGINE_ABILITY = np.dtype(
         ("throttle_min", "f8"),  # N
         ("throttle_max", "f8"),  # N
         ("specific_impulse", "f8"),  # s, at full thrust
-        (
-            "axial",
-            "f8",
-        ),  # share of an engine's thrust along -x of B, which the others count; 1 of those together
+        ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
+        # share of an engine's thrust along -x of B, which the others count; 1 of those together
+        ("axial", "f8"),
     ],
     align=True,
 )
@@ -37,7 +36,8 @@ VEHICLE_STATE = np.dtype(
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-        ("engine", ENGINE_ABILITY),  # of them together, less that
+        ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
+        ("engine", ENGINE_ABILITY),  # of them together, less what is missing
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],
     align=True,
@@ -92,7 +92,7 @@ def take_together(engines, count, state):
     """What those of ``count`` ``engines`` that burn can do together, less what is believed to be missing;
     their specific impulse is the mean that uses the propellant that all use.
     """
-    full = low = high = flow = 0.0
+    full = low = high = flow = by_thrusters = 0.0
     left = 1.0 - state.thrust_lost
     for i in range(count):
         if state.burning[i] != 0:
@@ -101,10 +101,12 @@ def take_together(engines, count, state):
             low += one.throttle_min
             high += one.throttle_max
             flow += one.full_thrust / one.specific_impulse
+            by_thrusters += one.by_thrusters * one.full_thrust
     state.ignited = 1 if full > 0.0 else 0
     state.engine.full_thrust = left * full
     state.engine.throttle_min, state.engine.throttle_max = left * low, left * high
     state.engine.specific_impulse = full / flow if full > 0.0 else 0.0
+    state.engine.by_thrusters = by_thrusters / full if full > 0.0 else 0.0
     state.engine.axial = 1.0
 
 
@@ -140,7 +142,7 @@ def count_propellant(vehicle, thrust, command, dt, control_dt, state):
     """
     used = 0.0
     if state.ignited != 0:
-        used = thrust / state.engine.specific_impulse
+        used = thrust * (1.0 - state.engine.by_thrusters) / state.engine.specific_impulse
     for i in range(vehicle.n_thrusters):
         on = command.closes[i] - command.opens[i]
         if on > 0.0:

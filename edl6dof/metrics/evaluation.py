@@ -100,7 +100,7 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["parachute_s"] = t
         names = (
             *("mach", "dynamic_pressure_pa", "total_alpha_deg"),
-            *("altitude_m", "height_above_areoid_m", "height_m"),
+            *("altitude_m", "height_above_areoid_m", "height_m", "speed_m_s"),
         )
         values = telemetry.at(t, *(f"truth.{name}" for name in names))
         figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})
@@ -115,6 +115,8 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["parachute_duration_s"] = when["backshell"] - when["mortar"]
     if "backshell" in when and "touchdown" in when:
         figures["powered_duration_s"] = when["touchdown"] - when["backshell"]
+    if "ignition" in when and (over := [when[end] for end in ("cut_off", "touchdown") if end in when]):
+        figures["engine_burn_s"] = min(over) - when["ignition"]
     if "backshell" in when and begun(HOVER_IMAGING) in when:
         figures["powered_deceleration_s"] = when[begun(HOVER_IMAGING)] - when["backshell"]
     return figures

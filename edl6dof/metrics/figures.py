@@ -110,6 +110,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     FigureOfMerit("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
     FigureOfMerit("powered_deceleration_s", "time in powered deceleration", "events"),
     FigureOfMerit("powered_duration_s", "time in powered descent", "events"),
+    FigureOfMerit("engine_burn_s", "engine lit", "events"),
     FigureOfMerit("max_attitude_error_powered_deg", "peak attitude error under power", "telemetry"),
     FigureOfMerit("max_rate_powered_deg_s", "peak body rate under power", "telemetry"),
     FigureOfMerit("max_roll_error_powered_deg", "peak roll error under power", "telemetry"),
@@ -154,6 +155,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         "landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"
     ),
     FigureOfMerit("parachute_nav_position_m", "error of the estimated position at mortar fire", "events"),
+    FigureOfMerit("backshell_nav_attitude_deg", "error of the estimated attitude at backshell release", "events"),
+    FigureOfMerit("backshell_told_height_m", "height on board at backshell release", "events"),
     FigureOfMerit("ignition_nav_height_m", "error of the estimated height at ignition", "events"),
     FigureOfMerit("ignition_nav_velocity_m_s", "error of the estimated velocity at ignition", "events"),
     FigureOfMerit("touchdown_nav_height_m", "error of the estimated height at touchdown", "events"),

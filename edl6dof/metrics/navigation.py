@@ -10,10 +10,12 @@ _POSITION = ("nav.error_north_m", "nav.error_east_m", "nav.error_down_m")
 _VELOCITY = ("nav.error_v_north_m_s", "nav.error_v_east_m_s", "nav.error_v_down_m_s")
 #: A rotation about the vertical leaves the vertical where it is.
 _VERTICAL = ("nav.error_attitude_north_deg", "nav.error_attitude_east_deg")
+_ATTITUDE = (*_VERTICAL, "nav.error_attitude_down_deg")
 
 
 def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
-    """Errors of the estimate at mortar fire, ignition and just before touchdown, as far as the flight came.
+    """Errors of the estimate at mortar fire, ignition, backshell release and just before touchdown, as far as
+    the flight came.
 
     Args:
         telemetry: its rows.
@@ -22,6 +24,9 @@ def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str
     figures: dict[str, float] = {}
     if (t := when.get("mortar")) is not None:
         figures["parachute_nav_position_m"] = hypot(*telemetry.at(t, *_POSITION))
+    if (t := when.get("backshell")) is not None:
+        figures["backshell_nav_attitude_deg"] = hypot(*telemetry.at(t, *_ATTITUDE))
+        figures["backshell_told_height_m"] = sum(telemetry.at(t, "truth.height_m", "nav.error_height_m"))
     if (t := when.get("ignition")) is not None:
         figures.update(_height_and_velocity("ignition", telemetry, t))
     if (t := when.get("touchdown")) is not None:

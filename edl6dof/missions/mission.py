@@ -15,7 +15,7 @@ from edl6dof.config.document.source import Document, parse_document, read_docume
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.published import Beside, PublishedFigure, published_figures
-from edl6dof.scenario.schema import CALIBRATION
+from edl6dof.scenario.loading import CALIBRATION
 from edl6dof.studies.study import Progress
 
 PUBLISHED, CAMPAIGN = "published", "campaign"

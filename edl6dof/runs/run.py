@@ -16,6 +16,7 @@ from edl6dof.config.errors import refusal
 from edl6dof.manifest import Manifest
 from edl6dof.runs.contents import Content, Event, Summary, parsed
 from edl6dof.runs.landing_map_file import LANDING_MAP, read_landing_map
+from edl6dof.telemetry.columns import UnknownChannel
 from edl6dof.telemetry.landing_map import LandingMap
 from edl6dof.telemetry.timeline import first_times
 
@@ -102,7 +103,7 @@ class Run(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
             if name not in self:
-                raise KeyError(name)
+                raise UnknownChannel(name, self)
             # to_numpy of arrow would import pandas, a tenth of a second
             parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
             self._columns[name] = np.concatenate(parts)

@@ -29,6 +29,7 @@ from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
 from edl6dof.vehicle.parachutes.parachute import SUSPENSION
 from edl6dof.vehicle.propulsion.branches import fill_branches
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.vehicle import VehicleParams, fill_suspension
 
 #: Sections of the flight software that stand in the record as they are.
@@ -61,6 +62,8 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     software = scenario.flight_software
     for name in FILLED:
         fill(record[name], getattr(software, name))
+    entry, shared = software.guidance.entry, record["guidance"]["entry"]
+    shared["heading"]["speed"], shared["bank_min"] = entry.heading_below_m_s, radians(entry.least_bank_deg)
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     sensors = scenario.sensors_in_flight
@@ -150,6 +153,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
         slot["specific_impulse"] = axial * engine.full_specific_impulse_s
         slot["throttle_min"] = axial * engine.throttle_min_n
         slot["throttle_max"] = axial * engine.throttle_max_n
+        slot["by_thrusters"] = 1.0 if engine.model == thruster_set.NAME else 0.0
     record["n_thrusters"] = len(vehicle.rcs.thrusters)
     for slot, jet in zip(record["thrusters"], vehicle.rcs.thrusters, strict=False):
         slot["position"], slot["direction"] = jet.position_m, jet.direction

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import hypot
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from edl6dof.config.model_paths import changed_fields
 from edl6dof.environment.landing_area.params import landing_area_problems
@@ -17,11 +17,9 @@ from edl6dof.fsw.hazard.footprint import MAX_RADIUS
 from edl6dof.fsw.navigation.filters.registry import NAVIGATION_FILTERS
 from edl6dof.metrics.published import published_problems
 from edl6dof.scenario.events import event_problems, quantity_problems, way_problems
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.vehicle.faults.fault import fault_problems
-
-if TYPE_CHECKING:
-    from edl6dof.scenario.schema import Scenario
 
 
 class CrossCheck(NamedTuple):

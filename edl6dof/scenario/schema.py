@@ -3,20 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cache
 from math import radians
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Capacity, Params, group, param, section, stated
-from edl6dof.config.document.overrides import apply_overrides, with_values
-from edl6dof.config.document.source import Document, read_document, resolve_scenario
-from edl6dof.config.errors import ConfigError, Problem
-from edl6dof.config.validate import refuse, validate
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import AtmosphereParams
 from edl6dof.environment.place import Place
@@ -25,15 +17,9 @@ from edl6dof.environment.terrain import TerrainParams
 from edl6dof.environment.wind import WindParams
 from edl6dof.fsw.mission.phases import MissionParams
 from edl6dof.fsw.onboard import FlightSoftwareParams
-from edl6dof.interchange.vehicle import expand_daveml
 from edl6dof.interface.capacities import MAX_FAULTS
 from edl6dof.metrics.published import PublishedFigure
-from edl6dof.plugins import require
-from edl6dof.scenario.cross_checks import section_problems
-from edl6dof.scenario.data_files import file_problems
 from edl6dof.scenario.initial import InitialState
-from edl6dof.scenario.mesh_paths import with_whole_paths
-from edl6dof.scenario.plugin_trial import try_out
 from edl6dof.sensors.registry import SensorParams, instrument_names
 from edl6dof.vehicle.faults.component import Component, vehicle_components
 from edl6dof.vehicle.faults.fault import FaultParams
@@ -119,6 +105,9 @@ class LimitParams(Params):
     )
     body_rate_deg_s: float = param(
         300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0
+    )
+    powered_tilt_deg: float = param(
+        90.0, "tilt from the vertical with an engine burning beyond which attitude is lost", gt=0.0, le=180.0
     )
     total_alpha_deg: float = param(
         60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
@@ -273,106 +262,3 @@ class Scenario(Params):
     def steps_per_cycle(self) -> int:
         """Integration steps in one base cycle of the flight software."""
         return round(1.0 / self.flight_software.rates.base_hz / self.simulation.step_s)
-
-
-@dataclass(frozen=True)
-class LoadedScenario:
-    """A validated scenario with where it came from.
-
-    Attributes:
-        scenario: the nominal: what the flight computer was told.
-        truth: the same with the ``truth`` section applied: what the plant is built from.
-        document: the files it was read from, with the place and status of every value.
-    """
-
-    scenario: Scenario
-    truth: Scenario
-    document: Document
-
-
-#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and
-#: what befalls it.
-TRUE_SECTIONS = (
-    *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
-    *("point_mass", "sensors", "faults", "seed", "profile"),
-)
-#: Parameters in them that no flight depends on.
-_LABELS = re.compile(
-    r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
-)
-
-
-@cache
-def truth_problem(path: str) -> str:
-    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
-    path.
-    """
-    section = path.strip().partition(".")[0]
-    if section not in Scenario.model_fields:
-        return ""
-    if section not in TRUE_SECTIONS:
-        return (
-            f"{section} is no part of the true world or vehicle: set it itself; truth may change "
-            f"{', '.join(TRUE_SECTIONS)}"
-        )
-    return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
-
-
-def check_document(document: Document) -> LoadedScenario:
-    """Validate a document, and its truth where that differs.
-
-    Raises:
-        ConfigError: with every problem found.
-    """
-    require(document)
-    try_out()
-    scenario = _checked(document)
-    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
-    if wrong:
-        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
-    if not scenario.truth:
-        return LoadedScenario(scenario, scenario, document)
-    true = with_values(document, scenario.truth, Scenario, lambda path: document.mark(("truth", path)))
-    return LoadedScenario(scenario, _checked(true), document)
-
-
-def _checked(document: Document) -> Scenario:
-    """The scenario of a document: its values, how they fit together, and its tables."""
-    scenario = validate(Scenario, document)
-    refuse(document, {**section_problems(scenario), **file_problems(scenario)})
-    return scenario
-
-
-#: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
-#: the one that says what is uncertain in it.
-CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
-CALIBRATION = "calibration"
-
-
-def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
-    """Read, override and validate a scenario file, or a shipped scenario by name.
-
-    Raises:
-        ConfigError: with every problem found.
-    """
-    return load_document(read_document(resolve_scenario(str(name_or_path))), overrides)
-
-
-def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedScenario:
-    """Override and validate a document, without its sections about campaigns.
-
-    Raises:
-        ConfigError: with every problem found.
-    """
-    overrides = list(overrides)
-    late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
-    if late:
-        raise ConfigError(
-            Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
-        )
-    for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
-        document.data.pop(name, None)
-        document.forget((name,))
-    document = with_whole_paths(expand_daveml(document))
-    changed = apply_overrides(document, overrides, Scenario)
-    return check_document(with_whole_paths(expand_daveml(changed)))

@@ -21,7 +21,7 @@ from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.onboard import ControlParams, EntryGuidanceParams, PoweredGuidanceParams
-from edl6dof.scenario.schema import LoadedScenario, check_document
+from edl6dof.scenario.loading import LoadedScenario, check_document
 from edl6dof.sensors.registry import SENSOR_FAMILY, SensorParams
 from edl6dof.vehicle.parachutes.models.registry import PARACHUTE_MODELS
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams

@@ -9,32 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.document.source import parse_document
-from edl6dof.config.dtype import duplicate
-from edl6dof.config.dump import dump_resolved
 from edl6dof.fsw.mission.roles import during
 from edl6dof.metrics.diagnosis import IsolatedFault, isolated_faults
 from edl6dof.metrics.evaluation import Check, checks
 from edl6dof.metrics.exclusions import Exclusion, exclusions
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
-from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
 from edl6dof.sim.figures import figures_of
 from edl6dof.sim.finiteness import first_cause
 from edl6dof.sim.happened import happened
-from edl6dof.sim.loop import fly as fly_cycles
-from edl6dof.sim.loop import prepare, take_up
 from edl6dof.sim.outcome import FLYING, LANDED, NOT_FINITE
 from edl6dof.sim.termination import Termination, goal_code, termination
-from edl6dof.telemetry.channels import BRIEF, TICK
+from edl6dof.sim.underway import Underway, continue_from, log_rows, resolved_text
 from edl6dof.telemetry.columns import Telemetry
 from edl6dof.telemetry.landing_map import LandingMap, landing_map
 from edl6dof.telemetry.timeline import timeline
-from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
 
 if TYPE_CHECKING:
-    import pandas
     from pyquaternion import Quaternion
 
 #: Flight time between two calls of ``progress``, and between two chances to interrupt a flight without it.
@@ -44,7 +37,7 @@ CHUNK_S, QUIET_CHUNK_S = 5.0, 50.0
 Progress = Callable[[float, float, str, float, float], None]
 
 
-@dataclass
+@dataclass(repr=False)
 class Flight:
     """One finished flight.
 
@@ -77,6 +70,10 @@ class Flight:
     flown_cycles: int = 0
     saved: State | None = field(default=None, repr=False)
     not_finite: str | None = None
+
+    def __repr__(self) -> str:
+        rows = f"{len(self.log)} rows of telemetry"
+        return f"<Flight {self.name}: {self.outcome} at t = {self.time_s:.1f} s, {rows}>"
 
     @property
     def scenario(self) -> Scenario:
@@ -210,34 +207,6 @@ class Flight:
             else before
         )
 
-    def to_pandas(self) -> pandas.DataFrame:
-        """Telemetry as a data frame indexed by time.
-
-        Raises:
-            ImportError: pandas is not installed.
-        """
-        import pandas
-
-        return pandas.DataFrame(dict(self.telemetry)).set_index("t_s")
-
-
-def resolved_text(loaded: LoadedScenario) -> str:
-    """Resolved scenario with the package version on top."""
-    from edl6dof import __version__
-
-    words = "every default written out; flying this file repeats the flight bit for bit"
-    header = [f"resolved by edl6dof {__version__}: {words}"]
-    return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
-
-
-def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenario:
-    """The scenario a saved state belongs to."""
-    from edl6dof.config.document.overrides import apply_overrides
-
-    return check_document(
-        apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
-    )
-
 
 def fly(
     loaded: LoadedScenario,
@@ -262,71 +231,47 @@ def fly(
     Raises:
         ConfigError: the state does not fit the scenario.
     """
-    scenario = loaded.scenario
-    with flight_software_beside(scenario) as members:
-        case, tables, onboard = parts or records.build_records(loaded)
-        outputs, work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
-        if start is None:
-            plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
-            peaks, sensors, cycle = records.initial_peaks(), records.initial_sensors(), 0
-            prepare(case, plant)
-        else:
-            start.check_fits(scenario)
-            plant, fsw = duplicate(start.plant), duplicate(start.fsw)
-            peaks, sensors, cycle = duplicate(start.peaks), duplicate(start.sensors), start.cycle
-            take_up(case, plant, fsw)
-        if log is None:
-            # zeroed pages cost memory only once they are written, so the log may be as long as the longest
-            # flight allowed
-            log = np.zeros(log_rows(loaded, cycle), TICK)
-        logs = (log, np.zeros(0, BRIEF)) if log.dtype == TICK else (np.zeros(0, TICK), log)
-        state = (case, onboard, tables, plant, outputs, peaks, work, sensors, fsw)
-        if members is not None:
-            compile_loop(members, *state, cycle, cycle, scenario.steps_per_cycle, *logs, 0)
-    base = scenario.flight_software.rates.base_hz
-    stop = max(_last_cycle(loaded), cycle) + 1
+    flight = Underway(loaded, start, parts, log)
+    base = loaded.scenario.flight_software.rates.base_hz
+    stop = max(flight.last_cycle, flight.cycle) + 1
     save_cycle = round(save_at_s * base) if save_at_s is not None else -1
     chunk = round((QUIET_CHUNK_S if progress is None else CHUNK_S) * base)
-    first, code, saved, rows = cycle, FLYING, None, 0
-    while code == FLYING and cycle < stop:
-        if cycle == save_cycle:
-            held = duplicate(plant), duplicate(peaks), duplicate(sensors), duplicate(fsw)
-            saved = State(cycle, *held, resolved_text(loaded))
-        end = min(cycle + chunk, stop)
-        if cycle < save_cycle:
+    saved = None
+    while flight.code == FLYING and flight.cycle < stop:
+        if flight.cycle == save_cycle:
+            saved = flight.state()
+        end = min(flight.cycle + chunk, stop)
+        if flight.cycle < save_cycle:
             end = min(end, save_cycle)
-        code, flown, new = fly_cycles(*state, cycle, end, scenario.steps_per_cycle, *logs, rows)
-        rows += new
-        cycle += flown
+        flight.advance(end - flight.cycle)
         if progress is not None:
-            _report(progress, scenario, plant, outputs, fsw)
-    wrong = (
-        first_cause(plant, outputs, work, sensors, fsw) if code != goal_code(scenario.mission.goal) else None
-    )
+            _report(progress, loaded.scenario, flight.plant, flight.outputs, flight.fsw)
+    return flight_of(flight, saved)
+
+
+def flight_of(underway: Underway, saved: State | None = None) -> Flight:
+    """What has become of a flight, with the telemetry since it began; the records stay its own."""
+    loaded, code = underway.loaded, underway.code
+    wrong = None
+    if code != goal_code(loaded.scenario.mission.goal):
+        changing = underway.plant, underway.outputs, underway.work, underway.sensors, underway.fsw
+        wrong = first_cause(*changing)
+    site = underway.onboard["site"]
     return Flight(
         loaded,
-        case,
-        tables,
-        plant,
-        outputs,
-        peaks,
-        fsw,
-        log[:rows],
-        (float(onboard["site"]["aim_latitude"][0]), float(onboard["site"]["aim_longitude"][0])),
+        underway.case,
+        underway.tables,
+        underway.plant,
+        underway.outputs,
+        underway.peaks,
+        underway.fsw,
+        underway.log[: underway.rows],
+        (float(site["aim_latitude"][0]), float(site["aim_longitude"][0])),
         NOT_FINITE if wrong else code,
-        cycle - first,
+        underway.cycle - underway.first,
         saved,
         wrong,
     )
-
-
-def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:
-    """Rows of telemetry that the longest flight allowed can fill, from a base cycle on."""
-    return max(_last_cycle(loaded) + 1 - first_cycle, 1) // loaded.truth.simulation.log_every + 2
-
-
-def _last_cycle(loaded: LoadedScenario) -> int:
-    return int(np.ceil(loaded.truth.simulation.time_limit_s * loaded.scenario.flight_software.rates.base_hz))
 
 
 def _report(
@@ -343,4 +288,4 @@ def _report(
     )
 
 
-__all__ = ["Flight", "Progress", "continue_from", "fly", "resolved_text"]
+__all__ = ["Flight", "Progress", "continue_from", "flight_of", "fly", "log_rows", "resolved_text"]

@@ -40,11 +40,19 @@ def take_up(cases, plants, memories):
 
 
 @kernel
+def look(cases, tables_, plants, outputs_, works):
+    """Make the outputs those of the present state: a step leaves them at its last stage."""
+    case, tables, plant, outputs = cases[0], tables_[0], plants[0], outputs_[0]
+    evaluate(case, tables, plant, outputs, works[0])
+    survey(case, tables, plant, outputs)
+
+
+@kernel
 def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
-    """Log the present state as row ``row`` of the one of the two logs that is not empty."""
+    """Log the present state as row ``row`` of the one of the two logs that is not empty, if one is not."""
     if len(log) > 0:
         record(case, plant, outputs, sensed, fsw, log[row])
-    else:
+    elif len(brief) > 0:
         record_brief(case, plant, outputs, fsw, brief[row])
 
 
@@ -56,9 +64,9 @@ def fly(
     """Fly base cycles ``first .. last - 1``; returns (outcome code, cycles flown, rows logged).
 
     All arguments but the counters are record arrays of length one, except ``log`` and ``brief``, of which one
-    is empty and the other has a row for each logged cycle.  Cycle ``k`` starts at ``k / base rate``; a row is
-    logged every ``simulation.log_every`` cycles, and the last state always.  A step that fails is undone: the
-    last state is the one before it.
+    is empty and the other has a row for each logged cycle; with both empty nothing is logged.  Cycle ``k``
+    starts at ``k / base rate``; a row is logged every ``simulation.log_every`` cycles, and the last state
+    always.  A step that fails is undone: the last state is the one before it.
     """
     case, onboard, tables, plant = cases[0], onboards[0], tables_[0], plants[0]
     outputs, peaks, work = outputs_[0], peaks_[0], works[0]
@@ -95,3 +103,24 @@ def fly(
                 return NOT_FINITE, k - first, rows
         step_debris(case, tables, plant, t, cycle)
     return FLYING, last - first, rows
+
+
+@kernel
+def fly_each(
+    cases, onboards, tables_, plants, outputs_, peaks_, works, sensors_, memories,
+    cycles, outcomes, count, steps, log, brief,
+):  # fmt: skip
+    """Fly ``count`` base cycles of each of several flights that still fly, as :func:`fly` does one.
+
+    All record arrays have an element for each flight, but ``tables_``, which they share, and ``log`` and
+    ``brief``, which are empty.  ``cycles``, the base cycle that each is at, and ``outcomes``, its outcome
+    code, are updated.
+    """
+    for i in range(len(plants)):
+        if outcomes[i] == FLYING:
+            outcomes[i], flown, _ = fly(
+                cases[i : i + 1], onboards[i : i + 1], tables_, plants[i : i + 1], outputs_[i : i + 1],
+                peaks_[i : i + 1], works[i : i + 1], sensors_[i : i + 1], memories[i : i + 1],
+                cycles[i], cycles[i] + count, steps, log, brief, 0,
+            )  # fmt: skip
+            cycles[i] += flown

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import acos, cos, isfinite, sqrt
+from math import acos, isfinite, sqrt
 
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
@@ -78,7 +78,7 @@ def outcome_of(case, plant, outputs):
             return LOST_ATTITUDE
     if burning(plant):
         q = (y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3])
-        if cos(tilt(case, t, q, out)) < 0.0:
+        if tilt(case, t, q, out) > limits.powered_tilt:
             return LOST_ATTITUDE
     if out.altitude > case.initial.altitude + limits.skip_out:
         return SKIPPED_OUT

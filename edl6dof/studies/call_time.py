@@ -13,8 +13,8 @@ from edl6dof.fsw.guidance.command import GUIDE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.jit import kernel
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
-from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import fly
 
 #: Flight times (s) at which calls are timed, and how often each.

@@ -7,10 +7,23 @@ from functools import lru_cache
 
 import numpy as np
 
+from edl6dof.config.wording import nearest as nearest_name
 from edl6dof.records import offset
 from edl6dof.telemetry.channels import BRIEF, BRIEF_CHANNELS, CHANNELS, Channel
 from edl6dof.telemetry.extremes import fastest_turns, largest, longest, nearest, rows_of_words
 from edl6dof.vehicle.plant import THRUSTER_KINDS
+
+
+class UnknownChannel(KeyError):
+    """A column that a flight does not have, with the one that was probably meant."""
+
+    def __init__(self, name: str, known: Iterable[str]):
+        super().__init__(name)
+        self._name, self._known = name, known
+
+    def __str__(self) -> str:
+        near = nearest_name(self._name, self._known)
+        return f"no channel {self._name!r}" + (f"; did you mean {near!r}?" if near else "")
 
 
 class Telemetry(Mapping[str, np.ndarray]):
@@ -39,6 +52,8 @@ class Telemetry(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         place = self._places.get(name)
         if place is None:
+            if name not in self._named:
+                raise UnknownChannel(name, self)
             field, index = self._named[name]
             return self._log[field][:, index]
         group, field, from_si = place

@@ -27,6 +27,7 @@ from edl6dof.vehicle.mass import MassParams, Part, Tank, lander_problem
 from edl6dof.vehicle.parachutes.parachute import ParachuteParams
 from edl6dof.vehicle.propulsion.branches import branch_problems
 from edl6dof.vehicle.propulsion.engine import EngineParams
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
 
@@ -57,6 +58,12 @@ class VehicleParams(Hardware):
         "DAVE-ML files that give mass and aero; what the YAML states itself goes before them",
         record=False,
         factory=list,
+    )
+    daveml_inputs: dict[str, float] = param(
+        None,
+        "what those files are given besides the flow, such as deflections: by name, in their units",
+        record=False,
+        factory=dict,
     )
     nose_radius_m: float = param(
         0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0
@@ -117,9 +124,27 @@ class VehicleParams(Hardware):
                 problems[f"engines.{k}.throttle_max_n"] = words
             if engine.group in [other.name for other in self.engines]:
                 problems[f"engines.{k}.group"] = f"must not be the name of an engine (got {engine.group!r})"
+        problems |= self._thruster_set_problems()
         if problems:
             raise Inconsistent(problems)
         return self
+
+    def _thruster_set_problems(self) -> dict[str, str]:
+        """An engine of thrusters that has none, another thrust than theirs, or a place before other engines,
+        by dotted key.
+        """
+        sets = [k for k, engine in enumerate(self.engines) if engine.model == thruster_set.NAME]
+        axial = sum(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
+        problems = {}
+        for k in sets:
+            full = self.engines[k].full_thrust_n
+            if abs(full - axial) > 0.01 * full:
+                problems[f"engines.{k}.full_thrust_n"] = (
+                    f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
+                )
+        if sets and (len(sets) > 1 or sets[0] != len(self.engines) - 1):
+            problems["engines"] = f"at most one is a {thruster_set.NAME}, the last of the list"
+        return problems
 
     def _feed_problems(self) -> dict[str, str]:
         """Tanks that engines or thrusters name and that do not exist, by dotted key."""

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.export.nesc import check_case_table
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_tables
-from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import fly
 
 DATA = Path(__file__).resolve().parents[1] / "data" / "nesc"

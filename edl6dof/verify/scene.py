@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.sim.loop import prepare

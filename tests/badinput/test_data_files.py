@@ -73,7 +73,7 @@ BROKEN = {
 }
 
 
-def load(kind: str, path: Path) -> edl6dof.scenario.schema.LoadedScenario:
+def load(kind: str, path: Path) -> edl6dof.scenario.loading.LoadedScenario:
     overrides = [f"{KEYS[kind]}={path}"] + (["wind.model=none"] if kind == "atmosphere" else [])
     return edl6dof.load("tianwen1", overrides)
 
@@ -133,7 +133,7 @@ def test_table_that_does_not_fit_with_the_damping_is_refused_at_the_capsule(tmp_
 
 def test_resolved_scenario_and_saved_state_go_through_the_same_check(tmp_path):
     from edl6dof.config.document.source import parse_document
-    from edl6dof.scenario.schema import check_document
+    from edl6dof.scenario.loading import check_document
     from edl6dof.sim.flight import resolved_text
 
     text = resolved_text(edl6dof.load("tianwen1")).replace(

@@ -25,7 +25,7 @@ from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 #: Falls that last a moment: two thrusters, three kinds of fault, four moments.
 WORDS = ("--at", "0.5,every 0.5", "--kinds", "all", "--components", "A1,D3", "--workers", "1")

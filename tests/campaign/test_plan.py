@@ -10,7 +10,7 @@ import pytest
 
 from edl6dof.campaign.design.plan import load_plan, parse_plan
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 NOMINAL_KG = load_scenario("tianwen1").scenario.vehicle.mass.entry_kg
 HEAD = "extends: tianwen1\nname: test\ncampaign:\n  cases: 40\n  seed: 5\n"

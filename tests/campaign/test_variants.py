@@ -19,7 +19,8 @@ from edl6dof.scenario import records
 from edl6dof.scenario.belief import believe
 from edl6dof.scenario.case import CASE, CASE_PARTS
 from edl6dof.scenario.cross_checks import CROSS_CHECKS
-from edl6dof.scenario.schema import Scenario, check_document
+from edl6dof.scenario.loading import check_document
+from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.aerodynamics.table import FLOWN, AeroInputs, aero_inputs, build_aero_table
 
 CASES = {

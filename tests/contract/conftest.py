@@ -4,9 +4,9 @@ import pytest
 from onboard_states import states
 
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 
 
 @pytest.fixture(scope="session")

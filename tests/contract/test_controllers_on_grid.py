@@ -11,6 +11,7 @@ from pyquaternion import Quaternion
 from edl6dof.fsw.allocation.demand import DEMAND, compose_demand
 from edl6dof.fsw.control.inputs import CONTROL_INPUTS
 from edl6dof.fsw.control.registry import CONTROLLERS, attitude_control
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 
 def demand_of(index, onboard, nav, goal, configuration, cycles=3):
@@ -21,7 +22,17 @@ def demand_of(index, onboard, nav, goal, configuration, cycles=3):
     for _ in range(cycles):
         torque, error = attitude_control(index, onboard[0]["control"], nav, goal, inputs, 0.04, memory)
     phase, demand = onboard[0]["mission"]["phases"][0], np.zeros(1, DEMAND)[0]
-    compose_demand(phase, onboard[0]["vehicle"], 0, np.ones(32, "i8"), nav, goal, torque, error, demand)
+    compose_demand(
+        phase,
+        onboard[0]["vehicle"],
+        np.zeros(1, VEHICLE_STATE)[0],
+        np.ones(32, "i8"),
+        nav,
+        goal,
+        torque,
+        error,
+        demand,
+    )
     return np.array(demand["wrench"]), np.array(error)
 
 

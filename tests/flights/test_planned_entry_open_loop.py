@@ -9,9 +9,9 @@ import pytest
 
 import edl6dof
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 
 ENTRY = "flight_software.guidance.entry"
 #: The air of the day as the climate has it, which is all that is known before the flight.

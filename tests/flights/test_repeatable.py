@@ -9,7 +9,7 @@ import pytest
 
 import edl6dof
 from edl6dof.config.document.source import parse_document
-from edl6dof.scenario.schema import check_document
+from edl6dof.scenario.loading import check_document
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import continue_from, fly
 

@@ -30,10 +30,10 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 
 from campaign_run import write_drop
 
+from edl6dof.api.reports import report_of
 from edl6dof.app import campaign_flight
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.app.exit_status import INTERRUPTED
-from edl6dof.app.report import report_of
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import CaseRunner
 from edl6dof.campaign.rows import table_of

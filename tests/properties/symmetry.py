@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly
 from edl6dof.sim.outcome import TIME_LIMIT
 from edl6dof.vehicle.plant import HEAT

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.loop import prepare
 from edl6dof.vehicle.motion.body import derivatives
 from edl6dof.vehicle.plant import (

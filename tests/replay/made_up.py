@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from edl6dof.replay.views.spatial import TIMELINE
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.telemetry.channels import CHANNELS
 
 MORTAR, FAILURE, DIAGNOSIS, SHIELD, SHELL, END = 6.0, 8.0, 9.0, 10.0, 14.0, 20.0

@@ -14,7 +14,7 @@ from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.site import Site
 from edl6dof.replay.scene.sun import ANYWHERE, light, towards_sun
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 pytest.importorskip("rerun")
 

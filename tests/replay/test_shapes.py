@@ -14,7 +14,7 @@ from edl6dof.replay.scene import aeroshell, lander
 from edl6dof.replay.scene.canopy import canopy
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.scene.outline import outline
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
 pytest.importorskip("rerun")

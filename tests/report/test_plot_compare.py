@@ -17,9 +17,9 @@ from PIL import Image, ImageChops
 
 from edl6dof import cli
 from edl6dof.app.compare import MOST
-from edl6dof.app.plot import channel_plot, chosen
 from edl6dof.config.errors import ConfigError
 from edl6dof.manifest import seal
+from edl6dof.report.channels import channel_plot, chosen
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.flight.overlay import comparison_report, differences_table, figures_table
@@ -111,7 +111,7 @@ def test_broken_telemetry_is_refused_in_one_line(run, tmp_path, capsys, monkeypa
 
 
 def test_plot_puts_channels_of_one_unit_into_one_panel(run):
-    channels = chosen(run, ["truth.rate_?_deg_s", "truth.mach", "guide.bank_deg"])
+    channels = chosen(run, ["truth.rate_?_deg_s", "truth.mach", "guide.bank_deg"], run.folder)
     figure = channel_plot(run, channels, "t_s", run.t < 100.0)
     assert [[trace.name for trace in panel.traces] for panel in figure.panels] == [
         ["truth.rate_p_deg_s", "truth.rate_q_deg_s", "truth.rate_r_deg_s"],
@@ -123,9 +123,9 @@ def test_plot_puts_channels_of_one_unit_into_one_panel(run):
 
 def test_plot_names_what_was_meant(run):
     with pytest.raises(ConfigError, match=r"did you mean 'truth\.rate_\*'"):
-        chosen(run, ["truth.rate_"])
+        chosen(run, ["truth.rate_"], run.folder)
     with pytest.raises(ConfigError, match=r"did you mean 'truth\.mach'"):
-        chosen(run, ["truth.mac"])
+        chosen(run, ["truth.mac"], run.folder)
 
 
 def test_plot_writes_what_the_ending_says(run, tmp_path, capsys, monkeypatch):

@@ -12,7 +12,7 @@ import edl6dof
 from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import target_rate
 from edl6dof.manifest import seal
-from edl6dof.report.flight import actuators, flows, phase_planes, site, trajectory
+from edl6dof.report.flight import actuators, corridor, flows, phase_planes, site
 from edl6dof.report.flight.build import flight_report
 from edl6dof.report.plotly_figure import plotly_figure
 from edl6dof.runs.results import write_run
@@ -77,9 +77,9 @@ def test_path_rate_is_gravity_and_lift_over_speed(run):
 
 def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     """Put the drag of each border back into density: there the limited quantity must be the limit."""
-    entry = trajectory.entry_state(run)
+    entry = corridor.entry_state(run)
     limit = run.scenario["limits"]
-    borders = {border.name.partition(" ")[0]: border.drag for border in trajectory.borders(run, entry)}
+    borders = {border.name.partition(" ")[0]: border.drag for border in corridor.borders(run, entry)}
     pressure = borders["dynamic"] / entry.drag_per_pressure
     assert pressure == pytest.approx(limit["entry_dynamic_pressure_pa"])
     density = 2.0 * borders["heat"] / entry.drag_per_pressure / entry.speed**2
@@ -88,12 +88,12 @@ def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     assert flux[i] * np.sqrt(density) * entry.speed**3 == pytest.approx(
         limit["entry_heat_flux_w_cm2"], rel=1e-3
     )
-    load = borders["load"] * entry.load_per_pressure / entry.drag_per_pressure / trajectory.G0
+    load = borders["load"] * entry.load_per_pressure / entry.drag_per_pressure / corridor.G0
     assert load == pytest.approx(limit["entry_load_g0"])
 
 
 def test_drag_from_forces_is_what_the_flight_computer_measures(run):
-    drag, _ = trajectory.aerodynamic_accelerations(run)
+    drag, _ = corridor.aerodynamic_accelerations(run)
     hot = run["truth.dynamic_pressure_pa"] > 1500.0
     assert np.median(np.abs(drag[hot] / run["nav.drag_m_s2"][hot] - 1.0)) < 0.01
 

@@ -13,7 +13,7 @@ from edl6dof.fsw.control.zones import AXIS, ZoneParams, follow
 from edl6dof.fsw.estimation.estimators.first_order import FirstOrderParams, estimate
 from edl6dof.fsw.estimation.registry import DISTURBANCE, MEASURED
 from edl6dof.fsw.estimation.update import unexplained_torque
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.studies.attitude_loops import Loop, flown_loops, margins
 
 FINE = {"cycle": 1e-4, "valve_lag": 0.0, "sensor_delay": 0.0}

@@ -9,8 +9,8 @@ import pytest
 from scipy.integrate import simpson
 
 from edl6dof.fsw.guidance.entry.prediction.uncertain_drag import uncertain_drag
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies import lu_bayard
 from edl6dof.studies.lu_bayard import free_lift, settings, theorem, trials
 from edl6dof.studies.lu_bayard.disturbance import disturbance_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.studies import wu2013
 from edl6dof.studies.cases import values
 from edl6dof.studies.wu2013.experiments import (

@@ -18,7 +18,7 @@ from edl6dof.campaign.faults import (
 )
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.wording import nearest
-from edl6dof.scenario.schema import LoadedScenario
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.vehicle.faults.component import Component
 
 #: Time from the start of a phase to the fault where none is given, s.

@@ -16,7 +16,7 @@ from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.storage.files import refused
 from edl6dof.campaign.storage.store import Store
 from edl6dof.config.base import stated
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 
 def fly_new(wanted: Wanted, options: CampaignOptions) -> int:

@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from edl6dof.api.reports import report_of, write_page
 from edl6dof.app.campaign import CampaignOptions
 from edl6dof.app.exit_status import NOT_WITHIN_LIMITS
-from edl6dof.app.report import report_of, write_page
 from edl6dof.campaign.fault_figures import can_be_known, is_right
 from edl6dof.campaign.rows import Row
 from edl6dof.campaign.storage.store import Store

@@ -13,7 +13,8 @@ from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Progress, fly_rows
 from edl6dof.config.document.overrides import with_values
 from edl6dof.config.errors import refusal
-from edl6dof.scenario.schema import Scenario, check_document
+from edl6dof.scenario.loading import check_document
+from edl6dof.scenario.schema import Scenario
 
 
 def figures_of(

@@ -20,7 +20,8 @@ from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.introspect import Slot, bounds, root_slot
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.wording import in_bounds
-from edl6dof.scenario.schema import LoadedScenario, Scenario, truth_problem
+from edl6dof.scenario.loading import LoadedScenario, truth_problem
+from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.fault import FaultParams, fault_problems
 
 

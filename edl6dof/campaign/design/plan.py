@@ -22,14 +22,14 @@ from edl6dof.config.document.source import Document, Mark, parse_document, read_
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.validate import validate
-from edl6dof.scenario.schema import (
+from edl6dof.scenario.loading import (
     CAMPAIGN_SECTIONS,
     LoadedScenario,
-    Scenario,
     check_document,
     load_document,
     truth_problem,
 )
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import resolved_text
 
 #: Cases that are drawn at a time when all values are checked in advance.

@@ -19,8 +19,9 @@ from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import Inconsistent
 from edl6dof.config.model_paths import Keys, overridden, walk
 from edl6dof.scenario.cross_checks import section_problems
+from edl6dof.scenario.loading import LoadedScenario, check_document, truth_problem
 from edl6dof.scenario.records import Built, Records, build_records
-from edl6dof.scenario.schema import LoadedScenario, Scenario, check_document, truth_problem
+from edl6dof.scenario.schema import Scenario
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Variants:
 
     def __init__(self, loaded: LoadedScenario):
         self.base = loaded
-        self._nominal = Built(loaded, build_records(loaded))
+        self.nominal = Built(loaded, build_records(loaded))
         self._keys: dict[str, Keys] = {}
 
     def build(self, case: Case) -> Variant:
@@ -55,7 +56,7 @@ class Variants:
             ConfigError: a path does not exist, or its value is not allowed.
         """
         loaded = self._overridden(case) or self._checked(case)
-        return Variant(loaded, build_records(loaded, self._nominal))
+        return Variant(loaded, build_records(loaded, self.nominal))
 
     def _overridden(self, case: Case) -> LoadedScenario | None:
         """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""

@@ -18,7 +18,11 @@ DEMAND = np.dtype(
         ("wrench", "f8", (ROWS,)),  # N and N m, B: force and torque
         ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
         ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
-        ("boosting", FLAG),  # the axial thrusters help the engine; otherwise axial force is left alone
+        (
+            "boosting",
+            FLAG,
+        ),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
+        ("descending", FLAG),  # they are the engine: the axial force demanded is its thrust
     ],
     align=True,
 )
@@ -46,13 +50,14 @@ def groups_of(phase, boosting, thrusters, count, healthy):
 
 
 @kernel
-def compose_demand(phase, vehicle, ignited, healthy, nav, goal, torque, error, demand):
-    """Torque of the attitude controller, lateral force of guidance, and the groups that may give them.
+def compose_demand(phase, vehicle, state, healthy, nav, goal, torque, error, demand):
+    """Torque of the attitude controller, lateral force and thrust of guidance, and the groups that may give
+    them.
 
     Args:
         phase: mission phase (its thruster groups).
         vehicle: believed vehicle.
-        ignited: whether the engine runs.
+        state: ``VEHICLE_STATE`` record (engine).
         healthy: whether each thruster may be used.
         nav: ``NAV`` record.
         goal: ``GUIDE`` record.
@@ -60,10 +65,14 @@ def compose_demand(phase, vehicle, ignited, healthy, nav, goal, torque, error, d
         error: attitude error that it is to remove, rad.
         demand: ``DEMAND`` record, written.
     """
-    boosting = goal.engine_mode == ENGINE_FULL and ignited != 0
+    burns = state.ignited != 0
+    descending = burns and state.engine.by_thrusters > 0.0 and nav.t >= state.ignition_time - 1e-9
+    boosting = descending or (burns and goal.engine_mode == ENGINE_FULL)
     put3(demand.attitude_error, 0, error)
     no_demand(demand)
     put3(demand.wrench, 3, torque)
+    if descending:
+        demand.wrench[0] = -state.engine.by_thrusters * goal.thrust
     if goal.translating != 0:
         q = (nav.q_I2B[0], nav.q_I2B[1], nav.q_I2B[2], nav.q_I2B[3])
         north, east = take3(nav.north_I, 0), take3(nav.east_I, 0)
@@ -71,3 +80,4 @@ def compose_demand(phase, vehicle, ignited, healthy, nav, goal, torque, error, d
         demand.wrench[1], demand.wrench[2] = force[1], force[2]
     demand.groups = groups_of(phase, boosting, vehicle.thrusters, vehicle.n_thrusters, healthy)
     demand.translating, demand.boosting = goal.translating, 1 if boosting else 0
+    demand.descending = 1 if descending else 0

@@ -55,7 +55,7 @@ def allocate(params, vehicle, healthy, effectiveness, demand, out):
         out: ``ALLOCATION`` record, written.
     """
     anything = is_anything(demand.wrench)
-    if demand.boosting != 0:
+    if demand.boosting != 0 and demand.descending == 0:
         boost(vehicle, effectiveness, demand)
     if anything or demand.boosting != 0:
         share_out(

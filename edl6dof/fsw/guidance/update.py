@@ -6,6 +6,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.powered.held_thrust import come_down
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
@@ -17,12 +18,20 @@ from edl6dof.fsw.guidance.powered.terminal import (
     hover,
     start_or_throttle,
 )
-from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
+from edl6dof.fsw.mission.phases import (
+    G_AVOID,
+    G_DESCEND,
+    G_ENTRY,
+    G_HELD_THRUST,
+    G_HOLD_BANK,
+    G_HOVER,
+    G_POWERED,
+)
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import dot, put3, take3
+from edl6dof.spatial.vector import dot, put3, scale, take3
 
 GUIDANCE = np.dtype(
     [
@@ -87,19 +96,21 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         command_thrust(mass, (north, east, up), tilt_limit, goal)
         elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
         start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, goal)
-    if kind not in (G_HOVER, G_AVOID, G_DESCEND):
+    if kind not in (G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST):
         return
     standing = standing_force(p.terminal.standing_force, nav, disturbance, dt, memory.terminal.standing)
     if kind == G_HOVER:
         hover(p.terminal, engine, nav, mass, standing, goal)
     elif kind == G_AVOID:
         avoid(p.terminal, engine, nav, mass, standing, point, memory.terminal, goal)
+    elif kind == G_HELD_THRUST:
+        come_down(p.held_thrust, p.terminal, onboard.vehicle, state, nav, standing, goal)
     else:
         descend(p.terminal, engine, nav, mass, standing, point, goal)
 
 
 @kernel
-def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal):
+def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
     """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
     the phase before had another.
 
@@ -114,6 +125,7 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
         point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
+        own: ``OWN`` record: what guidance itself wants, apart from commands from outside; written.
     """
     rates = onboard.rates
     goal.spot_chosen = point.fine_known
@@ -122,11 +134,13 @@ def guide(onboard, kind, k, begins, nav, state, disturbance, point, memory, goal
     if kind == G_HOLD_BANK or kind == G_ENTRY:
         if begins or k % rates.entry_guidance_every == 0:
             entry = onboard.guidance.entry
-            goal.alpha = entry.trim_alpha
+            goal.alpha, goal.bank = entry.trim_alpha, own.bank
             if kind == G_HOLD_BANK:
                 hold_bank(onboard, nav, goal)
             else:
                 entry_guidance(entry.law, onboard, nav, memory.entry, goal)
+            own.bank = goal.bank
     elif begins or k % rates.powered_guidance_every == 0:
         dt = rates.powered_guidance_every / rates.base
         descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory, goal)
+        put3(own.thrust_N, 0, scale(goal.thrust, take3(goal.thrust_direction_N, 0)))

@@ -16,8 +16,8 @@ import numpy as np
 
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.fsw.guidance.entry.prediction.reference import reference_bank
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.scenario.records import build_records
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
 
 ENTRY = "flight_software.guidance.entry"
 SEED = 2021

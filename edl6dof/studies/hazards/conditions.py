@@ -11,7 +11,7 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.metrics.footing import COUNTED, FOOTPRINT
-from edl6dof.scenario.schema import LoadedScenario, load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 
 SCENARIO, DISPERSIONS = "tianwen1_hazards", "tianwen1_mc"
 #: Share of the ground that rocks cover.

@@ -17,7 +17,8 @@ import numpy as np
 from edl6dof.campaign.executor import in_threads
 from edl6dof.campaign.rows import Row
 from edl6dof.fsw.mission.roles import HAZARD_AVOIDANCE, begun
-from edl6dof.scenario.schema import Scenario, load_scenario
+from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies.hu2022.rigs import AGAINST_STEP, INTEGRAL, LANDER, SCENARIO, carry_on, state_at

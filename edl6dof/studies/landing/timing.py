@@ -15,8 +15,8 @@ from edl6dof.fsw.guidance.powered.target import POWERED_TARGET
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.jit import kernel
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_records
-from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.sim.flight import fly
 
 #: Times (s) of the states after backshell release; the calls come later by what a law takes to plan again.

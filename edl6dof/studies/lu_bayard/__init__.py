@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import pyarrow as pa
 
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 from edl6dof.studies.lu_bayard import findings
 from edl6dof.studies.lu_bayard.figures import drawings
 from edl6dof.studies.lu_bayard.flights import FLIGHTS, fly_one

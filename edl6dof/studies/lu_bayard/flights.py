@@ -12,8 +12,8 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.profiles.drag_velocity import profile_drag
 from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies.lu_bayard.disturbance import disturbance_of
 from edl6dof.studies.lu_bayard.drag_model import Design, Response, state_energy

@@ -6,8 +6,8 @@ import numpy as np
 
 from edl6dof.config.base import stated
 from edl6dof.fsw.guidance.entry.laws.adaptive_hinf import MEMORY, begin
+from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import LoadedScenario
 from edl6dof.studies.lu_bayard.drag_model import Design
 from edl6dof.studies.lu_bayard.free_lift import Setting
 

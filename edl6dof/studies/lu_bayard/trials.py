@@ -10,7 +10,7 @@ from math import cos, radians
 
 import numpy as np
 
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.studies.lu_bayard.drag_model import Adapted, Design
 from edl6dof.studies.lu_bayard.free_lift import Errors, fly_free
 from edl6dof.studies.lu_bayard.settings import AS_PRINTED, FLOWN, SCENARIO, setting_of

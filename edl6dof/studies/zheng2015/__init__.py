@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly
 from edl6dof.studies.study import Progress, Report, Study
 from edl6dof.studies.zheng2015 import findings

@@ -7,6 +7,7 @@ from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
 from edl6dof.interface.events import Action
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
@@ -45,7 +46,7 @@ def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
         "branch": [branch.name for branch in vehicle.rcs.laid_branches],
         "rcs": ["rcs"] if vehicle.rcs.thrusters else [],
         "surface": [surface.name for surface in vehicle.surfaces],
-        "engine": [engine.name for engine in vehicle.engines],
+        "engine": [engine.name for engine in vehicle.engines if engine.model != thruster_set.NAME],
         "parachute": [chute.name for chute in vehicle.parachutes],
         "tank": [tank.name for tank in vehicle.tanks],
     }

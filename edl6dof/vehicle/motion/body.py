@@ -53,6 +53,7 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.propulsion.engine import propellant_flow, thrust_rate, thrust_wrench
+from edl6dof.vehicle.propulsion.engine_models.registry import BY_THRUSTERS
 from edl6dof.vehicle.propulsion.rcs import efficiency
 from edl6dof.vehicle.propulsion.tanks import draw, load_within_reach, with_propellant
 from edl6dof.vehicle.surroundings import gravity, surroundings
@@ -87,6 +88,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     wrench = aerodynamic_wrench(
         vehicle.aero,
         tables.aero,
+        tables.body,
         case.planet.gas,
         plant.shape,
         qbar,
@@ -235,6 +237,15 @@ def propulsion(case, plant, t, y, centre, dy):
 
 
 @inlined_kernel
+def thrust_by_thrusters(case, plant, rcs_force):
+    """Thrust (N) of a running engine that is made of thrusters, of their force (B); 0 where there is none."""
+    for i in range(case.vehicle.n_engines):
+        if case.vehicle.engines[i].model == BY_THRUSTERS and plant.running[i] != 0:
+            return max(-rcs_force[0], 0.0)
+    return 0.0
+
+
+@inlined_kernel
 def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
@@ -259,7 +270,7 @@ def motion(case, plant, t, y, outputs, dy):
     specific = scale(1.0 / out.mass, add(take3(out.load_force_B, 0), add(engine_force, rcs_force)))
     put3(out.specific_force_B, 0, specific)
     put3(out.disturbance_moment_B, 0, disturbance)
-    out.engine_thrust = delivered
+    out.engine_thrust = delivered + thrust_by_thrusters(case, plant, rcs_force)
 
     put3(dy, POSITION, take3(y, VELOCITY))
     g = gravity(case.planet.gravity, inputs, take3(y, POSITION))

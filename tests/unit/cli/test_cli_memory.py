@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from cli_run import environment
 
-from edl6dof.app.blocked_imports import blocked_imports
+from edl6dof.api.blocked_imports import blocked_imports
 
 LINUX = Path("/proc/self/status").exists()
 BUDGET_B = 400e6

@@ -106,7 +106,7 @@ def test_plugin_that_cannot_be_used_is_named_with_the_line_that_names_it(tmp_pat
 
 
 def test_scenario_loaded_past_the_command_line_says_what_to_do(tmp_path):
-    from edl6dof.scenario.schema import load_scenario
+    from edl6dof.scenario.loading import load_scenario
 
     (tmp_path / "law.py").write_text(LAW)
     with pytest.raises(ConfigError, match="comes too late.*load this scenario first.*EDL6DOF_PLUGINS"):
@@ -120,7 +120,7 @@ def test_environment_may_name_plugins_and_is_named_in_their_mistakes(tmp_path, m
 
 
 def test_plugins_cannot_be_set_on_the_command_line():
-    from edl6dof.scenario.schema import load_scenario
+    from edl6dof.scenario.loading import load_scenario
 
     with pytest.raises(ConfigError, match="must be named in the scenario file"):
         load_scenario("tianwen1", ["plugins=[law.py]"])

@@ -20,7 +20,7 @@ from edl6dof.environment.terrain import (
     ground_arrays,
     ground_inputs,
 )
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 PLANET = load_scenario("tianwen1").scenario.planet
 SITE = {"site_elevation_m": -4099.4, "site_latitude_deg": 25.066, "site_longitude_deg": 109.925}

@@ -26,7 +26,7 @@ from edl6dof.environment.terrain import (
     regional,
 )
 from edl6dof.jit import kernel
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.spatial.frames import fixed_to_enu, from_geodetic
 
 PLANET = load_scenario("tianwen1").scenario.planet

@@ -18,7 +18,7 @@ from edl6dof.environment.terrain import (
     ground,
     ground_arrays,
 )
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 GRID = ground_arrays(GroundInputs(map_file(MAP)))
 PLANET = load_scenario("tianwen1").scenario.planet

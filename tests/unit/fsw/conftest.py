@@ -4,9 +4,9 @@ built once.
 
 import pytest
 
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.planned_entry import planned_again
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 
 BANK = "points: [{at: 1500, bank_deg: 90}, {at: 3500, bank_deg: 90}]"
 #: A bank angle of 90 deg at all speeds, shifted to the range.

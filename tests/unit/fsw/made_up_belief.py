@@ -1,7 +1,8 @@
 """What the flight computer believes of the made-up landing: planet, site and instruments."""
 
 import numpy as np
-from made_up_landing import ARM, FLATTENING, MU, RADIUS, SITE, SPIN
+from made_up_course import FLATTENING, MU, RADIUS, SITE, SPIN
+from made_up_landing import ARM
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.navigation.filters.error_state import ErrorStateParams

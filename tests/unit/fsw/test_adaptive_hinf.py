@@ -22,7 +22,7 @@ from edl6dof.fsw.guidance.entry.profiles.drag_velocity import (
 )
 from edl6dof.fsw.guidance.entry.profiles.entry_corridor import ceiling, corridor
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly
 
 RADIUS, MU, SCALE_HEIGHT = 3397.2e3, 4.2828376212e13, 10e3

@@ -10,8 +10,8 @@ from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effective
 from edl6dof.fsw.allocation.registry import ALLOCATORS, share_out
 from edl6dof.fsw.allocation.update import ALLOCATION
 from edl6dof.interface.thrusters import ATTITUDE, AXIAL, FINE, HORIZONTAL
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111

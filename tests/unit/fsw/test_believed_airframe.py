@@ -13,8 +13,8 @@ from edl6dof.fsw.guidance.entry.prediction.airframe import (
     believed_aero,
     mach_nodes,
 )
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_records
-from edl6dof.scenario.schema import load_scenario
 
 #: Speed (m/s) above any at which something opens.
 FAST = 1e9

@@ -14,7 +14,7 @@ from edl6dof.fsw.diagnosis.diagnose import DIAGNOSIS, KIND_NAMES, DiagnosisParam
 from edl6dof.fsw.diagnosis.hypotheses import NONE, SUMS, collect, evidence
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, restart_residual, without_slow_part
 from edl6dof.fsw.estimation.activity import ACTIVITY
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
 LANDER = 0b111

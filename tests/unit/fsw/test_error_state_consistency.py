@@ -5,6 +5,7 @@ Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
 """
 
 import made_up_belief as belief
+import made_up_course as course
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -64,14 +65,14 @@ def assert_innovations_consistent(innovations, first, end):
 
 @pytest.mark.parametrize("stars_until", [-1.0, 100.0], ids=["from one fix", "with star fixes"])
 def test_entry_dead_reckoning_claims_what_is_so(stars_until):
-    flown = landing.truth(ONBOARD, True)
+    flown = course.truth(ONBOARD, True)
     reports = [200, 1500, 3000, 4500, 5999]
     errors, covariances, _ = flights(flown, reports, stars_until=stars_until)
     assert_consistent(errors, covariances, len(reports))
 
 
 def test_descent_with_radar_claims_what_is_so():
-    flown = landing.truth(ONBOARD, False)
+    flown = course.truth(ONBOARD, False)
     ignition, down = int(np.argmax(flown[5] < 1200.0)), len(flown[0]) - 1
     reports = [100, ignition // 2, ignition, ignition + 300, down - 300, down]
     errors, covariances, innovations = flights(flown, reports)
@@ -81,7 +82,7 @@ def test_descent_with_radar_claims_what_is_so():
 
 
 def test_a_filter_that_believes_too_much_is_found():
-    flown = landing.truth(ONBOARD, False)
-    errors, covariances, _ = flights(flown, [100], size=1.5)
+    begun = tuple(column[:101] for column in course.truth(ONBOARD, False))
+    errors, covariances, _ = flights(begun, [100], size=1.5)
     with pytest.raises(AssertionError):
         assert_consistent(errors, covariances, 1)

@@ -3,6 +3,7 @@ does with beams that lie or are lost.
 """
 
 import made_up_belief as belief
+import made_up_course as course
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ CENTRE, ARM = np.array(landing.CENTRE), np.array(landing.ARM)
 
 @pytest.fixture(scope="module")
 def descent():
-    return landing.truth(ONBOARD, False)
+    return course.truth(ONBOARD, False)
 
 
 def whole(memory):
@@ -54,7 +55,7 @@ def followed(onboard, params, flown, first, cycles):
     for _ in landing.stepped(onboard, flown, first, cycles, begin, records):
         before = solution.copy()
         correct(params[0], onboard[0], health, sensed, motion, solution, memory)
-        book.move(landing.DT, motion["angle"], motion["gain"], before["q_I2B"])
+        book.move(course.DT, motion["angle"], motion["gain"], before["q_I2B"])
         if memory["interval"]["dt"] == 0.0:
             look(book, before, motion, sensed)
             yield before, solution, memory, book
@@ -64,7 +65,7 @@ def followed(onboard, params, flown, first, cycles):
 def look(book, before, motion, sensed):
     """Let the textbook take in what the filter took in."""
     q, r, v, t = before["q_I2B"], before["r_I"], before["v_I"], before["t"]
-    spin, C = np.array([0.0, 0.0, landing.SPIN]), matrix(q)
+    spin, C = np.array([0.0, 0.0, course.SPIN]), matrix(q)
     up = np.array(level_axes(ONBOARD[0]["planet"], tuple(r), t)[2])
     book.carry_forward(r, v - np.cross(spin, r), up, q)
     place = r + C @ (ARM - CENTRE)
@@ -116,12 +117,12 @@ def test_transition_is_the_exponential_of_constant_motion():
     size = np.linalg.norm(r)
     F = np.zeros((WIDTH, WIDTH))
     F[0:3, 3:6] = np.eye(3)
-    F[3:6, 0:3] = landing.MU / size**3 * (3.0 * np.outer(r, r) / size**2 - np.eye(3))
+    F[3:6, 0:3] = course.MU / size**3 * (3.0 * np.outer(r, r) / size**2 - np.eye(3))
     F[3:6, 6:9], F[3:6, 12:15], F[6:9, 9:12] = -skew(f), -C, -C
     for k in range(3):
         F[6:9, 16 + 3 * k : 19 + 3 * k], F[3:6, 25 + 3 * k : 28 + 3 * k] = -C * w[k], -C * (C.T @ f)[k]
     made = np.zeros((MOVING, 34))
-    fill_transition(landing.MU, tuple(r), interval, made)
+    fill_transition(course.MU, tuple(r), interval, made)
     assert made == pytest.approx(expm(F * T)[:MOVING, :34], rel=1e-6, abs=1e-6)
 
 
@@ -135,7 +136,7 @@ def expected(flown, error, beam):
     motion["rate"], motion["centre"] = (0.1, -0.2, 0.05), CENTRE
     q, lever, velocity, swing, up, height = place_antenna(ONBOARD[0], motion, solution, 0.0)
     u = landing.from_frame(q, tuple(ONBOARD[0]["instruments"]["beam_axis"][beam]))
-    reach, slope, _ = expected_range(u, up, height, landing.RADIUS)
+    reach, slope, _ = expected_range(u, up, height, course.RADIUS)
     return np.array([reach, np.dot(u, np.add(velocity, swing))]), (u, lever, velocity, up, slope)
 
 
@@ -143,8 +144,8 @@ def expected(flown, error, beam):
 def test_rows_are_the_derivatives_of_what_is_expected(descent, beam):
     (reach, speed), (u, lever, velocity, up, slope) = expected(descent, np.zeros(16), beam)
     rows, found = np.zeros((2, WIDTH)), np.zeros((2, 16))
-    range_row(u, up, lever, slope, reach, landing.RADIUS, beam, rows[0])
-    speed_row(u, landing.SPIN, velocity, speed, beam, rows[1])
+    range_row(u, up, lever, slope, reach, course.RADIUS, beam, rows[0])
+    speed_row(u, course.SPIN, velocity, speed, beam, rows[1])
     steps = np.array([*[10.0] * 3, *[0.1] * 3, *[1e-5] * 3, *[1.0] * 7])
     for state in range(16):
         away = np.zeros(16)
@@ -188,7 +189,7 @@ def height_error(error, flown, k):
 
 
 def relative(error):
-    return error[3:6] - np.cross([0.0, 0.0, landing.SPIN], error[:3])
+    return error[3:6] - np.cross([0.0, 0.0, course.SPIN], error[:3])
 
 
 def test_landing_is_known_as_well_as_required(descent):
@@ -268,7 +269,7 @@ def test_star_fixes_that_stay_away_are_believed_in_the_end(descent):
 def test_antenna_is_placed_where_it_will_be(descent):
     """The readings of the radar are a cycle younger than those of the inertial unit."""
     solution, motion = np.zeros(1, landing.SOLUTION)[0], np.zeros(1, landing.MOTION)[0]
-    k, dt = 900, landing.DT
+    k, dt = 900, course.DT
     for ahead in range(2):
         at = k + ahead
         solution["t"], solution["r_I"], solution["v_I"] = at * dt, descent[0][at], descent[1][at]

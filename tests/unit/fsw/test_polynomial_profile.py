@@ -13,7 +13,7 @@ from edl6dof.fsw.guidance.entry.prediction.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.profiles.drag_energy import PROFILE, evaluate, polynomial_goal, refit
 from edl6dof.fsw.guidance.entry.reversal.registry import REVERSALS, bank_side
 from edl6dof.fsw.navigation.derived import NAV
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.sim.flight import fly
 
 FIRST, LAST = 450.0, 4900.0

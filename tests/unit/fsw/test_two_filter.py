@@ -1,6 +1,7 @@
 """The velocity and height filters: the fit against numpy's least squares, when they correct, and how well."""
 
 import made_up_belief as belief
+import made_up_course as course
 import made_up_landing as landing
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ ONBOARD = belief.onboard_record()
 
 @pytest.fixture(scope="module")
 def descent():
-    return landing.truth(ONBOARD, False)
+    return course.truth(ONBOARD, False)
 
 
 def flown_by(descent, first, cycles, looks=None, **changes):
@@ -39,7 +40,7 @@ def errors(descent, k, solution):
     height = level_axes(planet, tuple(solution["r_I"]), solution["t"])[3] - solution["terrain"]
     apart = solution["v_I"] - descent[1][k]
     return height - level_axes(planet, tuple(r), solution["t"])[3], apart - np.cross(
-        [0.0, 0.0, landing.SPIN], solution["r_I"] - r
+        [0.0, 0.0, course.SPIN], solution["r_I"] - r
     )
 
 
@@ -51,9 +52,9 @@ def test_the_fit_is_that_of_weighted_least_squares(descent):
     ):
         q, v, r = before["q_I2B"], before["v_I"], before["r_I"]
         arm = np.array(landing.ARM) - np.array(landing.CENTRE)
-        spin = np.array([0.0, 0.0, landing.SPIN])
+        spin = np.array([0.0, 0.0, course.SPIN])
         place = r + np.array(landing.from_frame(tuple(q), tuple(arm)))
-        rate = (descent[3][k] + 1e-7) / landing.DT
+        rate = (descent[3][k] + 1e-7) / course.DT
         swing = np.array(landing.from_frame(tuple(q), tuple(np.cross(rate, arm))))
         for beam in range(4):
             axis = ONBOARD[0]["instruments"]["beam_axis"][beam]
@@ -62,14 +63,14 @@ def test_the_fit_is_that_of_weighted_least_squares(descent):
             rows.append(u)
             residuals.append(sensed["radar"]["speed"][beam] - speed)
             weights.append(1.0 / (0.1 / 3.0 + abs(speed) * 0.01 / 3.0) ** 2)
-            times.append(k * landing.DT)
+            times.append(k * course.DT)
         found = memory["correction"].copy()
     t = np.array(times) - times[-1]
     fading = np.exp(t / window)
     A = np.hstack([np.array(rows), np.array(rows) * t[:, None]])
     W = np.array(weights) * fading
     # what is believed before, at the start of the piece, fades too
-    begun = 900 * landing.DT - times[-1]
+    begun = 900 * course.DT - times[-1]
     prior = np.exp(begun / window) * np.diag([1 / 25.0] * 3 + [1 / 0.05**2] * 3)
     carried = np.block([[np.eye(3), begun * np.eye(3)], [np.zeros((3, 3)), np.eye(3)]])
     information = carried.T @ prior @ carried + A.T @ (W[:, None] * A)

@@ -9,8 +9,9 @@ from edl6dof.fsw.vehicle_state import VEHICLE_STATE, follow_events, share_thrust
 from edl6dof.interface.capacities import MAX_ENGINES
 from edl6dof.interface.events import ACTIONS, group_of
 
-#: Full thrust, ends of the throttle band (N), specific impulse (s), share along the axis: two unlike engines.
-LARGE, SMALL = (6000.0, 1200.0, 4000.0, 310.0, 1.0), (1500.0, 300.0, 1500.0, 220.0, 1.0)
+#: Full thrust, ends of the throttle band (N), specific impulse (s), shares by thrusters and along the axis of
+#: two unlike engines.
+LARGE, SMALL = (6000.0, 1200.0, 4000.0, 310.0, 0.0, 1.0), (1500.0, 300.0, 1500.0, 220.0, 0.0, 1.0)
 BOTH = group_of((0, 1))
 DO = (("ignite", 0), ("ignite", 1), ("cut_off", 0), ("cut_off", 1), ("ignite", BOTH), ("cut_off", BOTH))
 
@@ -76,7 +77,7 @@ def test_engines_of_a_group_are_lit_and_cut_off_together():
 def test_a_canted_engine_gives_more_than_it_brings():
     """60 deg from the axis: half of its thrust counts, at half of its specific impulse."""
     computer = Computer()
-    computer.vehicle["engines"][1] = (750.0, 150.0, 750.0, 110.0, 0.5)
+    computer.vehicle["engines"][1] = (750.0, 150.0, 750.0, 110.0, 0.0, 0.5)
     both = computer.tell(("ignite", BOTH))
     own = computer.shares(3000.0)
     assert own[0] + 0.5 * own[1] == pytest.approx(3000.0)

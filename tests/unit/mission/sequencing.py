@@ -9,7 +9,7 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.scenario.events import event_problems, fill_mission
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 DT = 0.02
 

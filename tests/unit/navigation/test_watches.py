@@ -12,8 +12,8 @@ from edl6dof.fsw.navigation.stale_flags import exclude_stale_flags
 from edl6dof.fsw.navigation.star_watch import STAR_WATCH, StarWatchParams, watch_stars
 from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.interface.sensed import RADAR, STARS
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
-from edl6dof.scenario.schema import load_scenario
 
 
 def filled(model):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from instrument_bench import Bench
 
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 
 R, V = np.array([3.5e6, 0.0, 0.0]), np.array([-300.0, 4000.0, 0.0])
 FORCE = np.array([-50.0, 0.0, 12.0])

@@ -9,7 +9,8 @@ import pytest
 import edl6dof
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario import records
-from edl6dof.scenario.schema import TRUE_SECTIONS, Scenario, truth_problem
+from edl6dof.scenario.loading import TRUE_SECTIONS, truth_problem
+from edl6dof.scenario.schema import Scenario
 
 #: A true value of each section that differs from what tianwen1 says.
 DIFFERENT = {

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from edl6dof.config.dtype import fill
 from edl6dof.config.errors import ConfigError
-from edl6dof.scenario.schema import load_scenario
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.vehicle.parachutes.bridle import confluence
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, riser_tension
 

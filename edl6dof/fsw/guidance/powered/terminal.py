@@ -9,7 +9,7 @@ proportional-derivative, an estimate.
 from __future__ import annotations
 
 from math import sqrt
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -65,6 +65,11 @@ class TerminalParams(Params):
         "height below which the horizontal thrusters rest, so that no pulse turns the vehicle as it touches",
         ge=0.0,
     )
+    descent_sideways: Literal["thrusters", "tilt"] = param(
+        "thrusters",
+        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the small "
+        "tilt of hover, for a vehicle without any",
+    )
     standing_force_s: float = param(
         1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
     )
@@ -73,6 +78,9 @@ class TerminalParams(Params):
 #: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error
 #: asks for.
 LEAST_UPWARD = 0.5
+
+#: Index of ``tilt`` among the choices of ``descent_sideways``.
+BY_TILT = 1
 
 TERMINAL = np.dtype(
     [("standing", STANDING_FORCE), ("target_set", FLAG), ("target_L", "f8", (2,))], align=True
@@ -139,6 +147,12 @@ def hover(p, engine, nav, mass, standing, out):
     small tilt.
     """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
+    settle_by_tilt(p, engine, nav, mass, rate, standing, out)
+
+
+@kernel
+def settle_by_tilt(p, engine, nav, mass, rate, standing, out):
+    """Come down at ``rate`` m/s, and take out lateral velocity and the ``standing`` force by a small tilt."""
     out.translating = 0
     north = -p.settle_gain * nav.v_N[0] - standing[0] / mass
     east = -p.settle_gain * nav.v_N[1] - standing[1] / mass
@@ -195,8 +209,12 @@ def avoid(p, engine, nav, mass, standing, point, memory, out):
 @kernel
 def descend(p, engine, nav, mass, standing, point, out):
     """Come down vertically at the touchdown rate; until shortly before contact the horizontal thrusters hold
-    the place of the spot that was chosen, or take out lateral velocity where none was.
+    the place of the spot that was chosen, or take out lateral velocity where none was; a vehicle without them
+    tilts as in hover.
     """
+    if p.descent_sideways == BY_TILT:
+        settle_by_tilt(p, engine, nav, mass, p.touchdown_rate, standing, out)
+        return
     gain = p.touchdown_velocity_gain
     wanted = -gain * nav.v_N[0], -gain * nav.v_N[1]
     if point.fine_known != 0:

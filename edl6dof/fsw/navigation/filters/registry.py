@@ -17,7 +17,13 @@ from edl6dof.config.base import group
 from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.navigation.beam_watch import BeamWatchParams
 from edl6dof.fsw.navigation.drag_filter import DragFilterParams
-from edl6dof.fsw.navigation.filters import dead_reckoning, error_state, given, two_filter
+from edl6dof.fsw.navigation.filters import (
+    dead_reckoning,
+    error_state,
+    given,
+    radar_in_loop,
+    two_filter,
+)
 from edl6dof.fsw.navigation.guard import GuardParams
 from edl6dof.fsw.navigation.parity import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
@@ -26,7 +32,8 @@ from edl6dof.fsw.navigation.star_watch import StarWatchParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
-    "navigation filter", (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER)
+    "navigation filter",
+    (given.MEMBER, dead_reckoning.MEMBER, error_state.MEMBER, two_filter.MEMBER, radar_in_loop.MEMBER),
 )
 
 #: Index of the member that takes the word of ideal instruments.

@@ -1,0 +1,178 @@
+"""Functions about one flight, as ``import edl6dof`` offers them: light, what they need is loaded when they
+are called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from edl6dof.api.campaigns import CampaignResult
+    from edl6dof.api.flights import Flight, RecordedFlight
+    from edl6dof.scenario.loading import LoadedScenario
+
+#: Changes of a scenario: texts ``"dotted.path=value"``; or data by dotted path, or nested as in a file.
+Overrides = Iterable[str] | Mapping[str, Any]
+
+
+def activate(*scenarios: str | Path | LoadedScenario, trust: bool = False) -> None:
+    """Load the plugins of what is to be flown, before the flight software is imported that they join."""
+    from edl6dof.plugins import activate
+
+    activate([one for one in scenarios if isinstance(one, str | Path)], trust)
+
+
+def load(name_or_path: str | Path, overrides: Overrides = (), trust: bool = False) -> LoadedScenario:
+    """Read and validate a scenario file, or a shipped scenario by name.
+
+    Args:
+        name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
+        overrides: texts ``"dotted.path=value"``; or a mapping of dotted paths, or nested as in a file.
+        trust: whether plugins that the scenario of a run folder names may be loaded; those of any other
+            scenario always are.
+
+    Raises:
+        ConfigError: with every problem found, each with file, line and key, and what was probably meant.
+    """
+    from edl6dof.api.overrides import texts
+
+    activate(name_or_path, trust=trust)
+    from edl6dof.scenario.loading import load_scenario
+
+    return load_scenario(name_or_path, texts(overrides))
+
+
+def fly(
+    scenario: LoadedScenario | str | Path | None = None,
+    overrides: Overrides = (),
+    *,
+    out: str | Path | None = None,
+    replay: bool = True,
+    force: bool = False,
+    start: Any = None,
+    trust: bool = False,
+    **options: Any,
+) -> Flight:
+    """Fly a scenario and return the flight, as ``edl6dof fly`` does.
+
+    Args:
+        scenario: file, name of a shipped one, or what :func:`load` returned; none with ``start``.
+        overrides: as of :func:`load`, of a scenario that is not loaded yet.
+        out: folder to write, as the command does; none if not given.
+        replay: whether the 3D replay is among its files.
+        force: whether a run that is there may be replaced.
+        start: saved state, or its file, to go on from: it brings its scenario.
+        trust: as of :func:`load`.
+        options: ``save_at_s``, ``progress`` and more, of :func:`edl6dof.sim.flight.fly`.
+
+    Raises:
+        ConfigError: the scenario is wrong, or ``out`` cannot be written.
+    """
+    if start is not None and scenario is None:
+        activate(trust=trust)
+        from edl6dof.api.public import continued
+
+        loaded, options["start"] = continued(start, overrides)
+    elif scenario is None:
+        raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
+    else:
+        loaded = load(scenario, overrides, trust) if isinstance(scenario, str | Path) else scenario
+        options["start"] = start
+    from edl6dof.api.public import fly as fly_scenario
+
+    flight = fly_scenario(loaded, **options)
+    if out is not None:
+        flight.save(out, replay=replay, force=force)
+    return flight
+
+
+def open_run(folder: str | Path, trust: bool = False) -> RecordedFlight | CampaignResult:
+    """Open the folder of a flight, or of a campaign: what flying it returned, from its files.
+
+    Args:
+        folder: of a run or a campaign.
+        trust: whether plugins that a campaign names may be loaded; a run needs none.
+
+    Raises:
+        ConfigError: it is neither, or a file is missing or damaged.
+    """
+    if (Path(folder) / "campaign.json").is_file():
+        activate(folder, trust=trust)
+    from edl6dof.api.public import open_run as open_folder
+
+    return open_folder(folder)
+
+
+def report(
+    run: str | Path | RecordedFlight | CampaignResult,
+    *,
+    out: str | Path | None = None,
+    pdf: bool = False,
+    png: bool = False,
+    force: bool = False,
+) -> list[Path]:
+    """Write the report of a run or a campaign, as ``edl6dof report`` does; returns what was written.
+
+    Args:
+        run: its folder, or what :func:`open_run` returned.
+        out: file to write; ``report.html`` in the folder if not given.
+        pdf, png: write the forms for papers instead.
+        force: whether files that are there may be replaced.
+
+    Raises:
+        ConfigError: there is nothing to report on, or a file must not be replaced.
+    """
+    from edl6dof.api.public import report as write_report
+
+    return write_report(run, out, pdf, png, force)
+
+
+def replay(
+    *runs: str | Path | RecordedFlight | CampaignResult,
+    web: bool = False,
+    html: str | Path | None = None,
+    screenshot: str | Path | None = None,
+    at_s: float | None = None,
+    page: str = "",
+    video: str | Path | None = None,
+    start_s: float | None = None,
+    end_s: float | None = None,
+    length_s: float | None = None,
+    fps: float = 24.0,
+    force: bool = False,
+    trust: bool = False,
+) -> list[Path]:
+    """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; returns what was written.
+
+    Args:
+        runs: folders, or what :func:`open_run` returned; the first may be a campaign's.
+        web: show it in the browser.
+        html, screenshot, video: files to write instead: a page, a picture (PNG), a film (MP4).
+        at_s: time of the picture, s.
+        page: page in front.
+        start_s, end_s, length_s, fps: what the film shows, its length, s, and its frames per second.
+        force: whether files that are there may be replaced.
+        trust: as of :func:`load`.
+
+    Raises:
+        ConfigError: there is no such replay, or the options do not fit together.
+    """
+    activate(*(one for one in runs[:1] if isinstance(one, str | Path)), trust=trust)
+    from edl6dof.api.public import replay as show_replay
+
+    return show_replay(
+        runs,
+        web=web,
+        html=html,
+        screenshot=screenshot,
+        at_s=at_s,
+        page=page,
+        video=video,
+        start_s=start_s,
+        end_s=end_s,
+        length_s=length_s,
+        fps=fps,
+        force=force,
+    )

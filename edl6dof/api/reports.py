@@ -1,0 +1,73 @@
+"""The report of a run or a campaign: one page for whatever the folder holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from edl6dof.config.errors import refusal
+from edl6dof.report.document import Report
+from edl6dof.runs.files import atomic_file, refuse_existing_file
+from edl6dof.runs.run import TELEMETRY, Run
+
+
+def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bool) -> Iterator[Path]:
+    """Write ``report.html`` into the folder or to ``out``; with ``pdf`` and ``png`` the forms for papers
+    beside it instead.  Yields what is written.
+
+    Raises:
+        ConfigError: nothing in the folder can be reported on, or a file must not be replaced.
+    """
+    target = out or folder / "report.html"
+    print_out = target.with_suffix(".pdf")
+    for path in [print_out] * pdf or [target] * (not png):
+        refuse_existing_file(path, force)
+    report = report_of(folder)
+    if png:
+        yield from _write_figures(report, target.with_suffix(""), force)
+    if pdf:
+        from edl6dof.report.pdf import write_pdf
+
+        with atomic_file(print_out, force) as partial:
+            write_pdf(report, partial)
+        yield print_out
+    if not (pdf or png):
+        write_page(report, target, force)
+        yield target
+
+
+def report_of(folder: Path) -> Report:
+    """The report of a folder, by what lies in it.
+
+    Raises:
+        ConfigError: nothing in it can be reported on.
+    """
+    if (folder / TELEMETRY).is_file():
+        from edl6dof.report.flight.build import flight_report
+
+        return flight_report(Run(folder))
+    if (folder / "campaign.json").is_file():
+        from edl6dof.report.campaign.build import campaign_report
+
+        return campaign_report(folder)
+    if not folder.is_dir():
+        raise refusal(folder, "no such folder; name that of a run or a campaign")
+    raise refusal(folder, f"holds nothing to report on (no {TELEMETRY}); name the folder of a run")
+
+
+def write_page(report: Report, path: Path, force: bool) -> None:
+    """Write a report as one HTML file."""
+    from edl6dof.report.page import page
+
+    with atomic_file(path, force) as partial:
+        partial.write_text(page(report), encoding="utf-8")
+
+
+def _write_figures(report: Report, folder: Path, force: bool) -> Iterator[Path]:
+    from edl6dof.report.matplotlib_figure import write_figure
+
+    for figure in report.figures():
+        path = folder / f"{figure.key}.png"
+        with atomic_file(path, force) as partial:
+            write_figure(figure, partial)
+        yield path

@@ -1,0 +1,131 @@
+"""A flight step by step, of any scenario, with seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from edl6dof.api.flights import Flight
+from edl6dof.api.one import activate
+from edl6dof.api.overrides import texts
+from edl6dof.campaign.design.case import Case
+from edl6dof.campaign.design.plan import Plan, plan_of
+from edl6dof.campaign.design.variants import Variant, Variants
+from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, LoadedScenario, load_scenario
+from edl6dof.scenario.records import Built
+from edl6dof.sim.simulation import SteppedFlight
+
+#: Cases that a seed can draw: those of a campaign that samples at random and has no end.
+_ENDLESS = 2**31
+
+
+class Starts:
+    """The flights that seeds stand for: of a scenario those with the random profiles of that seed, of a
+    campaign dispersed ones as well.
+
+    A seed is the number of a case of a campaign that samples at random (``monte_carlo``), so that a row of
+    ``edl6dof campaign NAME -n N --sampling monte_carlo`` is the flight of its number.
+
+    Args:
+        scenario: file, name, or a loaded scenario.
+        overrides: as of :func:`edl6dof.load`.
+        faults: of a campaign: one of these, each as likely, in every flight, instead of its own.
+    """
+
+    def __init__(
+        self, scenario: str | Path | LoadedScenario, overrides: Iterable[str] | Mapping[str, Any] = ()
+    ):
+        self._plan: Plan | None = None
+        if isinstance(scenario, LoadedScenario):
+            self.loaded = scenario
+            return
+        document = read_document(resolve_scenario(str(scenario)))
+        if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
+            if faults:
+                campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
+            self._plan = _endless(plan_of(document, texts(overrides), cases=1, sampling="monte_carlo"))
+            self.loaded = self._plan.loaded
+        else:
+            self.loaded = load_scenario(scenario, texts(overrides))
+
+    @property
+    def base(self) -> Built:
+        """The scenario itself, and its records."""
+        return self._variants.nominal
+
+    def of(self, seed: int | None) -> Variant:
+        """The flight of a seed, 0 or more; without one the scenario as it stands.
+
+        Raises:
+            ConfigError: a value that was drawn is not allowed.
+        """
+        if seed is None:
+            return Variant(self.loaded, self.base.records)
+        if self._plan is None:
+            return self._variants.build(Case(0, belief={"seed": seed}))
+        return self._variants.build(next(self._plan.cases(seed, seed + 1)))
+
+    @cached_property
+    def _variants(self) -> Variants:
+        return Variants(self.loaded)
+
+
+def _endless(plan: Plan) -> Plan:
+    campaign = plan.campaign
+    return replace(plan, campaign=campaign.model_copy(update={"cases": _ENDLESS}) if campaign else None)
+
+
+class Simulation(SteppedFlight):
+    """A flight flown step by step, with commands in the place of any part of the flight software.
+
+    >>> simulation = edl6dof.Simulation("tianwen1")
+    >>> while simulation.step():
+    ...     pass
+    >>> simulation.flight().outcome
+    'landed within limits'
+
+    Args:
+        scenario: file, name of a shipped one, or what :func:`edl6dof.load` returned; of a file with a
+            ``campaign`` section, :meth:`reset` draws its dispersions.
+        overrides: as of :func:`edl6dof.load`.
+        telemetry: whether to keep telemetry, as :meth:`flight` needs it.
+        trust: as of :func:`edl6dof.load`.
+
+    Raises:
+        ConfigError: the scenario is wrong.
+    """
+
+    def __init__(
+        self,
+        scenario: str | Path | LoadedScenario,
+        overrides: Iterable[str] | Mapping[str, Any] = (),
+        *,
+        telemetry: bool = True,
+        trust: bool = False,
+    ):
+        activate(scenario, trust=trust)
+        self._starts = Starts(scenario, overrides)
+        base = self._starts.base
+        super().__init__(base.loaded, base.records, telemetry)
+
+    def reset(self, seed: int | None = None) -> dict[str, Any]:
+        """Go back to the start; returns what is observed there.
+
+        Args:
+            seed: 0 or more; of a scenario, that of its random profiles; of a campaign, the number of a case
+                that is drawn at random.  Without one the scenario as it stands.
+
+        Raises:
+            ConfigError: a value that was drawn is not allowed.
+        """
+        start = self._starts.of(seed)
+        self._begin(start.loaded, start.parts)
+        return self.look_ahead()
+
+    def flight(self) -> Flight:
+        """The flight so far; see :meth:`SteppedFlight.flight`."""
+        return Flight.of(super().flight())

@@ -1,0 +1,127 @@
+"""Commands from outside: after a part of the flight software has run, what it worked out gives way to what is
+commanded, if anything is.
+
+The part runs all the same, so that it can go on at any time, and what it wanted itself is kept beside
+(``OWN``).  What comes after it works with the command as with its own: the bank rate, the throttle band, the
+shortest pulses and all that the vehicle can do still limit it.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from edl6dof.fsw.guidance.powered.terminal import start_or_throttle
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.jit import kernel
+from edl6dof.spatial.vector import clamp, put3, take3
+
+#: What the flight software itself wanted last, whatever was commanded.
+OWN = np.dtype(
+    [
+        ("bank", "f8"),  # rad: of entry guidance
+        ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
+        ("torque_B", "f8", (3,)),  # N m, B: of attitude control
+        ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster: of allocation
+    ],
+    align=True,
+)
+
+
+@kernel
+def replace_estimate(external, estimate):
+    """Put the commanded state into the ``ESTIMATE`` record of navigation."""
+    if external.given.estimate == 0:
+        return
+    put3(estimate.r_I, 0, take3(external.r_I, 0))
+    put3(estimate.v_I, 0, take3(external.v_I, 0))
+    put3(estimate.w_B, 0, take3(external.w_B, 0))
+    for i in range(4):
+        estimate.q_I2B[i] = external.q_I2B[i]
+    estimate.height_above_ground = external.height_above_ground
+
+
+@kernel
+def replace_landing_point(external, point):
+    """Put the commanded spots into the ``LANDING_POINT`` record of hazard detection."""
+    if external.given.coarse_spot != 0:
+        point.coarse_L[0], point.coarse_L[1] = external.coarse_L[0], external.coarse_L[1]
+        point.coarse_known = 1
+    if external.given.safe_spot != 0:
+        point.fine_L[0], point.fine_L[1] = external.fine_L[0], external.fine_L[1]
+        point.fine_known = 1
+
+
+@kernel
+def replace_bank(external, limit, before, dt, goal):
+    """Put the commanded bank angle into the ``GUIDE`` record, or move it at the commanded rate.
+
+    Args:
+        external: ``EXTERNAL`` record.
+        limit: largest rate of the commanded bank angle, rad/s.
+        before: commanded in the last cycle, rad.
+        dt: base cycle, s.
+        goal: ``GUIDE`` record, written.
+    """
+    if external.given.bank != 0:
+        goal.bank = clamp(external.bank, before - limit * dt, before + limit * dt)
+    elif external.given.bank_rate != 0:
+        goal.bank = before + clamp(external.bank_rate, -limit, limit) * dt
+
+
+@kernel
+def replace_thrust(external, powered, state, t, goal):
+    """Put the commanded thrust, or the size of it, into the ``GUIDE`` record while the engine burns; lateral
+    force then comes from the tilt alone.
+
+    Args:
+        external: ``EXTERNAL`` record.
+        powered: parameters of powered guidance: the start of the engine.
+        state: ``VEHICLE_STATE`` record: what the engines can do.
+        t: present time, s.
+        goal: ``GUIDE`` record, written.
+    """
+    given = external.given
+    if state.ignited == 0 or (given.thrust == 0 and given.throttle == 0):
+        return
+    goal.full_wanted = 0
+    if given.thrust != 0:
+        x, y, z = take3(external.thrust_N, 0)
+        size = sqrt(x * x + y * y + z * z)
+        if size > 0.0:
+            put3(goal.thrust_direction_N, 0, (x / size, y / size, z / size))
+        goal.thrust, goal.translating = size, 0
+    if given.throttle != 0:
+        goal.thrust = external.throttle * state.engine.full_thrust
+    weak, elapsed = state.thrust_lost > 0.0, t - state.ignition_time
+    start_or_throttle(state.engine, weak, powered.full_time, powered.full_again, elapsed, goal)
+
+
+@kernel
+def replace_health(external, count, healthy):
+    """Use the thrusters no more that are isolated from outside, of ``count``."""
+    if external.given.isolate == 0:
+        return
+    for i in range(count):
+        if external.isolated[i] != 0:
+            healthy[i] = 0
+
+
+@kernel
+def replace_torque(external, torque, own):
+    """Torque (N m, B) that is demanded: the commanded one, or attitude control's, which ``own`` keeps."""
+    put3(own.torque_B, 0, torque)
+    return take3(external.torque_B, 0) if external.given.torque != 0 else torque
+
+
+@kernel
+def replace_duties(external, count, duty, own):
+    """Put the commanded duties of ``count`` thrusters in the place of those of allocation, which ``own``
+    keeps.
+    """
+    for i in range(count):
+        own.duty[i] = duty[i]
+    if external.given.duties != 0:
+        for i in range(count):
+            duty[i] = clamp(external.duty[i], 0.0, 1.0)

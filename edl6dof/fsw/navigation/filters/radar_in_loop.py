@@ -1,0 +1,143 @@
+"""Inertial solution with the radar in the loop: height and velocity become those that the radar shows, and
+follow them, projected with the attitude of the inertial unit, which nothing corrects.
+
+The radar is compared with the inertial solution first.  It comes into the loop when both have agreed for a
+while; and when they have contradicted each other for long, too, as without it there is no landing.  The height
+is the mean of the slant ranges times the cosine of each beam to the believed vertical.  Nobody asks whether
+that can be: with an attitude that is upside down the cosine, and the height, is negative.
+
+Source: the landing of Schiaparelli, T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA
+DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out, projection of the ranges.
+"""
+
+from __future__ import annotations
+
+from math import exp, sqrt
+
+import numpy as np
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.navigation.echoes import height_by_echoes, velocity_by_echoes
+from edl6dof.fsw.navigation.filters.kalman.antenna import place_antenna
+from edl6dof.fsw.navigation.filters.kalman.beams import count_usable, locked_beams
+from edl6dof.jit import kernel
+from edl6dof.records import FLAG
+from edl6dof.registry import Member
+from edl6dof.spatial.quaternion import from_frame, to_frame
+from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
+
+
+class RadarInLoopParams(Params):
+    """Inertial solution, drawn to the radar once that is in the loop."""
+
+    settle_s: float = param(
+        10.0,
+        "time from the first echo until radar and inertial solution are compared",
+        status="estimate",
+        ge=0.0,
+    )
+    agree_s: float = param(
+        1.0, "time for which they must agree to bring the radar into the loop", status="estimate", ge=0.0
+    )
+    patience_s: float = param(
+        5.0,
+        "time of contradiction after which the radar comes into the loop all the same",
+        status="recalled",
+        source="ESA DG-I/2017/546/TTN",
+        ge=0.0,
+    )
+    height_margin_m: float = param(
+        500.0, "difference of height up to which they agree", status="estimate", gt=0.0
+    )
+    speed_margin_m_s: float = param(
+        20.0, "difference of velocity up to which they agree", status="estimate", gt=0.0
+    )
+    lag_s: float = param(0.5, "time constant with which the solution follows the radar", gt=0.0)
+
+
+RADAR_IN_LOOP = np.dtype(
+    [
+        ("started_t", "f8"),  # s, flight time
+        ("age", "f8"),  # s: since the last look at the radar
+        ("begun", FLAG),  # whether there was an echo
+        ("seen", "f8"),  # s: for how long there have been echoes
+        ("agreed", "f8"),  # s: for how long radar and inertial solution have agreed on end
+        ("against", "f8"),  # s: for how long they have contradicted each other on end
+        ("in_loop", FLAG),
+        ("forced", FLAG),  # by patience, against the comparison
+    ],
+    align=True,
+)
+
+
+@kernel
+def start(params, onboard, sensed, solution, memory):
+    """Nothing seen yet."""
+    memory.started_t = solution.t
+    memory.age = memory.seen = memory.agreed = memory.against = 0.0
+    memory.begun = memory.in_loop = memory.forced = 0
+    _claim(onboard, solution, memory)
+
+
+@kernel
+def correct(params, onboard, health, sensed, motion, solution, memory):
+    """Look at the radar where there are echoes: compare it, or follow it."""
+    memory.age += motion.dt
+    n_beams = onboard.instruments.n_beams
+    if sensed.radar.fresh == 0 or count_usable(health, sensed.radar, n_beams) == 0:
+        return
+    dt = memory.age if memory.begun != 0 else 0.0
+    memory.begun, memory.age, memory.seen = 1, 0.0, memory.seen + dt
+    q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
+    at_antenna, moving = velocity_by_echoes(onboard.instruments, health, sensed.radar)
+    below = height_by_echoes(onboard.instruments, health, sensed.radar, to_frame(q, scale(-1.0, up)))
+    higher = below - height
+    faster = sub(sub(from_frame(q, at_antenna), swing), velocity) if moving else (0.0, 0.0, 0.0)
+    share = 1.0 - exp(-dt / params.lag)
+    if memory.in_loop == 0 and memory.seen > params.settle:
+        _compare(params, abs(higher), norm(faster), dt, memory)
+        share = 1.0  # what it shows is taken over as it comes into the loop
+    if memory.in_loop != 0:
+        put3(solution.r_I, 0, add(take3(solution.r_I, 0), scale(share * higher, up)))
+        put3(solution.v_I, 0, add(take3(solution.v_I, 0), scale(share, faster)))
+        solution.beams_used, solution.looked = locked_beams(sensed.radar, n_beams), 1
+    _claim(onboard, solution, memory)
+
+
+@kernel
+def _compare(params, height_off, speed_off, dt, memory):
+    """Bring the radar into the loop after it has agreed for a while, or after patience is over."""
+    if height_off < params.height_margin and speed_off < params.speed_margin:
+        memory.agreed, memory.against = memory.agreed + dt, 0.0
+    else:
+        memory.agreed, memory.against = 0.0, memory.against + dt
+    if memory.agreed > params.agree or memory.against > params.patience:
+        memory.in_loop = 1
+        memory.forced = 1 if memory.against > params.patience else 0
+
+
+@kernel
+def _claim(onboard, solution, memory):
+    """Fill the standard deviations: what dead reckoning leaves of the start, and in the loop those of the
+    radar.
+    """
+    known, t = onboard.instruments, solution.t - memory.started_t
+    turned = known.star_sigma**2 + known.star_bias**2 + known.gyro_noise**2 * t + (known.gyro_bias * t) ** 2
+    for i in range(3):
+        solution.sigma_r[i] = sqrt(
+            known.tracking_position_sigma[i] ** 2 + (known.tracking_velocity_sigma[i] * t) ** 2
+        )
+        solution.sigma_v[i] = known.speed_sigma if memory.in_loop != 0 else known.tracking_velocity_sigma[i]
+        solution.sigma_attitude[i] = sqrt(turned)
+    own = sqrt(known.range_sigma**2 + known.range_bias**2)
+    solution.sigma_height = own if memory.in_loop != 0 else solution.sigma_r[2]
+
+
+MEMBER = Member(
+    "radar_in_loop",
+    RadarInLoopParams,
+    {"start": start, "correct": correct},
+    "Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017)",
+    memory=RADAR_IN_LOOP,
+    reads=("inertial", "stars", "radar", "tracking"),
+)

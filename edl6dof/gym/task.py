@@ -1,0 +1,125 @@
+"""What makes a part of a flight a task to learn: where it begins, what is observed, what is commanded, what
+counts.
+
+A task works on a fleet, all its flights at once; an environment of one flight has a fleet of one.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.sim.fleet import Fleet
+from edl6dof.sim.outcome import FLYING
+
+#: Bound of every observation, in its scale.
+BOUND = 10.0
+
+
+@dataclass(frozen=True)
+class Feature:
+    """Numbers of an observation: what they are, the scale they are divided by, and where they stand in the
+    memories of the flight computers (``FSW``, shape (flights,)), as (flights,) or (flights, n).
+    """
+
+    name: str
+    scale: float
+    read: Callable[[np.ndarray], np.ndarray]
+    size: int = 1
+
+
+class Verdict(NamedTuple):
+    """What a step came to, each shape (flights,): reward; whether the task is over; whether it was done."""
+
+    reward: np.ndarray
+    over: np.ndarray
+    success: np.ndarray
+
+
+class Task(ABC):
+    """A task.
+
+    Attributes:
+        scenario: scenario or campaign that episodes are taken from.
+        overrides: what differs in it.
+        faults: faults of which each flight has one.
+        role: role of the mission phase in which an episode begins.
+        later_s: how long after the beginning of that phase, s.
+        interval_s: time between two actions, s.
+        longest_s: after which an episode is cut off, s.
+        features: what is observed.
+        title: in a few words.
+    """
+
+    title: str
+    scenario: str = "tianwen1_mc"
+    overrides: Mapping[str, Any] = {}
+    faults: tuple[Mapping[str, Any], ...] = ()
+    role: str
+    later_s: float = 0.0
+    interval_s: float
+    longest_s: float
+    features: tuple[Feature, ...]
+
+    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+        self.loaded, self.fleet = loaded, fleet
+        self.roles = np.array(loaded.scenario.phase_roles)
+        self.thrusters = loaded.scenario.thruster_names
+
+    @property
+    def observation_space(self) -> spaces.Space:
+        """Numbers between -10 and 10, most of them below 1."""
+        size = sum(feature.size for feature in self.features)
+        return spaces.Box(-BOUND, BOUND, (size,), np.float32)
+
+    @property
+    @abstractmethod
+    def action_space(self) -> spaces.Space:
+        """What a policy may do."""
+
+    def observe(self) -> np.ndarray:
+        """What the flight computers know, shape (flights, size); nothing of it is the truth."""
+        columns = [
+            np.asarray(feature.read(self.fleet.memories), float).reshape(len(self.fleet), -1) / feature.scale
+            for feature in self.features
+        ]
+        return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
+
+    @abstractmethod
+    def command(self, actions: np.ndarray) -> None:
+        """Give the flights their commands; ``actions``: one for each flight."""
+
+    @abstractmethod
+    def baseline(self) -> np.ndarray:
+        """What the flight software itself would do, as actions."""
+
+    @abstractmethod
+    def judge(self) -> Verdict:
+        """What the step since came to."""
+
+    def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything
+        """Forget the episode of a flight that begins anew."""
+
+    def in_roles(self, *roles: str) -> np.ndarray:
+        """Whether each flight is in a phase of these roles, shape (flights,)."""
+        return np.isin(self.roles[self.fleet.memories["mission"]["phase"]], roles)
+
+    def ended(self) -> np.ndarray:
+        """Whether each flight has ended, shape (flights,)."""
+        return self.fleet.outcomes != FLYING
+
+
+def nav(field: str) -> Callable[[np.ndarray], np.ndarray]:
+    """Reader of a field of navigation."""
+    return lambda memories: memories["nav"][field]
+
+
+def guide(field: str) -> Callable[[np.ndarray], np.ndarray]:
+    """Reader of a field of guidance."""
+    return lambda memories: memories["guide"][field]

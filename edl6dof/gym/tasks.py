@@ -1,0 +1,26 @@
+"""The tasks by name."""
+
+from __future__ import annotations
+
+from edl6dof.config.wording import nearest
+from edl6dof.gym.entry_bank import EntryBank
+from edl6dof.gym.powered_descent import PoweredDescent
+from edl6dof.gym.task import Task
+from edl6dof.gym.thruster_fault import DeadThruster, FaultDiagnosis
+
+TASKS: dict[str, type[Task]] = {
+    task.__name__: task for task in (EntryBank, PoweredDescent, DeadThruster, FaultDiagnosis)
+}
+
+
+def task_called(name: str) -> type[Task]:
+    """A task by its name.
+
+    Raises:
+        ValueError: there is none of this name.
+    """
+    if name not in TASKS:
+        near = nearest(name, TASKS)
+        hint = f"did you mean {near!r}?" if near else f"there are: {', '.join(TASKS)}"
+        raise ValueError(f"no task {name!r}; {hint}")
+    return TASKS[name]

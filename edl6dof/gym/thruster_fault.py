@@ -1,0 +1,139 @@
+"""A thruster that fails: fly on with it, or find out which it is."""
+
+from __future__ import annotations
+
+import numpy as np
+from gymnasium import spaces
+
+from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.gym.task import Feature, Task, Verdict
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.sim.fleet import Fleet
+
+#: When a bank reversal is under way, s after the beginning of lift control, and when the thruster has failed.
+_BEGINS_S, _FAILS_S = 50.0, 45.0
+#: Thrusters that turn the vehicle in it.
+FAILING = ("D1", "D2", "D3", "D4", "D5", "D6", "D7", "D8")
+_FAULTS = tuple(
+    {"thruster": name, "kind": "stuck_off", "at": {"phase": "lift", "plus_s": _FAILS_S}} for name in FAILING
+)
+_THRUSTERS = 22
+
+_ATTITUDE = (
+    Feature("attitude_error", 0.5, lambda memories: memories["demand"]["attitude_error"], 3),
+    Feature("rates", 0.2, lambda memories: memories["nav"]["w_B"], 3),
+    Feature("duties", 1.0, lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
+)
+
+
+class _ThrusterFault(Task):
+    """One of the horizontal thrusters is dead, and nobody has said which."""
+
+    faults = _FAULTS
+    role, later_s = LIFT, _BEGINS_S
+
+    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+        super().__init__(loaded, fleet)
+        if len(self.thrusters) != _THRUSTERS:
+            raise ValueError(f"is made for {_THRUSTERS} thrusters (the vehicle has {len(self.thrusters)})")
+
+
+class DeadThruster(_ThrusterFault):
+    """Action: duty of each thruster.  Reward: 0.01 less a hundredth of error and rate in each step, -1 where
+    attitude is lost; done where the vehicle is where it should be after 40 s.
+    """
+
+    title = "attitude by single thrusters, one of which is dead"
+    interval_s, longest_s = 0.04, 60.0
+    #: s after which it is over; rad and rad/s within which it is done; rad beyond which attitude is lost.
+    ends_s, error, rate, lost = 40.0, 0.15, 0.12, 3.2
+    features = (
+        *_ATTITUDE,
+        Feature("disturbance_torque", 200.0, lambda memories: memories["disturbance"]["torque"], 3),
+    )
+
+    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+        super().__init__(loaded, fleet)
+        self._began = np.zeros(len(fleet))
+
+    @property
+    def action_space(self) -> spaces.Box:
+        """Duty of each thruster, -1 for none and 1 for all the time."""
+        return spaces.Box(-1.0, 1.0, (_THRUSTERS,), np.float32)
+
+    def command(self, actions: np.ndarray) -> None:
+        """Command the duties."""
+        external = self.fleet.memories["external"]
+        external["given"]["duties"] = 1
+        external["duty"][:, :_THRUSTERS] = 0.5 * (actions + 1.0)
+
+    def baseline(self) -> np.ndarray:
+        """Duties of allocation."""
+        return (2.0 * self.fleet.memories["own"]["duty"][:, :_THRUSTERS] - 1.0).astype(np.float32)
+
+    def begin(self, index: int) -> None:
+        """Note the time."""
+        self._began[index] = self.fleet.plants["t"][index]
+
+    def judge(self) -> Verdict:
+        """Over after 40 s, or when attitude is lost."""
+        memories = self.fleet.memories
+        error = np.linalg.norm(memories["demand"]["attitude_error"], axis=1)
+        rate = np.linalg.norm(memories["nav"]["w_B"][:, 1:], axis=1)
+        lost = self.ended() | (error > self.lost)
+        done = self.fleet.plants["t"] - self._began >= self.ends_s - 1e-6
+        success = done & ~lost & (error < self.error) & (rate < self.rate)
+        reward = 0.01 * (1.0 - error - rate) - lost
+        return Verdict(reward, lost | done, success)
+
+
+class FaultDiagnosis(_ThrusterFault):
+    """Action: 0 to wait, or the number of a thruster to take out of use, which ends the episode.  Reward: 1
+    less a hundredth for each second if it is the one that failed, -1 if not or if none is named.
+    """
+
+    title = "which thruster is dead"
+    interval_s, longest_s = 0.2, 60.0
+    features = (
+        *_ATTITUDE,
+        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"], 6),
+        Feature("imu_rates", 0.2, lambda memories: memories["nav"]["imu_rate_B"], 3),
+    )
+
+    def __init__(self, loaded: LoadedScenario, fleet: Fleet):
+        super().__init__(loaded, fleet)
+        self._named = np.zeros(len(fleet), np.int64)
+        self._failed = np.zeros(len(fleet), np.int64)
+        self._waited = np.zeros(len(fleet))
+
+    @property
+    def action_space(self) -> spaces.Discrete:
+        """0, or the number of a thruster, from 1 on in the order of the vehicle file."""
+        return spaces.Discrete(_THRUSTERS + 1)
+
+    def command(self, actions: np.ndarray) -> None:
+        """Take the thruster that is named out of use."""
+        self._named = np.asarray(actions, np.int64)
+        external = self.fleet.memories["external"]
+        external["given"]["isolate"] = self._named > 0
+        external["isolated"][:, :_THRUSTERS] = self._named[:, None] == np.arange(1, _THRUSTERS + 1)
+
+    def baseline(self) -> np.ndarray:
+        """What fault isolation has named."""
+        diagnosis = self.fleet.memories["diagnosis"]
+        first = diagnosis["isolated"]["thruster"][:, 0]
+        return np.where(diagnosis["n_isolated"] > 0, first + 1, 0)
+
+    def begin(self, index: int) -> None:
+        """See which thruster fails."""
+        self._failed[index] = 1 + self.fleet.cases["faults"]["thruster"][index, 0]
+        self._waited[index] = 0.0
+
+    def judge(self) -> Verdict:
+        """Over when a thruster is named, or the flight ends."""
+        self._waited += self.interval_s
+        right = self._named == self._failed
+        over = (self._named > 0) | self.ended()
+        success = over & right
+        reward = np.where(success, 1.0 - 0.01 * self._waited, np.where(over, -1.0, 0.0))
+        return Verdict(reward, over, success)

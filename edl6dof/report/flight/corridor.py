@@ -1,0 +1,139 @@
+"""The corridor of an entry: what lift and the limits of the scenario leave of drag over speed.
+
+Its borders come from the flight itself: its own air density over height, drag and load per dynamic pressure
+over speed and constant of the heat-flux law turn a limit on dynamic pressure, load or heat flux into a drag
+or a height above the areoid at every speed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.config.units import G0
+from edl6dof.report.figure import ORANGE, PURPLE, VERMILION, Dash
+from edl6dof.report.flight.parts import has_signal
+from edl6dof.runs.run import Run
+
+#: Dynamic pressure (Pa) below which ratios to it say nothing.
+THIN_AIR = 5.0
+#: Time (s) over which lift and drag are averaged for the borders.
+CALM_S = 8.0
+#: Lift-to-drag ratio below which there is no gliding.
+LEAST_LIFT = 0.08
+
+
+class Entry(NamedTuple):
+    """Entry from the first air to the parachute at ever lower speeds, shape (n,) each; and the atmosphere
+    flown through.
+    """
+
+    speed: np.ndarray
+    drag: np.ndarray
+    lift_to_drag: np.ndarray
+    drag_per_pressure: np.ndarray
+    load_per_pressure: np.ndarray
+    heat_constant: float
+    profile_density: np.ndarray
+    profile_height: np.ndarray
+    radius: float
+    gravity: float
+
+    def height(self, density: np.ndarray) -> np.ndarray:
+        """Height (m above the areoid) at which the flown air has a density; NaN outside it."""
+        log = np.log(np.maximum(density, 1e-30))
+        return np.interp(log, np.log(self.profile_density), self.profile_height, left=np.nan, right=np.nan)
+
+
+def entry_state(run: Run) -> Entry | None:
+    """Drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
+    rows = (
+        run.between(until="mortar")
+        & (run["truth.dynamic_pressure_pa"] > THIN_AIR)
+        & (run["truth.height_m"] > 0.0)
+    )
+    if rows.sum() < 50 or not has_signal(run, "truth.heat_flux_w_cm2"):
+        return None
+    order = np.flatnonzero(rows)
+    fastest = np.minimum.accumulate(run["truth.airspeed_m_s"][order])
+    order = order[np.append(True, fastest[1:] < fastest[:-1])]
+    drag, lift = (_calm(run, values)[order] for values in aerodynamic_accelerations(run))
+    pressure, speed = run["truth.dynamic_pressure_pa"][order], run["truth.airspeed_m_s"][order]
+    heat = run["truth.heat_flux_w_cm2"][order] / (np.sqrt(run["truth.density_kg_m3"][order]) * speed**3)
+    air = run["truth.density_kg_m3"] > 0.0
+    rising = np.flatnonzero(air)[np.argsort(run["truth.density_kg_m3"][air], kind="stable")][::10]
+    planet = run.scenario["planet"]
+    gliding = (run.t[order] < run.when.get("trim_wing", np.inf)) & (drag > 0.0)
+    glide = np.divide(lift, drag, out=np.full_like(drag, np.nan), where=gliding)
+    radius = float(planet["equatorial_radius_m"])
+    return Entry(
+        speed, drag, glide, drag / pressure, np.hypot(drag, lift) / pressure, float(np.median(heat)),
+        run["truth.density_kg_m3"][rising], run["truth.height_above_areoid_m"][rising], radius,
+        float(planet["gravity"]["mu_m3_s2"]) / radius**2,
+    )  # fmt: skip
+
+
+def aerodynamic_accelerations(
+    run: Run, rows: np.ndarray | slice = slice(None)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Drag and lift acceleration, m/s2, from the aerodynamic force in B and the direction of the air."""
+    alpha, beta = (np.radians(run[f"truth.{name}_deg"][rows]) for name in ("alpha", "beta"))
+    along = (np.cos(alpha) * np.cos(beta), np.sin(beta), np.sin(alpha) * np.cos(beta))
+    force = [run[f"truth.aero_force_{axis}_n"][rows] / run["truth.mass_kg"][rows] for axis in "xyz"]
+    drag = -sum(f * a for f, a in zip(force, along, strict=True))
+    return drag, np.sqrt(np.maximum(sum(f * f for f in force) - drag * drag, 0.0))
+
+
+def _calm(run: Run, values: np.ndarray) -> np.ndarray:
+    """Mean over some seconds: what is left when the angle of attack no longer swings."""
+    rows = max(int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6)), 1)
+    held = np.pad(values, (rows // 2, rows - 1 - rows // 2), mode="edge")
+    return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
+
+
+class Border(NamedTuple):
+    """One border of the corridor: drag (m/s2) over ``Entry.speed``."""
+
+    name: str
+    drag: np.ndarray
+    colour: str
+    dash: Dash
+
+
+def borders(run: Run, entry: Entry) -> list[Border]:
+    """Borders for the limits that the scenario sets."""
+    limit = run.scenario["limits"]
+    found = []
+    if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
+        density = (most / (entry.heat_constant * entry.speed**3)) ** 2
+        found.append(
+            Border(
+                f"heat flux {most:g} W/cm²",
+                0.5 * density * entry.speed**2 * entry.drag_per_pressure,
+                VERMILION,
+                "dash",
+            )
+        )
+    if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
+        found.append(
+            Border(f"dynamic pressure {most / 1e3:g} kPa", most * entry.drag_per_pressure, ORANGE, "dashdot")
+        )
+    if (most := limit.get("entry_load_g0")) is not None:
+        found.append(
+            Border(
+                f"load {most:g} g",
+                most * G0 * entry.drag_per_pressure / entry.load_per_pressure,
+                PURPLE,
+                "dot",
+            )
+        )
+    return found
+
+
+def equilibrium_glide(entry: Entry) -> np.ndarray:
+    """Drag (m/s2) at which full lift up just holds the flight-path angle, near the ground; NaN above circular
+    speed and without lift.
+    """
+    need = entry.gravity - entry.speed**2 / entry.radius
+    return np.where((need > 0.0) & (entry.lift_to_drag > LEAST_LIFT), need / entry.lift_to_drag, np.nan)

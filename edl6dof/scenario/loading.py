@@ -1,0 +1,124 @@
+"""Scenario files read: their values checked, how they fit together, and what is true of them alone."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from edl6dof.config.document.overrides import apply_overrides, with_values
+from edl6dof.config.document.source import Document, read_document, resolve_scenario
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.validate import refuse, validate
+from edl6dof.interchange.vehicle import expand_daveml
+from edl6dof.plugins import require
+from edl6dof.scenario.cross_checks import section_problems
+from edl6dof.scenario.data_files import file_problems
+from edl6dof.scenario.mesh_paths import with_whole_paths
+from edl6dof.scenario.plugin_trial import try_out
+from edl6dof.scenario.schema import Scenario
+
+
+@dataclass(frozen=True)
+class LoadedScenario:
+    """A validated scenario with where it came from.
+
+    Attributes:
+        scenario: the nominal: what the flight computer was told.
+        truth: the same with the ``truth`` section applied: what the plant is built from.
+        document: the files it was read from, with the place and status of every value.
+    """
+
+    scenario: Scenario
+    truth: Scenario
+    document: Document
+
+
+#: Sections whose true values may differ from what the flight computer was told: the world, the vehicle and
+#: what befalls it.
+TRUE_SECTIONS = (
+    *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
+    *("point_mass", "sensors", "faults", "seed", "profile"),
+)
+#: Parameters in them that no flight depends on.
+_LABELS = re.compile(
+    r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.daveml_inputs.*|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
+)
+
+
+@cache
+def truth_problem(path: str) -> str:
+    """Why ``truth`` cannot hold a dotted path of a scenario; empty where it can, or where there is no such
+    path.
+    """
+    section = path.strip().partition(".")[0]
+    if section not in Scenario.model_fields:
+        return ""
+    if section not in TRUE_SECTIONS:
+        return (
+            f"{section} is no part of the true world or vehicle: set it itself; truth may change "
+            f"{', '.join(TRUE_SECTIONS)}"
+        )
+    return "has no effect on the truth of a flight" if _LABELS.fullmatch(path.strip()) else ""
+
+
+def check_document(document: Document) -> LoadedScenario:
+    """Validate a document, and its truth where that differs.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    require(document)
+    try_out()
+    scenario = _checked(document)
+    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
+    if wrong:
+        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
+    if not scenario.truth:
+        return LoadedScenario(scenario, scenario, document)
+    true = with_values(document, scenario.truth, Scenario, lambda path: document.mark(("truth", path)))
+    return LoadedScenario(scenario, _checked(true), document)
+
+
+def _checked(document: Document) -> Scenario:
+    """The scenario of a document: its values, how they fit together, and its tables."""
+    scenario = validate(Scenario, document)
+    refuse(document, {**section_problems(scenario), **file_problems(scenario)})
+    return scenario
+
+
+#: Sections of a scenario file that say how it is flown many times; a single flight does not read them, nor
+#: the one that says what is uncertain in it.
+CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
+CALIBRATION = "calibration"
+
+
+def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Read, override and validate a scenario file, or a shipped scenario by name.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    return load_document(read_document(resolve_scenario(str(name_or_path))), overrides)
+
+
+def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedScenario:
+    """Override and validate a document, without its sections about campaigns.
+
+    Raises:
+        ConfigError: with every problem found.
+    """
+    overrides = list(overrides)
+    late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
+    if late:
+        raise ConfigError(
+            Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
+        )
+    for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
+        document.data.pop(name, None)
+        document.forget((name,))
+    document = with_whole_paths(expand_daveml(document))
+    changed = apply_overrides(document, overrides, Scenario)
+    return check_document(with_whole_paths(expand_daveml(changed)))

@@ -1,0 +1,125 @@
+"""Several flights of one scenario side by side: a call flies all of them by some base cycles, in threads that
+hold no lock.  Each flies as it would alone, bit for bit.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.fsw.onboard import FSW, ONBOARD
+from edl6dof.scenario.case import CASE
+from edl6dof.scenario.records import Records
+from edl6dof.sensors.registry import SENSORS
+from edl6dof.sim.loop import fly_each
+from edl6dof.sim.outcome import FLYING
+from edl6dof.sim.underway import NO_BRIEFS, NO_TICKS, Moment
+from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
+
+#: Outcome of a flight that flies no further though it could, or has not begun.
+HALTED = -1
+#: Portions of a fleet for each thread: flights differ in what their cycles take.
+_PORTIONS = 4
+
+
+class Start(NamedTuple):
+    """What a flight begins with: the bytes of its records, without the zeros at their ends, of which images
+    that nobody has taken yet are millions.
+    """
+
+    cycle: int
+    case: np.ndarray
+    onboard: np.ndarray
+    plant: np.ndarray
+    peaks: np.ndarray
+    sensors: np.ndarray
+    fsw: np.ndarray
+
+    @classmethod
+    def of(cls, records: Records, moment: Moment) -> Start:
+        """A moment of a flight."""
+        whole = records.case, records.onboard, moment.plant, moment.peaks, moment.sensors, moment.fsw
+        return cls(moment.cycle, *map(_packed, whole))
+
+
+def _packed(record: np.ndarray) -> np.ndarray:
+    content = record.view(np.uint8)
+    used = np.flatnonzero(content)
+    return content[: used[-1] + 1 if len(used) else 0].copy()
+
+
+class Fleet:
+    """Flights of one scenario.
+
+    Attributes:
+        tables: the arrays that all cases read, ``TABLES``, shape (1,).
+        cases, onboards, plants, outputs, peaks, sensors, memories: records of each flight, shape (count,).
+        cycles: base cycle that each is at, shape (count,).
+        outcomes: outcome code of each, or ``HALTED``, shape (count,).
+    """
+
+    def __init__(self, count: int, tables: np.ndarray, steps: int, workers: int = 1):
+        """``steps``: integration steps in a base cycle; ``workers``: threads."""
+        self.tables, self._steps = tables, steps
+        self.cases, self.onboards = np.zeros(count, CASE), np.zeros(count, ONBOARD)
+        self.plants, self.outputs, self.peaks = (np.zeros(count, d) for d in (STATE, OUTPUTS, PEAKS))
+        self.sensors, self.memories = np.zeros(count, SENSORS), np.zeros(count, FSW)
+        self.cycles = np.zeros(count, np.int64)
+        self.outcomes = np.full(count, HALTED, np.int64)
+        self._works = np.zeros(count, WORKSPACE)
+        portions = min(count, workers * _PORTIONS) if workers > 1 else 1
+        edges = np.linspace(0, count, portions + 1).astype(int)
+        self._portions = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        self._pool = ThreadPoolExecutor(workers, thread_name_prefix="edl6dof") if workers > 1 else None
+
+    def __len__(self) -> int:
+        return len(self.cycles)
+
+    def put(self, index: int, start: Start) -> None:
+        """Let flight ``index`` begin here."""
+        places = self.cases, self.onboards, self.plants, self.peaks, self.sensors, self.memories
+        for place, packed in zip(places, start[1:], strict=True):
+            content = place[index : index + 1].view(np.uint8)
+            content[: len(packed)] = packed
+            rest = content[len(packed) :]
+            if rest.any():  # pages that were never written to are left so: they take no memory
+                rest[:] = 0
+        self.cycles[index], self.outcomes[index] = start.cycle, FLYING
+
+    def halt(self, which: np.ndarray) -> None:
+        """Fly some flights no further, shape (count,), bool."""
+        self.outcomes[which & (self.outcomes == FLYING)] = HALTED
+
+    def advance(self, cycles: int) -> None:
+        """Fly some base cycles of every flight that still flies."""
+        if self._pool is None:
+            self._fly(self._portions[0], cycles)
+            return
+        for done in [self._pool.submit(self._fly, portion, cycles) for portion in self._portions]:
+            done.result()
+
+    def _fly(self, some: slice, cycles: int) -> None:
+        fly_each(
+            self.cases[some],
+            self.onboards[some],
+            self.tables,
+            self.plants[some],
+            self.outputs[some],
+            self.peaks[some],
+            self._works[some],
+            self.sensors[some],
+            self.memories[some],
+            self.cycles[some],
+            self.outcomes[some],
+            cycles,
+            self._steps,
+            NO_TICKS,
+            NO_BRIEFS,
+        )
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()

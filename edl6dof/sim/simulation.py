@@ -1,0 +1,166 @@
+"""A flight flown step by step, with commands from outside in the place of any part of the flight software.
+
+A stepped flight is the flight: the compiled loop that flies it whole is called for one base cycle, or for
+several, and the bits are the same.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.scenario.records import Records
+from edl6dof.sim.checkpoint import State
+from edl6dof.sim.commanding import Command, Commander
+from edl6dof.sim.flight import Flight, flight_of
+from edl6dof.sim.observing import Reader, navigated, true_state, wanted
+from edl6dof.sim.outcome import FLYING, OUTCOMES
+from edl6dof.sim.underway import NO_TICKS, Moment, Underway
+
+
+class SteppedFlight:
+    """One flight, step by step.
+
+    Args:
+        loaded: the scenario, from :func:`edl6dof.load`.
+        parts: its records, where the caller has built them already.
+        telemetry: whether to keep telemetry, as :meth:`flight` needs it.
+    """
+
+    def __init__(self, loaded: LoadedScenario, parts: Records | None = None, telemetry: bool = True):
+        self.loaded, self._telemetry = loaded, telemetry
+        self._begin(loaded, parts)
+
+    def _begin(self, loaded: LoadedScenario, parts: Records | None = None) -> None:
+        """Stand at the start of a flight of a scenario."""
+        self.loaded = loaded
+        self.underway = Underway(loaded, parts=parts, log=None if self._telemetry else NO_TICKS)
+        self._names = loaded.scenario.thruster_names
+        self._commander = Commander(self.underway.fsw, self._names)
+        for name in ("_navigated", "_wanted", "_true"):
+            self.__dict__.pop(name, None)
+
+    def step(self, command: Command | None = None, cycles: int = 1) -> bool:
+        """Fly some base cycles of the flight software under a command; returns whether it still flies.
+
+        Args:
+            command: values by name, each in the place of what the flight software would work out itself for
+                these cycles: ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down),
+                ``throttle`` (of full thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each
+                thruster, or by name), ``isolate`` (names of thrusters to be used no more), ``safe_spot_m``
+                and ``coarse_spot_m`` (north and east of the landing site), ``estimate`` (``r_I_m``,
+                ``v_I_m_s``, ``q_I2B``, ``w_B_rad_s``, ``height_m``).
+            cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
+
+        Raises:
+            ValueError: there is no such command, or its value is not of its kind or not finite.
+        """
+        if command is not None or self._commander.holds:
+            self._commander.give(command)
+        return self.underway.advance(cycles) == FLYING
+
+    def observe(self) -> dict[str, Any]:
+        """What the flight computer knows since the last cycle, by name: navigation, guidance, phase.  Nothing
+        of it is the truth, but as far as its instruments tell.
+        """
+        return {name: read() for name, read in self._navigated.items()}
+
+    def look_ahead(self) -> dict[str, Any]:
+        """What the flight computer will know once the next base cycle begins: at the start of a flight, when
+        it has not been asked yet, that is what there is to observe.
+        """
+        now = self.underway.moment()
+        self.underway.advance(1)
+        found = self.observe()
+        self.underway.go_to(now)
+        return found
+
+    def own(self) -> dict[str, Any]:
+        """What the flight software itself wanted last, by the names of commands, whatever was commanded."""
+        return {name: read() for name, read in self._wanted.items()}
+
+    def truth(self) -> dict[str, Any]:
+        """The true state, which no flight computer has: for rewards and figures."""
+        self.underway.look()
+        return {name: read() for name, read in self._true.items()}
+
+    def state(self) -> State:
+        """The flight as it stands; :meth:`State.save` writes it to a file that ``edl6dof fly --from`` reads,
+        too.
+        """
+        return self.underway.state()
+
+    def restore(self, state: State | Moment) -> None:
+        """Go back, or on, to a state of this scenario; telemetry begins anew there.
+
+        Raises:
+            ConfigError: the state does not fit the scenario.
+        """
+        if isinstance(state, State):
+            state.check_fits(self.loaded.scenario)
+            if state.scenario_text != self.underway.scenario_text:
+                words = "is of another scenario; fly it with edl6dof fly --from, or load its own"
+                raise ConfigError([Problem("(saved state)", 0, 0, "", words)])
+        self.underway.go_to(state)
+        self._commander.take_up()
+
+    def flight(self) -> Flight:
+        """The flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last reset or
+        restore.  It shares its records: ask again after the next step.
+
+        Raises:
+            ValueError: no telemetry is kept, or no cycle has been flown.
+        """
+        if not self._telemetry or self.underway.rows == 0:
+            raise ValueError("no telemetry is kept" if not self._telemetry else "no cycle has been flown yet")
+        return flight_of(self.underway)
+
+    @property
+    def time_s(self) -> float:
+        """Flight time, s."""
+        return float(self.underway.plant["t"][0])
+
+    @property
+    def cycle(self) -> int:
+        """Base cycle that comes next."""
+        return self.underway.cycle
+
+    @property
+    def cycle_s(self) -> float:
+        """Length of a base cycle, s."""
+        return 1.0 / self.loaded.scenario.flight_software.rates.base_hz
+
+    @property
+    def flying(self) -> bool:
+        """Whether the flight goes on."""
+        return self.underway.code == FLYING
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, without its limits; ``flying`` until then."""
+        return OUTCOMES[self.underway.code]
+
+    @property
+    def phase(self) -> str:
+        """Name of the present mission phase."""
+        names = self.loaded.scenario.phase_names
+        return names[int(self.underway.fsw["mission"]["phase"][0])] if names else "free flight"
+
+    @property
+    def commands(self) -> list[str]:
+        """What :meth:`step` may be told."""
+        return self._commander.names
+
+    @cached_property
+    def _navigated(self) -> dict[str, Reader]:
+        return navigated(self.underway.fsw)
+
+    @cached_property
+    def _wanted(self) -> dict[str, Reader]:
+        return wanted(self.underway.fsw, len(self._names))
+
+    @cached_property
+    def _true(self) -> dict[str, Reader]:
+        return true_state(self.underway.plant, self.underway.outputs)

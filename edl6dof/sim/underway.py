@@ -1,0 +1,162 @@
+"""A flight under way: its records, and the compiled loop that takes them on by any number of base cycles.
+
+However the cycles are portioned, the flight has the same bits.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from edl6dof.config.document.overrides import apply_overrides
+from edl6dof.config.document.source import parse_document
+from edl6dof.config.dtype import duplicate
+from edl6dof.config.dump import dump_resolved
+from edl6dof.scenario import records
+from edl6dof.scenario.loading import LoadedScenario, check_document
+from edl6dof.scenario.schema import Scenario
+from edl6dof.sim.checkpoint import State
+from edl6dof.sim.compile_ahead import compile_loop, flight_software_beside
+from edl6dof.sim.loop import fly as fly_cycles
+from edl6dof.sim.loop import look, prepare, take_up
+from edl6dof.sim.outcome import FLYING
+from edl6dof.telemetry.channels import BRIEF, TICK
+from edl6dof.vehicle.plant import OUTPUTS, WORKSPACE
+
+#: Logs of a flight that keeps no telemetry.
+NO_TICKS, NO_BRIEFS = np.zeros(0, TICK), np.zeros(0, BRIEF)
+
+
+class Moment(NamedTuple):
+    """All that changes in a flight, at the start of a base cycle, each record of shape (1,)."""
+
+    cycle: int
+    plant: np.ndarray
+    peaks: np.ndarray
+    sensors: np.ndarray
+    fsw: np.ndarray
+
+
+class Underway:
+    """A flight under way.
+
+    Args:
+        loaded: from :func:`edl6dof.load`.
+        start: saved state to go on from, instead of the initial state.
+        parts: the scenario's records, where the caller has built them already.
+        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or ``BRIEF``; none of
+            either: no telemetry; made here if not given.
+
+    Attributes:
+        cycle: base cycle that comes next.
+        code: outcome code of the loop so far.
+        rows: rows of the log that are filled.
+
+    Raises:
+        ConfigError: the state does not fit the scenario.
+    """
+
+    def __init__(
+        self,
+        loaded: LoadedScenario,
+        start: State | None = None,
+        parts: records.Records | None = None,
+        log: np.ndarray | None = None,
+    ):
+        self.loaded, scenario = loaded, loaded.scenario
+        with flight_software_beside(scenario) as members:
+            self.case, self.tables, self.onboard = parts or records.build_records(loaded)
+            self.outputs, self.work = np.zeros(1, OUTPUTS), np.zeros(1, WORKSPACE)
+            self.code, self.rows, self.cycle = FLYING, 0, 0
+            if start is None:
+                self.plant = records.initial_plant(loaded.truth, self.case)
+                self.fsw = records.initial_fsw(self.onboard)
+                self.peaks, self.sensors = records.initial_peaks(), records.initial_sensors()
+                prepare(self.case, self.plant)
+            else:
+                start.check_fits(scenario)
+                self.plant, self.fsw = duplicate(start.plant), duplicate(start.fsw)
+                self.peaks, self.sensors = duplicate(start.peaks), duplicate(start.sensors)
+                self.cycle = start.cycle
+                take_up(self.case, self.plant, self.fsw)
+            if log is None:
+                # zeroed pages cost memory only once they are written, so the log may be as long as the
+                # longest flight allowed
+                log = np.zeros(log_rows(loaded, self.cycle), TICK)
+            self.log = log
+            self.first, self._steps = self.cycle, scenario.steps_per_cycle
+            self._logs = (log, NO_BRIEFS) if log.dtype == TICK else (NO_TICKS, log)
+            self._records = (
+                *(self.case, self.onboard, self.tables, self.plant, self.outputs),
+                *(self.peaks, self.work, self.sensors, self.fsw),
+            )
+            if members is not None:
+                compile_loop(members, *self._records, self.cycle, self.cycle, self._steps, *self._logs, 0)
+
+    @property
+    def last_cycle(self) -> int:
+        """Base cycle after which the time limit has ended the flight."""
+        return last_cycle(self.loaded)
+
+    def advance(self, cycles: int) -> int:
+        """Fly some base cycles, or up to the end of the flight; returns the outcome code."""
+        if self.code == FLYING:
+            end = self.cycle + cycles
+            self.code, flown, new = fly_cycles(
+                *self._records, self.cycle, end, self._steps, *self._logs, self.rows
+            )
+            self.cycle += flown
+            self.rows += new
+        return self.code
+
+    def look(self) -> None:
+        """Make :attr:`outputs` those of the present state."""
+        look(self.case, self.tables, self.plant, self.outputs, self.work)
+
+    def moment(self) -> Moment:
+        """All that changes, copied."""
+        return Moment(self.cycle, *map(duplicate, (self.plant, self.peaks, self.sensors, self.fsw)))
+
+    def go_to(self, moment: Moment | State) -> None:
+        """Go on from a moment of a flight of this scenario; telemetry begins anew there."""
+        for name in ("plant", "peaks", "sensors", "fsw"):
+            getattr(self, name).view(np.uint8)[:] = getattr(moment, name).view(np.uint8)
+        self.cycle = self.first = moment.cycle
+        self.code, self.rows = FLYING, 0
+
+    def state(self) -> State:
+        """The flight as it stands, for :meth:`edl6dof.sim.checkpoint.State.save`."""
+        return State(*self.moment(), self.scenario_text)
+
+    @cached_property
+    def scenario_text(self) -> str:
+        """The resolved scenario."""
+        return resolved_text(self.loaded)
+
+
+def log_rows(loaded: LoadedScenario, first_cycle: int = 0) -> int:
+    """Rows of telemetry that the longest flight allowed can fill, from a base cycle on."""
+    return max(last_cycle(loaded) + 1 - first_cycle, 1) // loaded.truth.simulation.log_every + 2
+
+
+def last_cycle(loaded: LoadedScenario) -> int:
+    """Base cycle in which the time limit ends a flight."""
+    return int(np.ceil(loaded.truth.simulation.time_limit_s * loaded.scenario.flight_software.rates.base_hz))
+
+
+def resolved_text(loaded: LoadedScenario) -> str:
+    """Resolved scenario with the package version on top."""
+    from edl6dof import __version__
+
+    words = "every default written out; flying this file repeats the flight bit for bit"
+    header = [f"resolved by edl6dof {__version__}: {words}"]
+    return dump_resolved(loaded.scenario, header, loaded.document.status, loaded.document.sources)
+
+
+def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenario:
+    """The scenario a saved state belongs to."""
+    return check_document(
+        apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
+    )
