@@ -168,9 +168,12 @@ class Scenario(Params):
         record=False,
         factory=dict,
     )
-    published: dict[str, float | PublishedFigure] = param(
+    published: dict[str, float | PublishedFigure | None] = param(
         None,
-        "figures of the real flight, shown beside this one's: a flown value, or what is required",
+        (
+            "figures of the real flight, shown beside this one's: a flown value, or what is required; null "
+            "takes back that of an extended scenario"
+        ),
         status="published",
         record=False,
         factory=dict,
