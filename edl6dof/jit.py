@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import time
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from os.path import isabs, join
 from pathlib import Path
 from stat import S_IMODE, S_ISDIR
@@ -21,6 +22,7 @@ from typing import Any
 import numba
 from numba.core import caching
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime import rtsys
 
 from edl6dof.code_files import CodeFiles, say_once
 from edl6dof.compile_time import compiled_by_type
@@ -31,6 +33,8 @@ from edl6dof.stale_code import PREFIX, note_sources, remove_stale
 SETTINGS: Any = numba.config
 PACKAGE = Path(__file__).resolve().parent
 TREE = SourceTree(PACKAGE, Path(SETTINGS.CACHE_DIR or PACKAGE / "__pycache__") / "sources.json")
+#: When the first sources were imported, s since 1970.
+_STARTED = time.time()
 #: numba puts a function's first line into the name of its files; a line more above it changes no code.
 _LINE = re.compile(r"-\d+(?=\.py\d+)")
 
@@ -58,30 +62,70 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
     compiled = numba.njit(**options, forceinline=forceinline)(function)
     # without numba's compiler (NUMBA_DISABLE_JIT) a kernel is a plain function
     if isinstance(compiled, Dispatcher):
-        _keep_code(compiled)
+        compiled._cache = KeptCode(function)  # type: ignore[attr-defined]  # private to numba
     return compiled_by_type(compiled)
 
 
-def _keep_code(compiled: Dispatcher) -> None:
-    """Let a kernel keep its machine code in the first folder that can be written to; without any, it is
-    compiled in each process.
+class KeptCode:
+    """Machine code of one kernel on disk; stands in the place of numba's cache.
+
+    Folder and stamp are worked out when they are first needed, since a process needs the code of few kernels:
+    for all of them that took a quarter of the time in which the package is imported.
     """
-    before = SETTINGS.CACHE_LOCATOR_CLASSES
-    # The locator is chosen at decoration; setting it only here leaves other users of numba in the process
-    # alone.
-    SETTINGS.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
-    try:
-        compiled.enable_caching()
-    except RuntimeError:
-        say_once(
-            f"no folder for machine code can be written to: it is compiled for this process alone {_ADVICE}"
-        )
-        return
-    finally:
-        SETTINGS.CACHE_LOCATOR_CLASSES = before
-    kept: Any = compiled._cache  # type: ignore[attr-defined]  # private to numba
-    name = _LINE.sub("", kept._impl.filename_base)
-    kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """The code for a signature; ``None`` where there is none.
+
+        numba's own makes ready for compiling first, which takes longer than to load a whole flight.
+        """
+        if (kept := self._kept) is None:
+            return None
+        rtsys.initialize(target)  # code that handles arrays calls it
+        return kept._load_overload(signature, target)
+
+    def save_overload(self, signature: Any, code: Any) -> None:
+        """Keep the code for a signature, if it can be kept."""
+        if self._kept is not None:
+            self._kept.save_overload(signature, code)
+
+    def flush(self) -> None:
+        """Forget all code of the kernel."""
+        if self._kept is not None:
+            self._kept.flush()
+
+    @property
+    def cache_path(self) -> str | None:
+        """Folder of the code."""
+        return None if self._kept is None else self._kept.cache_path
+
+    def __bool__(self) -> bool:
+        """Whether there is code for the present sources, of any signature."""
+        return self._kept is not None and bool(self._kept._cache_file)
+
+    @cached_property
+    def _kept(self) -> Any:
+        """numba's cache with files of our own, in the first folder that can be written to; ``None`` without
+        any, and where a source was edited while this process runs: nobody knows which it has imported.
+        """
+        before = SETTINGS.CACHE_LOCATOR_CLASSES
+        # The locator is chosen here; setting it only here leaves other users of numba in the process alone.
+        SETTINGS.CACHE_LOCATOR_CLASSES = ",".join(f"{__name__}.{locator.__name__}" for locator in LOCATORS)
+        try:
+            kept: Any = caching.FunctionCache(self._function)
+        except RuntimeError:
+            words = "no folder for machine code can be written to: it is compiled for this process alone"
+            say_once(f"{words} {_ADVICE}")
+            return None
+        finally:
+            SETTINGS.CACHE_LOCATOR_CLASSES = before
+        if _edited_since_start(self._function.__code__.co_filename):
+            return None
+        name = _LINE.sub("", kept._impl.filename_base)
+        kept._cache_file = CodeFiles(Path(kept.cache_path), name, kept._impl.locator.get_source_stamp())
+        return kept
 
 
 #: Files outside the package whose kernels a family of this process calls (see :mod:`edl6dof.plugins`), each
@@ -201,7 +245,13 @@ def tree_stamp(file: str) -> str:
     return hashlib.sha256(f"{stamp} boundscheck={SETTINGS.BOUNDSCHECK}".encode()).hexdigest()
 
 
+def _edited_since_start(file: str) -> bool:
+    """Whether ``file`` or anything of the package that it imports was written after this process began."""
+    path = str(Path(file).resolve())
+    return TREE.changed_at([path, *called_from(path)]) > _STARTED
+
+
 def is_cached(compiled: Any) -> bool:
     """Whether machine code of ``compiled`` for the present sources lies in the cache (any signature)."""
     kept = getattr(compiled, "_cache", None)  # a plain function has none
-    return kept is None or bool(getattr(kept, "_cache_file", False))
+    return kept is None or bool(kept)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import atexit
 import json
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
@@ -53,6 +54,11 @@ class SourceTree:
         return sha256(
             "".join(self._read(path)[0] for path in sorted(self.reached(*paths))).encode()
         ).hexdigest()
+
+    def changed_at(self, paths: Iterable[str]) -> float:
+        """When the last of all files that ``paths`` reach was written or put in its place, s since 1970."""
+        found = [os.stat(path) for path in self.reached(*paths)]
+        return max(max(one.st_mtime, one.st_ctime) for one in found)
 
     def reached(self, *paths: str) -> set[str]:
         """The paths and all package files that they reach by imports; a ring ends."""

@@ -7,9 +7,11 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import in_process  # noqa: F401  whoever calls the program, it is put together once
 import pytest
+from filelock import FileLock
 
 import edl6dof
 
@@ -24,15 +26,24 @@ LONGEST = (
     *("test_server.py", "test_hu2022.py"),
 )
 
+#: Held by the process that collects its tests: the next finds their bytecode on disk.
+COLLECTS = pytest.StashKey[FileLock]()
 #: The process that compiles, and what it does.
 COMPILING = pytest.StashKey[subprocess.Popen]()
 COMPILED = "import edl6dof; edl6dof.fly('tianwen1', ['simulation.time_limit_s=1'])"
 
 
-def pytest_collection_finish():
+def pytest_collection_finish(session):
     """What is loaded stays: it is not searched for garbage, the rest less often (4 % of the suite's time)."""
+    if lock := session.config.stash.get(COLLECTS, None):
+        lock.release()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+
+
+def pytest_sessionfinish():
+    """What is left at the end goes with the process: pytest would search it for garbage twice."""
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items):
@@ -48,7 +59,8 @@ def nominal():
 
 
 def pytest_sessionstart(session):
-    """Start compiling the simulator, so that only one process does; the others collect their tests meanwhile.
+    """Start compiling the simulator, so that only one process does; the others collect their tests meanwhile,
+    one after the other: the first writes the bytecode of the tests.
 
     Programs that tests start answer Ctrl-C, which a shell has those ignore that it runs in the background.
     They find the bytecode of the sources on disk, whether it is written usually or not: else each would make
@@ -56,7 +68,10 @@ def pytest_sessionstart(session):
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    if not hasattr(session.config, "workerinput") and session.config.getoption("numprocesses", None):
+    if hasattr(session.config, "workerinput"):
+        session.config.stash[COLLECTS] = FileLock(Path(__file__).parent / "__pycache__" / "collecting.lock")
+        session.config.stash[COLLECTS].acquire()
+    elif session.config.getoption("numprocesses", None):
         session.config.stash[COMPILING] = subprocess.Popen([sys.executable, "-c", COMPILED])
 
 

@@ -19,6 +19,7 @@ from edl6dof.fsw.diagnosis.exercise import pair_to_test
 from edl6dof.fsw.diagnosis.hypotheses import NONE
 from edl6dof.fsw.estimation.activity import remember
 from edl6dof.fsw.estimation.engine_shortfall import engine_shortfall
+from edl6dof.fsw.estimation.held_thrust import held_thrust
 from edl6dof.fsw.estimation.update import estimate_disturbance
 from edl6dof.fsw.external import (
     replace_bank,
@@ -60,6 +61,15 @@ def commanded_thrust(vehicle, t, state, command):
         for i in range(vehicle.n_engines):
             thrust += command.thrust[i] * (1.0 - vehicle.engines[i].by_thrusters)
     return thrust
+
+
+@kernel
+def believe_thrust(params, vehicle, t, disturbance, command, dt, memory, state):
+    """What the engines lack, or hold, by the axial force that the thrusters do not explain."""
+    commanded, measured = commanded_thrust(vehicle, t, state, command), -disturbance.unexplained[0]
+    state.held_thrust = held_thrust(params.held_thrust, commanded, measured, dt, memory.held_thrust)
+    lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
+    state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
 
 
 @kernel
@@ -152,12 +162,8 @@ def run(onboard, sensed, k, fsw):
         fsw.estimation,
         disturbance,
     )
-    state.thrust_lost = engine_shortfall(
-        onboard.estimation.engine_shortfall,
-        commanded_thrust(vehicle, nav.t, state, command),
-        -disturbance.unexplained[0],
-        control_dt,
-        fsw.estimation.engine_shortfall,
+    believe_thrust(
+        onboard.estimation, vehicle, nav.t, disturbance, command, control_dt, fsw.estimation, state
     )
 
     # fault isolation

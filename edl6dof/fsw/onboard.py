@@ -32,6 +32,7 @@ from edl6dof.fsw.guidance.entry.profiles.entry_corridor import EntryLimitParams
 from edl6dof.fsw.guidance.entry.profiles.range_update import TrackingParams
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
 from edl6dof.fsw.guidance.entry.steering import ReversalParams
+from edl6dof.fsw.guidance.powered.held_thrust import HeldThrustDescentParams
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS
 from edl6dof.fsw.guidance.powered.target import PoweredTargetParams
 from edl6dof.fsw.guidance.powered.terminal import TerminalParams
@@ -113,6 +114,23 @@ class EntryGuidanceParams(_EntryLaws):
         record=False,
     )
 
+    @property
+    def heading_below_m_s(self) -> float:
+        """Speed below which heading alignment takes over: the chosen law's own, where it has one."""
+        own = getattr(self._chosen, "heading_speed_m_s", None)
+        return self.heading.speed_m_s if own is None else float(own)
+
+    @property
+    def least_bank_deg(self) -> float:
+        """Smallest bank magnitude: the chosen law's own, where it has one."""
+        own = getattr(self._chosen, "bank_min_deg", None)
+        return self.bank_min_deg if own is None else float(own)
+
+    @property
+    def _chosen(self) -> Any:
+        """Section of the law that is flown."""
+        return getattr(self, self.law, None)
+
 
 class PoweredGuidanceParams(_PoweredLaws):
     """Powered guidance: the deceleration law and the terminal phases."""
@@ -127,6 +145,7 @@ class PoweredGuidanceParams(_PoweredLaws):
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
+    held_thrust: HeldThrustDescentParams = group(HeldThrustDescentParams, "descent on a throttle that stands")
 
 
 class GuidanceParams(Params):

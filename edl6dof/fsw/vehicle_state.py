@@ -34,7 +34,8 @@ VEHICLE_STATE = np.dtype(
         ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
         ("ignited", FLAG),  # one of them at least
         ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-        ("engine", ENGINE_ABILITY),  # of them together, less that
+        ("held_thrust", "f8"),  # N: of a throttle that is believed to stand; 0: it moves
+        ("engine", ENGINE_ABILITY),  # of them together, less what is missing
         ("ignition_time", "f8"),  # s, flight time: when its thrust begins
     ],
     align=True,

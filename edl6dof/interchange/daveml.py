@@ -1,10 +1,10 @@
 """DAVE-ML models (AIAA S-119): constants, simple arithmetic and gridded tables, evaluated as the file states
 them.
 
-Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (plus, minus, times, divide,
-power, abs), ``breakpointDef``, ``griddedTableDef`` and ``function`` with linear interpolation, held beyond
-its ends.  Everything else that would change a value is refused with file and line.  Descriptions, provenance,
-uncertainty and check data change no value and are passed over.
+Read: ``variableDef`` with ``initialValue``, limits and MathML ``calculation`` (arithmetic, elementary
+functions, comparisons and ``piecewise``), ``breakpointDef``, ``griddedTableDef`` and ``function`` with linear
+interpolation, held beyond its ends.  Everything else that would change a value is refused with file and line.
+Descriptions, provenance, uncertainty and check data change no value and are passed over.
 
 Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference; the last breakpoint of a table varies fastest.
 """
@@ -98,7 +98,7 @@ class _Reader:
         text = (
             "supported are constants, calculations with "
             + ", ".join(OPERATORS)
-            + ", and gridded tables with linear interpolation"
+            + ", piecewise, and gridded tables with linear interpolation"
         )
         return refused(self.path, line_of(element), f"<{local_name(element)}> {words} ({text})")
 
@@ -169,9 +169,15 @@ class _Reader:
         if kind == "cn":
             self.number(node, node.text)
             return
+        if kind == "piecewise":
+            self.check_piecewise(node)
+            return
         if kind != "apply" or len(node) == 0:
             raise self.unsupported(node)
         operator, *arguments = node
+        if local_name(operator) == "piecewise" and not arguments:
+            self.check_piecewise(operator)
+            return
         if local_name(operator) not in OPERATORS:
             raise self.unsupported(operator)
         _, least, most = OPERATORS[local_name(operator)]
@@ -179,6 +185,22 @@ class _Reader:
             raise self.unsupported(operator, f"cannot take {len(arguments)} arguments")
         for argument in arguments:
             self.check_formula(argument)
+
+    def check_piecewise(self, node: _Element) -> None:
+        """Pieces of a value and a condition, and at most one value otherwise, which stands last."""
+        kinds = [local_name(child) for child in node]
+        if kinds[-1:] == ["otherwise"]:
+            kinds.pop()
+        if set(kinds) != {"piece"}:
+            words = "<piecewise> must hold <piece>, and last perhaps <otherwise>"
+            raise refused(self.path, line_of(node), words)
+        for child in node:
+            wanted = 2 if local_name(child) == "piece" else 1
+            if len(child) != wanted:
+                words = "a value" if wanted == 1 else "a value and a condition"
+                raise refused(self.path, line_of(child), f"<{local_name(child)}> must hold {words}")
+            for part in child:
+                self.check_formula(part)
 
     def gridded(self, element: _Element) -> tuple[tuple[np.ndarray, ...], np.ndarray]:
         axes = []

@@ -5,11 +5,12 @@ Source: ANSI/AIAA S-119-2011 and the DAVE-ML 2.0 reference.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,25 +20,50 @@ from edl6dof.interchange.xmlfile import line_of, local_name, refused, text_of
 if TYPE_CHECKING:
     from lxml.etree import _Element
 
+#: A number, or one for each of many points.
+Number = float | np.ndarray
+
 #: Arithmetic of MathML: the function, and the least and the largest number of its arguments.
-OPERATORS: dict[str, tuple[Callable[..., float], int, int]] = {
-    "plus": (lambda *a: math.fsum(a), 1, 99),
-    "times": (lambda *a: math.prod(a), 1, 99),
+OPERATORS: dict[str, tuple[Callable[..., Any], int, int]] = {
+    "plus": (lambda *a: sum(a[1:], start=a[0]), 1, 99),
+    "times": (lambda *a: math.prod(a[1:], start=a[0]), 1, 99),
     "minus": (lambda a, b=None: -a if b is None else a - b, 1, 2),
     "divide": (lambda a, b: a / b, 2, 2),
     "power": (lambda a, b: a**b, 2, 2),
-    "abs": (abs, 1, 1),
+    "abs": (np.abs, 1, 1),
+    "root": (np.sqrt, 1, 1),
+    "exp": (np.exp, 1, 1),
+    "ln": (np.log, 1, 1),
+    "sin": (np.sin, 1, 1),
+    "cos": (np.cos, 1, 1),
+    "tan": (np.tan, 1, 1),
+    "arcsin": (np.arcsin, 1, 1),
+    "arccos": (np.arccos, 1, 1),
+    "arctan": (np.arctan, 1, 1),
+    "min": (lambda *a: functools.reduce(np.minimum, a), 1, 99),
+    "max": (lambda *a: functools.reduce(np.maximum, a), 1, 99),
+    "lt": (np.less, 2, 2),
+    "leq": (np.less_equal, 2, 2),
+    "gt": (np.greater, 2, 2),
+    "geq": (np.greater_equal, 2, 2),
+    "eq": (np.equal, 2, 2),
+    "neq": (np.not_equal, 2, 2),
+    "and": (lambda *a: functools.reduce(np.logical_and, a), 2, 99),
+    "or": (lambda *a: functools.reduce(np.logical_or, a), 2, 99),
+    "not": (np.logical_not, 1, 1),
 }
 
 #: Unit of DAVE-ML to (kind, factor to SI).
 UNITS: dict[str, tuple[str, float]] = {
     "nd": ("number", 1.0), "": ("number", 1.0), "_rad": ("number", 1.0), "_deg": ("number", 180.0 / math.pi),
+    "frac": ("number", 1.0), "pct": ("number", 0.01),
     "m": ("length", 1.0), "ft": ("length", 0.3048), "m2": ("area", 1.0), "ft2": ("area", 0.3048**2),
     "kg": ("mass", 1.0), "lbm": ("mass", 0.45359237), "slug": ("mass", 0.45359237 * 9.80665 / 0.3048),
     "kgm2": ("inertia", 1.0), "slugft2": ("inertia", 0.45359237 * 9.80665 * 0.3048),
     "rad": ("angle", 1.0), "deg": ("angle", math.pi / 180.0), "rad_s": ("rate", 1.0), "deg_s": ("rate",
     math.pi / 180.0),
-    "m_s": ("speed", 1.0), "ft_s": ("speed", 0.3048),
+    "N": ("force", 1.0), "lbf": ("force", 0.45359237 * 9.80665), "sec": ("time", 1.0), "s": ("time", 1.0),
+    "kg_s": ("flow", 1.0), "m_s": ("speed", 1.0), "ft_s": ("speed", 0.3048),
 }  # fmt: skip
 
 
@@ -75,8 +101,9 @@ class Model:
     functions: dict[str, Function] = field(default_factory=dict)
 
     def named(self, name: str) -> Variable | None:
-        """The variable of a standard name."""
-        return next((variable for variable in self.variables.values() if variable.name == name), None)
+        """The variable of a standard name, which some files give as its identifier."""
+        own = (variable for variable in self.variables.values() if variable.name == name)
+        return next(own, self.variables.get(name))
 
     def inputs_of(self, identifier: str, seen: tuple[str, ...] = ()) -> set[str]:
         """Variables without a value of their own that a variable depends on."""
@@ -93,52 +120,83 @@ class Model:
 
     def evaluate(self, identifier: str, given: Mapping[str, float] | None = None) -> float:
         """Value of a variable in the file's own units; ``given`` holds inputs by variable identifier."""
-        given = given or {}
-        variable = self.variables[identifier]
+        return float(self.values(identifier, given or {}))
+
+    def values(self, identifier: str, given: Mapping[str, Number]) -> Number:
+        """As :meth:`evaluate`, at many points: arrays of one length in ``given`` and in what is returned."""
+        return self._value(identifier, given, {})
+
+    def _value(self, identifier: str, given: Mapping[str, Number], known: dict[str, Number]) -> Number:
+        if identifier in known:
+            return known[identifier]
+        variable, value = self.variables[identifier], None
         if identifier in given:
             value = given[identifier]
         elif identifier in self.functions:
             table = self.functions[identifier]
-            value = interpolate(table, [self.evaluate(name, given) for name in table.inputs])
+            value = interpolate(table, [self._value(name, given, known) for name in table.inputs])
         elif variable.formula is not None:
-            value = self._formula(variable, variable.formula, given)
+            with np.errstate(all="ignore"):
+                value = self._formula(variable, variable.formula, given, known)
+            if not np.all(np.isfinite(value)):
+                raise self.error(variable.line, "cannot be calculated: it is not finite", variable.name)
         elif variable.value is not None:
             value = variable.value
         else:
             raise self.error(
                 variable.line, "has neither initialValue nor calculation nor function", variable.name
             )
-        return min(max(value, variable.low), variable.high)
+        known[identifier] = np.minimum(np.maximum(value, variable.low), variable.high)
+        return known[identifier]
 
-    def _formula(self, variable: Variable, node: _Element, given: Mapping[str, float]) -> float:
+    def _formula(
+        self, variable: Variable, node: _Element, given: Mapping[str, Number], known: dict[str, Number]
+    ) -> Number:
         kind = local_name(node)
         if kind == "ci":
-            return self.evaluate(text_of(node), given)
+            return self._value(text_of(node), given, known)
         if kind == "cn":
             return float(text_of(node))
+        if kind == "piecewise":
+            return self._piecewise(variable, node, given, known)
         operator, *arguments = node
+        if local_name(operator) == "piecewise":  # NASA's files put one into an apply of its own
+            return self._piecewise(variable, operator, given, known)
         try:
-            return float(
-                OPERATORS[local_name(operator)][0](
-                    *(self._formula(variable, item, given) for item in arguments)
-                )
-            )
+            with_values = [self._formula(variable, item, given, known) for item in arguments]
+            found: Number = OPERATORS[local_name(operator)][0](*with_values)
         except (ArithmeticError, ValueError, TypeError) as error:
             raise self.error(line_of(node), f"cannot be calculated: {error}", variable.name) from None
+        return found
+
+    def _piecewise(
+        self, variable: Variable, node: _Element, given: Mapping[str, Number], known: dict[str, Number]
+    ) -> Number:
+        """The first piece whose condition holds, else what stands otherwise; all are worked out."""
+        pieces = [child for child in node if local_name(child) == "piece"]
+        other = node.find("{*}otherwise")
+        found: Any = np.nan if other is None else self._formula(variable, other[0], given, known)
+        for piece in reversed(pieces):
+            value, holds = (self._formula(variable, part, given, known) for part in piece)
+            found = np.where(holds, value, found)
+        return found
 
     def error(self, line: int, message: str, name: str = "") -> ConfigError:
         """An error at a line of this file."""
         return refused(self.path, line, message, name=name)
 
 
-def interpolate(table: Function, point: Sequence[float]) -> float:
-    """Linear in every direction, held beyond the ends."""
-    values = table.values
-    for axis, x in zip(table.axes, point, strict=True):
-        i = int(np.clip(np.searchsorted(axis, x, side="right") - 1, 0, max(len(axis) - 2, 0)))
+def interpolate(table: Function, point: Sequence[Number]) -> Number:
+    """Linear in every direction, held beyond the ends; at one point or at many."""
+    many = np.broadcast_arrays(*(np.atleast_1d(x) for x in point))
+    values = np.broadcast_to(table.values, (len(many[0]), *table.values.shape))
+    rows = np.arange(len(many[0]))
+    for axis, x in zip(table.axes, many, strict=True):
         if len(axis) == 1:
-            values = values[0]
+            values = values[:, 0]
             continue
-        share = float(np.clip((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0, 1.0))
-        values = values[i] + share * (values[i + 1] - values[i])
-    return float(values)
+        i = np.clip(np.searchsorted(axis, x, side="right") - 1, 0, len(axis) - 2)
+        share = np.clip((x - axis[i]) / (axis[i + 1] - axis[i]), 0.0, 1.0)
+        low = values[rows, i]
+        values = low + share.reshape(-1, *(1 for _ in low.shape[1:])) * (values[rows, i + 1] - low)
+    return values if any(np.ndim(x) for x in point) else float(values[0])

@@ -22,6 +22,10 @@ _GLB_HEAD, _CHUNK_HEAD = struct.Struct("<4sII"), struct.Struct("<I4s")
 _STL_HEAD, _STL_TRIANGLE = 84, np.dtype([("places", "<f4", (12,)), ("attribute", "<u2")])
 
 
+#: Media types.
+GLB, GLTF, STL = "model/gltf-binary", "model/gltf+json", "model/stl"
+
+
 class MeshFile(NamedTuple):
     """A mesh as it is on disk, and its media type."""
 
@@ -87,7 +91,7 @@ def _stl_problem(content: bytes) -> str:
 
 
 _KINDS = {
-    ".glb": ("model/gltf-binary", _glb_problem),
-    ".gltf": ("model/gltf+json", _gltf_problem),
-    ".stl": ("model/stl", _stl_problem),
+    ".glb": (GLB, _glb_problem),
+    ".gltf": (GLTF, _gltf_problem),
+    ".stl": (STL, _stl_problem),
 }

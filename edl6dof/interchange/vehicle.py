@@ -4,10 +4,11 @@ S-119 standard names.
     vehicle:
       daveml: [brick_inertia.dml, brick_aero.dml]
 
-Two kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping
-(``aero.constant``), and tables of drag, lift and pitching moment over Mach number and angle of attack
-(``aero.capsule.static_table``).  Whether a file is one of them is found by evaluating it; a file that says
-more than the vehicle can carry is refused, never cut down.
+Three kinds of aerodynamics have a place in a vehicle: a constant drag coefficient with rate damping
+(``aero.constant``), tables of drag, lift and pitching moment over Mach number and angle of attack
+(``aero.capsule.static_table``), and six coefficients over both angles, with what else the model depends on,
+such as deflections, given under ``daveml_inputs`` (``aero.body``).  Whether a file is one of them is found by
+evaluating it; a file that says more than the vehicle can carry is refused, never cut down.
 """
 
 from __future__ import annotations
@@ -24,7 +25,18 @@ from edl6dof.config.base import stated
 from edl6dof.config.document.source import Document, Mark
 from edl6dof.config.errors import ConfigError
 from edl6dof.interchange.daveml import read_daveml
-from edl6dof.interchange.daveml_model import UNITS, Model, Variable
+from edl6dof.interchange.daveml_aero import (
+    AREAS,
+    CHORDS,
+    FLOW,
+    FORCES,
+    SPANS,
+    factor,
+    is_sampled,
+    length_of,
+    settings,
+)
+from edl6dof.interchange.daveml_model import Model
 
 DRAG, LIFT, SIDE = "totalCoefficientOfDrag", "totalCoefficientOfLift", "aeroBodyForceCoefficient_Y"
 ROLL, PITCH, YAW = (f"aeroBodyMomentCoefficient_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
@@ -35,6 +47,8 @@ MASS = "totalMass"
 INERTIA = tuple(f"bodyMomentOfInertia_{axis}" for axis in ("Roll", "Pitch", "Yaw"))
 PRODUCTS = tuple(f"bodyProductOfInertia_{axes}" for axes in ("ZX", "XY", "YZ"))
 CENTRE = tuple(f"bodyPositionOfCmWrtMrc_{axis}" for axis in "XYZ")
+#: Station of the centre of mass aft of the nose, in place of the first of them.
+STATION = "vrsPositionOfCM_X"
 
 _SUPPORTED = "constant drag, no lift or side force, and Cl = Clp p b/2V, Cm = Cmq q c/2V, Cn = Cnr r b/2V"
 
@@ -89,7 +103,11 @@ def expand_daveml(document: Document) -> Document:
                 ("vehicle", "daveml", index), f"no such file (got {names[index]!r}; looked for {path})"
             )
             raise ConfigError([problem])
-    part = vehicle_part(paths)
+    inputs = vehicle.get("daveml_inputs")
+    numbers = inputs.values() if isinstance(inputs, dict) else ()
+    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
+        return document  # for the validation to refuse
+    part = vehicle_part(paths, {str(name): float(x) for name, x in inputs.items()} if inputs else {})
     document.forget(("vehicle", "daveml"))
     vehicle["daveml"] = []
     for keys, (path, line) in part.lines.items():
@@ -114,41 +132,57 @@ def _adopt(document: Document, keys: tuple[str, ...], data: Any, mark: Mark) -> 
         document.sources[".".join(("vehicle", *keys))] = Path(mark.file).name
 
 
-def vehicle_part(paths: Iterable[Path]) -> Part:
-    """Mass properties and aerodynamics of DAVE-ML files, converted to SI units."""
-    part = Part()
+def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = None) -> Part:
+    """Mass properties and aerodynamics of DAVE-ML files, converted to SI units.
+
+    Args:
+        paths: the files.
+        inputs: what the models are given besides the flow, by name or identifier and in their own units.
+
+    Raises:
+        ConfigError: a file cannot be read, says what a vehicle cannot carry, or no file has such an input.
+    """
+    part, unused, inputs = Part(), set(inputs or ()), inputs or {}
+    model = None
     for path in paths:
         model = read_daveml(path)
+        unused -= {name for name in unused if model.named(name) is not None}
+        has_aero = model.named(DRAG) is not None or model.named(FORCES[0]) is not None
         if model.named(MASS) is not None:
-            _mass(model, part)
-        if model.named(DRAG) is not None:
-            _aerodynamics(model, part)
-        if model.named(MASS) is None and model.named(DRAG) is None:
+            _mass(model, part, inputs)
+        if has_aero:
+            _aerodynamics(model, part, inputs)
+        if model.named(MASS) is None and not has_aero:
             raise model.error(1, f"holds neither mass properties ({MASS}) nor aerodynamics ({DRAG})")
+    if unused and model is not None:
+        raise model.error(1, f"neither it nor another file has an input of this name: {sorted(unused)[0]}")
     return part
 
 
-def _mass(model: Model, part: Part) -> None:
-    mass, line = _constant(model, MASS, "mass")
+def _mass(model: Model, part: Part, inputs: Mapping[str, float]) -> None:
+    mass, line = _constant(model, MASS, "mass", inputs)
     part.put("mass.entry_kg", mass, model, line)
     part.put(
         "mass.entry_inertia_kg_m2",
-        [_constant(model, name, "inertia")[0] for name in INERTIA],
+        [_constant(model, name, "inertia", inputs)[0] for name in INERTIA],
         model,
         _line(model, INERTIA[0]),
     )
-    centre = [_constant(model, name, "length")[0] if model.named(name) else 0.0 for name in CENTRE]
+    centre = [_constant(model, name, "length", inputs)[0] if model.named(name) else 0.0 for name in CENTRE]
+    if model.named(CENTRE[0]) is None and model.named(STATION) is not None:
+        centre[0] = -_constant(model, STATION, "length", inputs)[0]
     part.put("mass.entry_centre_m", centre, model, line)
-    for name in PRODUCTS:
-        if model.named(name) and _constant(model, name, "inertia")[0] != 0.0:
-            raise model.error(
-                _line(model, name),
-                "products of inertia are not supported: the axes must be principal axes",
-                name,
-            )
+    zx, xy, yz = (
+        _constant(model, name, "inertia", inputs)[0] if model.named(name) else 0.0 for name in PRODUCTS
+    )
+    if zx or xy or yz:
+        part.put("mass.entry_products_kg_m2", [xy, zx, yz], model, _line(model, PRODUCTS[0]))
 
 
-def _aerodynamics(model: Model, part: Part) -> None:
+def _aerodynamics(model: Model, part: Part, given: Mapping[str, float]) -> None:
+    if is_sampled(model):
+        _body(model, part, given)
+        return
     outputs = [
         variable
         for name in (DRAG, LIFT, SIDE, ROLL, PITCH, YAW)
@@ -203,6 +237,22 @@ def _constants(model: Model, part: Part) -> None:
         part.put(f"aero.constant.{key}", damping[name], model, line_of[name])
 
 
+def _body(model: Model, part: Part, given: Mapping[str, float]) -> None:
+    """Six coefficients over both angles: the body's table is made from the same file."""
+    named = next((found for name in AREAS if (found := model.named(name)) is not None), None)
+    if named is None:
+        raise model.error(1, f"lacks the reference area ({' or '.join(AREAS)})")
+    area, line = _constant(model, named.name, "area", {})
+    settings(model, given, FLOW)
+    part.put("aero.model", "body", model, line)
+    part.put("aero.body.file", str(model.path.resolve()), model, line)
+    part.put("aero.body.inputs", {k: v for k, v in given.items() if model.named(k) is not None}, model, line)
+    part.put("aero.body.reference_area_m2", area, model, line)
+    for key, names in (("chord_m", CHORDS), ("span_m", SPANS)):
+        if (length := length_of(model, names)) is not None:
+            part.put(f"aero.body.{key}", length, model, line)
+
+
 def _table(model: Model, part: Part) -> None:
     """Tables over Mach and angle of attack: the capsule's static table is read from the same file."""
     area, line = _constant(model, AREA, "area")
@@ -236,7 +286,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         for identifier, axis in zip(function.inputs, function.axes, strict=True):
             variable = model.variables[identifier]
             if variable.name in grids:
-                degrees = _factor(model, variable, "angle") * 180.0 / pi if variable.name == ALPHA else 1.0
+                degrees = factor(model, variable, "angle") * 180.0 / pi if variable.name == ALPHA else 1.0
                 grids[variable.name].update(np.round(axis * degrees, 9))
     mach, alpha = (np.array(sorted(grids[name])) for name in (MACH, ALPHA))
     if len(mach) < 2 or len(alpha) < 2:
@@ -247,7 +297,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         point = {
             key: float(mach[i])
             if v.name == MACH
-            else float(alpha[j]) * pi / 180.0 / _factor(model, v, "angle")
+            else float(alpha[j]) * pi / 180.0 / factor(model, v, "angle")
             for key, v in given.items()
         }
         table[i, j] = [model.evaluate(variable.id, point) for variable in coefficients]
@@ -261,32 +311,38 @@ def _probe(model: Model, name: str, speed: float, *rates: float) -> float:
         **dict(zip(RATES, ((r, "rate") for r in rates), strict=True)),
     }
     given = {
-        v.id: value / _factor(model, v, kind)
+        v.id: value / factor(model, v, kind)
         for key, (value, kind) in values.items()
         if (v := model.named(key)) is not None
     }
     variable = stated(model.named(name))
-    _factor(model, variable, "number")
+    factor(model, variable, "number")
     return model.evaluate(variable.id, given)
 
 
-def _constant(model: Model, name: str, kind: str) -> tuple[float, int]:
-    """SI value and line of a variable that depends on nothing."""
+def _constant(
+    model: Model, name: str, kind: str, inputs: Mapping[str, float] | None = None
+) -> tuple[float, int]:
+    """SI value and line of a variable that depends on nothing but ``inputs``, by name, and on inputs that
+    have an initial value.
+    """
     if (variable := model.named(name)) is None:
         raise model.error(1, f"lacks the variable {name}")
-    if inputs := model.inputs_of(variable.id):
-        raise model.error(variable.line, f"must be constant (depends on {', '.join(sorted(inputs))})", name)
-    return model.evaluate(variable.id) * _factor(model, variable, kind), variable.line
-
-
-def _factor(model: Model, variable: Variable, kind: str) -> float:
-    found, factor = UNITS.get(variable.units, ("", 0.0))
-    if found != kind:
-        allowed = ", ".join(unit for unit, (of, _) in UNITS.items() if of == kind and unit)
+    given = {
+        found.id: value for key, value in (inputs or {}).items() if (found := model.named(key)) is not None
+    }
+    unknown = sorted(
+        identifier
+        for identifier in model.inputs_of(variable.id)
+        if identifier not in given and model.variables[identifier].value is None
+    )
+    if unknown:
         raise model.error(
-            variable.line, f"unit {variable.units!r} is not one of {kind} (known: {allowed})", variable.name
+            variable.line,
+            f"depends on {', '.join(unknown)}: give a value under vehicle.daveml_inputs",
+            name,
         )
-    return factor
+    return model.evaluate(variable.id, given) * factor(model, variable, kind), variable.line
 
 
 def _line(model: Model, name: str) -> int:

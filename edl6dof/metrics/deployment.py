@@ -27,7 +27,6 @@ def deployment_figures(
         "parachute_miss_m": radius_m * _arc(here, aim_point)[0],
         "parachute_downrange_m": radius_m * (atan2(sin(arc) * cos(turn), cos(arc)) - goal),
         "parachute_crossrange_m": radius_m * asin(sin(arc) * sin(turn)),
-        "parachute_speed_m_s": float(np.interp(mortar_fire_s, near["t_s"], near["truth.speed_m_s"])),
     }
 
 

@@ -100,7 +100,7 @@ def _event_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, fl
         figures["parachute_s"] = t
         names = (
             *("mach", "dynamic_pressure_pa", "total_alpha_deg"),
-            *("altitude_m", "height_above_areoid_m", "height_m"),
+            *("altitude_m", "height_above_areoid_m", "height_m", "speed_m_s"),
         )
         values = telemetry.at(t, *(f"truth.{name}" for name in names))
         figures.update({f"parachute_{name}": value for name, value in zip(names, values, strict=True)})

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from math import hypot
 
-import numpy as np
-
 from edl6dof.telemetry.columns import Telemetry
 
 _POSITION = ("nav.error_north_m", "nav.error_east_m", "nav.error_down_m")
@@ -16,8 +14,8 @@ _ATTITUDE = (*_VERTICAL, "nav.error_attitude_down_deg")
 
 
 def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str, float]:
-    """Errors of the estimate at mortar fire, ignition and just before touchdown, and the largest, as far as the
-    flight came.
+    """Errors of the estimate at mortar fire, ignition, backshell release and just before touchdown, as far as
+    the flight came.
 
     Args:
         telemetry: its rows.
@@ -26,12 +24,9 @@ def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str
     figures: dict[str, float] = {}
     if (t := when.get("mortar")) is not None:
         figures["parachute_nav_position_m"] = hypot(*telemetry.at(t, *_POSITION))
-    flown = _until(telemetry, when.get("touchdown"))
-    figures["max_nav_attitude_deg"] = flown.longest(*_ATTITUDE)
     if (t := when.get("backshell")) is not None:
-        before = _until(telemetry, t)
-        told = before["truth.height_m"] + before["nav.error_height_m"]
-        figures["least_told_height_m"] = float(told.min())
+        figures["backshell_nav_attitude_deg"] = hypot(*telemetry.at(t, *_ATTITUDE))
+        figures["backshell_told_height_m"] = sum(telemetry.at(t, "truth.height_m", "nav.error_height_m"))
     if (t := when.get("ignition")) is not None:
         figures.update(_height_and_velocity("ignition", telemetry, t))
     if (t := when.get("touchdown")) is not None:
@@ -40,11 +35,6 @@ def navigation_figures(telemetry: Telemetry, when: dict[str, float]) -> dict[str
         figures.update(_height_and_velocity("touchdown", telemetry, t))
         figures["touchdown_nav_vertical_deg"] = hypot(*telemetry.at(t, *_VERTICAL))
     return figures
-
-
-def _until(telemetry: Telemetry, t: float | None) -> Telemetry:
-    """The rows before a time (s), all of them where there is none; the first at least."""
-    return telemetry if t is None else telemetry.rows(0, max(int(np.searchsorted(telemetry["t_s"], t)), 1))
 
 
 def _height_and_velocity(moment: str, telemetry: Telemetry, t: float) -> dict[str, float]:

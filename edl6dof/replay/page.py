@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import gzip
 import urllib.request
+from functools import cache
 from pathlib import Path
 
 from jinja2 import StrictUndefined, Template
@@ -34,14 +35,15 @@ def page(recording: Path, title: str) -> bytes:
     return template.render(
         title=title,
         program=Markup(script.replace("</script", "<\\/script")),
-        wasm=_packed(wasm),
+        wasm=wasm,
         recording=_packed(recording.read_bytes()),
     ).encode("utf-8")
 
 
-def _program() -> tuple[str, bytes]:
-    """The viewer for browsers: its script and its wasm, asked from rerun's own server on this machine, which
-    serves nothing else.
+@cache
+def _program() -> tuple[str, str]:
+    """The viewer for browsers: its script and its packed wasm, asked from rerun's own server on this machine,
+    which serves nothing else; the same for every page.
     """
     port, data = free_port(), free_port()
     with running("--serve-web", "--web-viewer-port", str(port), "--port", str(data)) as program:
@@ -49,7 +51,7 @@ def _program() -> tuple[str, bytes]:
         script, wasm = (
             _fetch(f"http://{HOST}:{port}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
         )
-    return script.decode("utf-8"), wasm
+    return script.decode("utf-8"), _packed(wasm)
 
 
 def _fetch(url: str) -> bytes:

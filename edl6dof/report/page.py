@@ -12,6 +12,7 @@ import gzip
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ def page(report: Report) -> str:
             report=report,
             style=_verbatim(_HERE / "page.css"),
             script=_verbatim(_HERE / "page.js"),
-            plotly=_packed(plotly_js()),
+            plotly=_packed_plotly(),
             drawings={figure.key: drawing(figure) for figure in report.figures()},
             dark=DARK,
         )
@@ -61,12 +62,13 @@ def plotly_js() -> bytes:
     return (Path(found.origin).parent / "package_data" / "plotly.min.js").read_bytes()
 
 
-def _packed(content: bytes) -> str:
-    """Compressed, as text; the same content gives the same text.
+@cache
+def _packed_plotly() -> str:
+    """plotly.js compressed, as text; the same in every page.
 
     Level 9 would take twice as long for a hundredth less.
     """
-    return base64.b64encode(gzip.compress(content, 5, mtime=0)).decode("ascii")
+    return base64.b64encode(gzip.compress(plotly_js(), 5, mtime=0)).decode("ascii")
 
 
 def _environment() -> Environment:

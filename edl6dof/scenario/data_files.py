@@ -28,6 +28,7 @@ from edl6dof.environment.wind import require_winds
 from edl6dof.interchange.mesh_file import read_mesh_file
 from edl6dof.scenario.mesh_paths import MESHES
 from edl6dof.scenario.schema import Scenario
+from edl6dof.vehicle.aerodynamics.body_table import body_inputs, build_body_table
 from edl6dof.vehicle.aerodynamics.table import (
     aero_inputs,
     build_aero_table,
@@ -42,6 +43,7 @@ TABLES: dict[str, Callable[[str], Path]] = {
     "terrain.landing_area.dtm.file": dtm_path,
     "planet.gravity.coefficients": coefficients_path,
     "vehicle.aero.capsule.static_table": static_table_path,
+    "vehicle.aero.body.file": Path,
 }
 
 #: Section of names for tables of the air.
@@ -84,9 +86,16 @@ def file_problems(scenario: Scenario) -> dict[str, str]:
         capsule = scenario.vehicle.aero.capsule
         with _collected(problems, "vehicle.aero.capsule.static_table"):
             inputs = aero_inputs(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
-            read_static_table(capsule.static_table)
+            if capsule.coefficients == "table":
+                read_static_table(capsule.static_table)
             with _collected(problems, "vehicle.aero.capsule"):
                 build_aero_table(inputs)
+    if scenario.vehicle.aero.model == "body":
+        with _collected(problems, "vehicle.aero.body.file"):
+            gas, sheds = scenario.planet.gas, scenario.vehicle.showing("capsule") is not None
+            build_body_table(
+                body_inputs(scenario.vehicle.aero.body, gas.shock_layer_heat_capacity_ratio, sheds)
+            )
     for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
         with _collected(problems, f"{'.'.join(MESHES)}.{k}.file"):
             read_mesh_file(Path(mesh.file))

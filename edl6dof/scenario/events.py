@@ -17,8 +17,9 @@ from edl6dof.vehicle.vehicle import VehicleParams
 #: Quantities that guidance works out, and which guidance does; of others navigation always tells.
 WORKED_OUT_BY = {
     "downrange_to_go_m": ("hold_bank", "entry"),
-    "time_to_go_s": ("powered",),
+    "time_to_go_s": ("powered", "held_thrust"),
     "spot_chosen": ("hover", "avoid", "descend"),
+    "stop_height_m": ("held_thrust",),
 }
 
 

@@ -44,7 +44,7 @@ TRUE_SECTIONS = (
 )
 #: Parameters in them that no flight depends on.
 _LABELS = re.compile(
-    r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
+    r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.daveml_inputs.*|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
 
 

@@ -35,6 +35,8 @@ from edl6dof.spatial.frames import (
     ned_to_fixed,
 )
 from edl6dof.spatial.quaternion import from_euler_321, multiply
+from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
+from edl6dof.vehicle.aerodynamics.body_table import BodyInputs, body_inputs, build_body_table
 from edl6dof.vehicle.aerodynamics.table import AERO_TABLE, AeroInputs, aero_inputs, build_aero_table
 from edl6dof.vehicle.plant import ATTITUDE, NOT_BEGUN, PEAKS, POSITION, PROPELLANT, RATE, STATE, VELOCITY
 
@@ -42,6 +44,7 @@ TABLES = np.dtype(
     [
         ("atmosphere", ATMOSPHERE_TABLE),
         ("aero", AERO_TABLE),
+        ("body", BODY_TABLE),
         ("terrain", GROUND),
         ("areoid", HEIGHT_MAP),  # of the areoid above the ellipsoid
     ],
@@ -50,10 +53,13 @@ TABLES = np.dtype(
 
 
 class TableInputs(NamedTuple):
-    """What the tables of a scenario follow from; ``aero`` only for a capsule."""
+    """What the tables of a scenario follow from; ``aero`` only for a capsule, ``body`` for a body of any
+    shape.
+    """
 
     air: AirInputs
     aero: AeroInputs | None
+    body: BodyInputs | None
     ground: GroundInputs
     areoid: MapFile | None
 
@@ -65,12 +71,12 @@ def table_inputs(scenario: Scenario) -> TableInputs:
         ValueError: a file is not named or is no table.
         OSError: a file cannot be read.
     """
-    capsule, gas = scenario.vehicle.aero.capsule, scenario.planet.gas
+    aero, ratio = scenario.vehicle.aero, scenario.planet.gas.shock_layer_heat_capacity_ratio
+    sheds = scenario.vehicle.showing("capsule") is not None
     return TableInputs(
         air_inputs(scenario.atmosphere, scenario.planet, scenario.place),
-        aero_inputs(capsule, gas.shock_layer_heat_capacity_ratio)
-        if scenario.vehicle.aero.model == "capsule"
-        else None,
+        aero_inputs(aero.capsule, ratio) if aero.model == "capsule" else None,
+        body_inputs(aero.body, ratio, sheds) if aero.model == "body" else None,
         ground_inputs(scenario.terrain, scenario.planet),
         areoid_file(scenario.planet),
     )
@@ -93,6 +99,8 @@ def _tables(inputs: TableInputs) -> np.ndarray:
     tables["areoid"] = areoid_map(inputs.areoid)
     if inputs.aero is not None:
         tables["aero"] = build_aero_table(inputs.aero)
+    if inputs.body is not None:
+        tables["body"] = build_body_table(inputs.body)
     return tables
 
 

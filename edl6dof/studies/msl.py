@@ -142,7 +142,7 @@ def figures(flight: Flight) -> dict[str, float]:
     """What this study looks at besides the figures of merit of one flight."""
     t = flight.telemetry
     time, bank = t["t_s"], t["truth.bank_deg"]
-    heading = flight.scenario.flight_software.guidance.entry.heading.speed_m_s
+    heading = flight.scenario.flight_software.guidance.entry.heading_below_m_s
     slow = t["truth.speed_m_s"] < heading
     steered = (time > flight.metrics["lift_start_s"]) & ~slow
     crossings = time[1:][(bank[1:] * bank[:-1] < 0.0) & steered[1:]]

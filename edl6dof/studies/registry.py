@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from edl6dof.studies import guidance, hazards, hu2022, landing, lu_bayard, msl, wu2013, yan2016, zheng2015
+from edl6dof.studies import (
+    guidance,
+    hazards,
+    hu2022,
+    landing,
+    lu_bayard,
+    msl,
+    newtonian,
+    wu2013,
+    yan2016,
+    zheng2015,
+)
 from edl6dof.studies.study import Study
 
 STUDIES: dict[str, Study] = {
@@ -17,5 +28,6 @@ STUDIES: dict[str, Study] = {
         hazards,
         hu2022,
         msl,
+        newtonian,
     )
 }  # fmt: skip

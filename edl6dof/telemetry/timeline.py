@@ -27,7 +27,7 @@ DONE = {
 
 #: What figures, reports and pictures call the first event of a kind, by its action, whatever its own name; of
 #: a jettison by the shape that the part showed to the air, of what is extended see :func:`milestone`.
-MILESTONES = {"deploy": "mortar", "ignite": "ignition"}
+MILESTONES = {"deploy": "mortar", "ignite": "ignition", "cut_off": "cut_off"}
 UNCOVERED = {"capsule": "heat_shield", "backshell": "backshell"}
 #: Milestone of an event that is none: the ballast's jettison, the drogue's release.
 NO_MILESTONE = ""

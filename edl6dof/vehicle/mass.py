@@ -76,6 +76,11 @@ class MassParams(Hardware):
     entry_inertia_kg_m2: Vec3 | None = param(
         None, "Ixx, Iyy, Izz about the centre of mass at entry interface", record=False
     )
+    entry_products_kg_m2: Vec3 = param(
+        (0.0, 0.0, 0.0),
+        "products of inertia (integrals of xy, xz, yz) that go with entry_inertia_kg_m2",
+        record=False,
+    )
     lander_inertia_kg_m2: Vec3 | None = param(
         None,
         "Ixx, Iyy, Izz of the dry lander without any part about its own centre, in place of those at entry",
@@ -86,6 +91,8 @@ class MassParams(Hardware):
     def _one_inertia(self) -> MassParams:
         if (self.entry_inertia_kg_m2 is None) == (self.lander_inertia_kg_m2 is None):
             raise ValueError("must give either entry_inertia_kg_m2 or lander_inertia_kg_m2")
+        if self.entry_inertia_kg_m2 is None and any(self.entry_products_kg_m2):
+            raise ValueError("entry_products_kg_m2 goes with entry_inertia_kg_m2, which is not given")
         return self
 
 
@@ -134,6 +141,8 @@ def lander_dry(
     if params.lander_inertia_kg_m2 is not None:
         return mass, _tensor(params.lander_inertia_kg_m2), centre
     inertia = _tensor(stated(params.entry_inertia_kg_m2)) - _shift(mass, centre - whole)
+    xy, xz, yz = params.entry_products_kg_m2
+    inertia = inertia - np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]])
     for part in others:
         inertia = (
             inertia - _tensor(part.inertia_kg_m2) - _shift(part.mass_kg, np.asarray(part.centre_m) - whole)

@@ -59,6 +59,12 @@ class VehicleParams(Hardware):
         record=False,
         factory=list,
     )
+    daveml_inputs: dict[str, float] = param(
+        None,
+        "what those files are given besides the flow, such as deflections: by name, in their units",
+        record=False,
+        factory=dict,
+    )
     nose_radius_m: float = param(
         0.85, "effective nose radius for heating", status="estimate", source="D/4", gt=0.0
     )

@@ -68,13 +68,16 @@ def bank_travel(mission, law, *overrides):
     return float(np.sum(np.abs(np.diff(flight.telemetry["guide.bank_deg"][flight.during(LIFT)]))))
 
 
-@pytest.mark.parametrize("bank", BANKS)
 @pytest.mark.parametrize("mission", MISSIONS)
 @pytest.mark.parametrize("law", ENTRY_LAWS.names)
-def test_bank_travel_in_a_steady_or_sheared_wind_is_that_of_calm_air(law, mission, bank):
-    calm = bank_travel(mission, law, *BANKS[bank])
-    for name, wind in MISSIONS[mission].items():
-        assert bank_travel(mission, law, *BANKS[bank], f"truth={wind}") <= MORE * calm + ROUNDING, name
+def test_bank_travel_in_a_steady_or_sheared_wind_is_that_of_calm_air(law, mission):
+    """The ways of the bank angle take the winds in turn, of the next law in the other order."""
+    calm = [bank_travel(mission, law, *sets) for sets in BANKS.values()]
+    for number, (name, wind) in enumerate(MISSIONS[mission].items(), start=ENTRY_LAWS.names.index(law)):
+        turn = number % len(BANKS)
+        bank = list(BANKS)[turn]
+        travel = bank_travel(mission, law, *BANKS[bank], f"truth={wind}")
+        assert travel <= MORE * calm[turn] + ROUNDING, (bank, name)
 
 
 @pytest.mark.parametrize("law", ENTRY_LAWS.names)

@@ -48,6 +48,17 @@ def test_every_flight_ends_with_an_outcome_that_names_its_fault_and_keeps_its_te
     assert t[0] == 0.0 and t[-1] == pytest.approx(flight.time_s, abs=0.03) and np.all(np.diff(t) > 0.0)
 
 
+def test_lander_whose_throttle_stands_falls_lights_again_and_lands_on_what_it_gives():
+    flight = flown("{kind: throttle_stuck, at: {phase: powered_deceleration, plus_s: 20}}")
+    assert flight.success and flight.metrics["touchdown_vertical_m_s"] < 2.0
+    thrust, height = flight.telemetry["truth.engine_thrust_n"], flight.telemetry["truth.height_m"]
+    held = float(flight.plant["thrust_held"][0, 0])
+    last = height < 20.0
+    assert thrust[last].max() == pytest.approx(held, rel=0.01) and held > 4000.0
+    burnt = np.flatnonzero(np.diff((thrust > 100.0).astype(int)) == 1)
+    assert len(burnt) == 2
+
+
 @pytest.mark.parametrize("factor", [0.5, 0.7])
 def test_torn_canopy_sinks_faster_by_the_root_of_the_drag_that_is_left(nominal, factor):
     """Steady descent: weight is drag; the share of the capsule stays."""

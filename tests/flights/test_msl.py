@@ -37,7 +37,7 @@ def test_deployment_is_where_and_when_it_was(flight):
 
 def test_range_control_reverses_three_times_and_leaves_the_rest_to_heading_alignment(flight):
     t = flight.telemetry
-    heading = t["truth.speed_m_s"] < flight.scenario.flight_software.guidance.entry.heading.speed_m_s
+    heading = t["truth.speed_m_s"] < flight.scenario.flight_software.guidance.entry.heading_below_m_s
     begins = t["t_s"][np.argmax(heading)]
     sides = [side for time, side in bank_reversals(t) if time < begins]
     assert sides == ["left", "right", "left"] and begins == pytest.approx(135.6, abs=3.0)

@@ -81,7 +81,7 @@ def test_viewers_show_it_and_run_nothing(viewer, sent, received, tmp_path):
 
 def test_flying_it_again_asks_once_and_is_remembered_until_the_law_changes(sent, received, tmp_path):
     again = ("check", received / "scenario.yaml")
-    done = finished(*again, cwd=tmp_path)
+    done = called(*again, cwd=tmp_path)
     assert refused(done) and "--trust" in done.stderr and "law.py" in done.stderr
     assert not ran(sent)
     assert finished(*again, "--trust", cwd=tmp_path).returncode == 0
@@ -93,7 +93,7 @@ def test_flying_it_again_asks_once_and_is_remembered_until_the_law_changes(sent,
     original = (sent / "law.py").read_text()
     try:
         (sent / "law.py").write_text(original.replace("0.5", "0.6"))
-        done = finished(*again, cwd=tmp_path)
+        done = called(*again, cwd=tmp_path)
         assert refused(done) and "--trust" in done.stderr
         assert not ran(sent)
     finally:

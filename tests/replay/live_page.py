@@ -141,10 +141,8 @@ def opened(address: str, profile: Path, size: tuple[int, int] = (1400, 850)) -> 
         running.wait(timeout=20.0)
 
 
-def settled(page: Page, drawn: Callable[[np.ndarray], bool], most_s: float = 150.0) -> np.ndarray:
-    """The picture once the replay plays and what is waited for is drawn; the last picture when it never
-    is.
-    """
+def wait_until_it_plays(page: Page, most_s: float = 150.0) -> None:
+    """Return once the viewer has been started and was handed the recording."""
     end = time.monotonic() + most_s
     while time.monotonic() < end and page.value("document.documentElement.dataset.state") not in (
         "playing",
@@ -154,6 +152,14 @@ def settled(page: Page, drawn: Callable[[np.ndarray], bool], most_s: float = 150
     assert page.value("document.documentElement.dataset.state") == "playing", page.value(
         "document.body.innerText"
     )
+
+
+def settled(page: Page, drawn: Callable[[np.ndarray], bool], most_s: float = 150.0) -> np.ndarray:
+    """The picture once the replay plays and what is waited for is drawn; the last picture when it never
+    is.
+    """
+    end = time.monotonic() + most_s
+    wait_until_it_plays(page, most_s)
     shown = page.picture()
     while time.monotonic() < end and not drawn(shown):
         time.sleep(1.0)

@@ -41,10 +41,10 @@ def browser() -> str:
     return found
 
 
-def show(page: Path, place: Path, width: int = 1300, height: int = 6000) -> Shown:
+def show(page: Path, place: Path, width: int = 1300, height: int = 6000, *options: str) -> Shown:
     """Open a file as a user would, wait until it is drawn, and look."""
     picture = place / "page.png"
-    said = run(page, place, f"--screenshot={picture}", f"--window-size={width},{height}")
+    said = run(page, place, f"--screenshot={picture}", f"--window-size={width},{height}", *options)
     with Image.open(picture) as image:
         return Shown(np.asarray(image.convert("RGB")), said)
 

@@ -9,8 +9,6 @@ import subprocess
 import numpy as np
 import pytest
 from browser import browser, print_out, share, show
-from browser import run as run_browser
-from PIL import Image
 
 from edl6dof.report.dark import DARK
 from edl6dof.report.document import Report, Section
@@ -117,16 +115,43 @@ const wait = setInterval(() => {
 </script></body>"""  # noqa: E501
 
 
-def words_in_the_way(html: str, place, width: int) -> list[str]:
-    (place / "measured.html").write_text(html.replace("</body>", MEASURE), encoding="utf-8")
-    said = " ".join(show(place / "measured.html", place, width, 1000).console)
+#: Says which tables are wider than their place, and how many there are.
+TABLES = """<script>addEventListener("load", () => {
+  for (const place of document.querySelectorAll("div.table"))
+    if (place.scrollWidth > place.clientWidth + 1) console.log("CUT " + place.textContent.slice(0, 40));
+  console.log("LOOKED " + document.querySelectorAll("div.table").length);
+});</script></body>"""
+
+
+def in_the_way(shown) -> list[str]:
+    """What a page with the measuring script says."""
+    said = " ".join(shown.console)
     assert int(re.search(r"MEASURED (\d+)", said)[1]) > 10
     return re.findall(r"(?:OVER|OUTSIDE) [^\"]*", said)
 
 
-@pytest.mark.parametrize("width", [1100, 500])
-def test_words_of_the_plots_do_not_cover_each_other(written, tmp_path, width):
-    assert words_in_the_way(written.read_text(encoding="utf-8"), tmp_path, width) == []
+def words_in_the_way(html: str, place, width: int) -> list[str]:
+    (place / "measured.html").write_text(html.replace("</body>", MEASURE), encoding="utf-8")
+    return in_the_way(show(place / "measured.html", place, width, 1000))
+
+
+@pytest.fixture(scope="module")
+def windows(written, tmp_path_factory):
+    """The measured page in a wide window, of a reader who prefers it dark, and in a narrow one."""
+    place = tmp_path_factory.mktemp("windows")
+    html = written.read_text(encoding="utf-8")
+    for script in (MEASURE, TABLES):
+        html = html.replace("</body>", script)
+    (place / "measured.html").write_text(html, encoding="utf-8")
+    return {
+        "wide": show(place / "measured.html", place, 1100, 2500, "--blink-settings=preferredColorScheme=0"),
+        "narrow": show(place / "measured.html", place, 500, 1000),
+    }
+
+
+@pytest.mark.parametrize("window", ["wide", "narrow"])
+def test_words_of_the_plots_do_not_cover_each_other(windows, window):
+    assert in_the_way(windows[window]) == []
 
 
 def test_words_over_each_other_are_heard_of(tmp_path):
@@ -150,43 +175,37 @@ def test_words_of_lines_and_points_near_each_other_stand_apart(tmp_path, width):
     assert words_in_the_way(page(report), tmp_path, width) == []
 
 
-def test_tables_are_not_cut_in_a_narrow_window(written, tmp_path):
-    script = """<script>addEventListener("load", () => {
-      for (const place of document.querySelectorAll("div.table"))
-        if (place.scrollWidth > place.clientWidth + 1) console.log("CUT " + place.textContent.slice(0, 40));
-      console.log("LOOKED " + document.querySelectorAll("div.table").length);
-    });</script></body>"""
-    html = written.read_text(encoding="utf-8").replace("</body>", script)
-    (tmp_path / "narrow.html").write_text(html, encoding="utf-8")
-    said = " ".join(show(tmp_path / "narrow.html", tmp_path, 500, 1000).console)
+def test_tables_are_not_cut_in_a_narrow_window(windows):
+    said = " ".join(windows["narrow"].console)
     assert int(re.search(r"LOOKED (\d+)", said)[1]) >= 5 and "CUT" not in said
 
 
-def test_page_is_dark_where_the_reader_prefers_it(written, tmp_path):
-    dark = "--blink-settings=preferredColorScheme=0"
-    run_browser(written, tmp_path, dark, f"--screenshot={tmp_path / 'dark.png'}", "--window-size=1100,2500")
-    with Image.open(tmp_path / "dark.png") as image:
-        pixels = np.asarray(image.convert("RGB"))
+def test_page_is_dark_where_the_reader_prefers_it(windows):
+    pixels = windows["wide"].pixels
     assert np.median(pixels) < 40
     assert share(pixels, PAPER) < 0.001 < share(pixels, DARK[PAPER])
 
 
-def test_print_of_the_nominal_flight_is_short(written, tmp_path):
-    pages = re.findall(rb"/Type /Page\b", print_out(written, tmp_path).read_bytes())
+@pytest.fixture(scope="module")
+def printed(written, tmp_path_factory):
+    return print_out(written, tmp_path_factory.mktemp("print"))
+
+
+def test_print_of_the_nominal_flight_is_short(printed):
+    pages = re.findall(rb"/Type /Page\b", printed.read_bytes())
     assert 4 < len(pages) <= 12
 
 
-def test_prints_on_a4_with_every_figure(written, run, tmp_path):
+def test_prints_on_a4_with_every_figure(printed, run):
     if shutil.which("pdfinfo") is None or shutil.which("pdftotext") is None:
         pytest.skip(
             "no poppler-utils on this machine (Debian: apt-get install poppler-utils): the print is not read"
         )
-    pdf = print_out(written, tmp_path)
-    facts = subprocess.run(["pdfinfo", pdf], capture_output=True, text=True, check=True).stdout
+    facts = subprocess.run(["pdfinfo", printed], capture_output=True, text=True, check=True).stdout
     assert "A4" in facts
     text = " ".join(
         subprocess.run(
-            ["pdftotext", "-layout", pdf, "-"], capture_output=True, text=True, check=True
+            ["pdftotext", "-layout", printed, "-"], capture_output=True, text=True, check=True
         ).stdout.split()
     )
     for figure in flight_report(run).figures():

@@ -17,7 +17,7 @@ from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.jit import kernel
 from edl6dof.scenario.records import build_records
 from edl6dof.studies import call_time, guidance
-from edl6dof.studies.guidance import conditions, figures, tables, vehicles
+from edl6dof.studies.guidance import conditions, figures, reach, tables, vehicles
 from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED
 
 ANGLE, MASS = "initial.flight_path_angle_deg", "vehicle.mass.entry_kg"
@@ -58,6 +58,60 @@ def test_a_flight_whose_mortar_never_fires_counts_as_a_miss_without_end():
     rows = [{"parachute_miss_m": 1500.0, "law": "a"}, {"outcome": "crashed", "law": "a"}]
     assert list(tables.misses(rows)) == [1.5, np.inf]
     assert tables.unflown(rows) == rows[1:]
+
+
+@pytest.fixture(scope="module")
+def with_lift_up():
+    """Rows with lift up of two entries that all laws missed, the second three sigma steeper, and of one that
+    was hit.
+    """
+    label = {"vehicle": "tianwen1", "condition": DISPERSED}
+    rows = [
+        {**label, "law": law, "profile": n, "parachute_miss_m": miss}
+        for law, missed in (("npc", (4e3, 9e3, 3e3)), ("fnpeg", (3e3, 9e3, 1e3)))
+        for n, miss in enumerate(missed)
+    ]
+    steep = {"initial.flight_path_angle_deg": -11.581 - 0.45}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reach, "entries", lambda scenario, flights: [{}, steep, {}][:flights])
+        return reach.lift_up(vehicles.VEHICLES[0], rows, 3)
+
+
+def test_entries_that_some_law_hits_are_in_reach_without_being_flown_again(with_lift_up):
+    assert [row["profile"] for row in with_lift_up] == [0, 1]
+
+
+def test_an_entry_that_ends_short_with_lift_up_all_the_way_is_out_of_reach(with_lift_up):
+    nominal, steep = (row["parachute_downrange_m"] for row in with_lift_up)
+    assert nominal > 20e3 and steep < -5e3
+    assert reach.out_of_reach(with_lift_up) == {1}
+
+
+def found(misses, beyond):
+    """Verdicts by label on dispersed entries of these misses (km)."""
+    about = {"vehicle": "msl", "law": "npc", "condition": DISPERSED, "success": True}
+    rows = [{**about, "profile": n, "parachute_miss_m": 1e3 * miss} for n, miss in enumerate(misses)]
+    listed = tables.findings(rows, {("msl", "npc"): 1.0}, {"msl": beyond})
+    return {finding.label: (finding.computed, finding.ok) for finding in listed}
+
+
+def test_misses_of_entries_out_of_reach_explain_the_99_percent_and_nothing_else_does():
+    near = [1.0] * 98
+    assert found([*near, 9.0, 9.0], {98, 99})["msl: 99 % of misses, best law"] == (9.0, True)
+    assert found([*near, 9.0, 9.0], {98, 99})["msl: 99 % of misses of the entries in reach"] == (1.0, True)
+    assert found([*near, 9.0, 9.0], {98, 99})["msl: entries short of the target with lift up"] == (2.0, True)
+    assert found([*near, 9.0, 9.0], set())["msl: 99 % of misses, best law"] == (9.0, False)
+    assert found([*near, 9.0, 9.0, 9.0], {98})["msl: 99 % of misses, best law"] == (9.0, False)
+
+
+@pytest.mark.parametrize(("law", "speed", "bank"), [("fnpeg", 700.0, 8.0), ("etpc", 1100.0, 15.0)])
+def test_fnpeg_alone_controls_range_for_longer_and_banks_less(law, speed, bank):
+    """What MSL flew stays what it flew: the settings of one law are no other's."""
+    chosen = f"{vehicles.ENTRY}.law={law}"
+    flown = build_records(edl6dof.load("msl", [chosen])).onboard[0]["guidance"]["entry"]
+    assert flown["heading"]["speed"] == speed
+    flown = build_records(edl6dof.load("tianwen1", [chosen])).onboard[0]["guidance"]["entry"]
+    assert degrees(flown["bank_min"]) == pytest.approx(bank)
 
 
 def test_open_loop_profile_is_the_planned_bank():

@@ -15,6 +15,7 @@ from edl6dof.config.base import group, param
 from edl6dof.dispatch import NOTHING
 from edl6dof.fsw.estimation.engine_shortfall import EngineShortfallParams
 from edl6dof.fsw.estimation.estimators import first_order, unfiltered
+from edl6dof.fsw.estimation.held_thrust import HeldThrustParams
 from edl6dof.registry import Family
 
 ESTIMATORS = Family("disturbance estimator", (first_order.MEMBER, unfiltered.MEMBER))
@@ -61,6 +62,7 @@ class EstimationParams(_Estimators):
         le=0.02,
     )
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
+    held_thrust: HeldThrustParams = group(HeldThrustParams, "belief in a throttle that stands")
 
 
 estimate = ESTIMATORS.switch("estimate", "params", "measured", "dt", "memory", "out", returns=NOTHING)

@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.fsw.estimation.activity import ACTIVITY, expect
 from edl6dof.fsw.estimation.engine_shortfall import ENGINE_SHORTFALL
+from edl6dof.fsw.estimation.held_thrust import HELD_THRUST
 from edl6dof.fsw.estimation.registry import ESTIMATORS, MEASURED, estimate
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG
@@ -26,6 +27,7 @@ ESTIMATION = np.dtype(
         ("started", FLAG),
         ("law", ESTIMATORS.memory),
         ("engine_shortfall", ENGINE_SHORTFALL),
+        ("held_thrust", HELD_THRUST),
     ],
     align=True,
 )

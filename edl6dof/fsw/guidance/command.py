@@ -26,6 +26,7 @@ GUIDE = np.dtype(
         ("drag_trend", "f8"),  # of it with height, 1/m
         ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
         ("time_to_go", "f8"),
+        ("stop_height", "f8"),  # m, above ground: where a thrust that is held brings the lander to rest
         ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
         # inner quantities of the laws that have them
         ("surface", "f8"),  # sliding surface, m/s3

@@ -6,6 +6,7 @@ import numpy as np
 
 from edl6dof.fsw.guidance.entry.geometry import to_target
 from edl6dof.fsw.guidance.entry.registry import ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.powered.held_thrust import come_down
 from edl6dof.fsw.guidance.powered.registry import POWERED_LAWS, powered_guidance
 from edl6dof.fsw.guidance.powered.standing_force import standing_force
 from edl6dof.fsw.guidance.powered.target import POWERED_TARGET, choose_target
@@ -17,7 +18,15 @@ from edl6dof.fsw.guidance.powered.terminal import (
     hover,
     start_or_throttle,
 )
-from edl6dof.fsw.mission.phases import G_AVOID, G_DESCEND, G_ENTRY, G_HOLD_BANK, G_HOVER, G_POWERED
+from edl6dof.fsw.mission.phases import (
+    G_AVOID,
+    G_DESCEND,
+    G_ENTRY,
+    G_HELD_THRUST,
+    G_HOLD_BANK,
+    G_HOVER,
+    G_POWERED,
+)
 from edl6dof.interface.engine import ENGINE_FULL, ENGINE_OFF
 from edl6dof.interface.events import CUT_OFF, IGNITE
 from edl6dof.jit import kernel
@@ -87,13 +96,15 @@ def descend_by_engine(onboard, kind, nav, state, disturbance, point, dt, memory,
         command_thrust(mass, (north, east, up), tilt_limit, goal)
         elapsed, weak = nav.t - state.ignition_time, state.thrust_lost > 0.0
         start_or_throttle(engine, weak, p.full_time, p.full_again, elapsed, goal)
-    if kind not in (G_HOVER, G_AVOID, G_DESCEND):
+    if kind not in (G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST):
         return
     standing = standing_force(p.terminal.standing_force, nav, disturbance, dt, memory.terminal.standing)
     if kind == G_HOVER:
         hover(p.terminal, engine, nav, mass, standing, goal)
     elif kind == G_AVOID:
         avoid(p.terminal, engine, nav, mass, standing, point, memory.terminal, goal)
+    elif kind == G_HELD_THRUST:
+        come_down(p.held_thrust, p.terminal, onboard.vehicle, state, nav, standing, goal)
     else:
         descend(p.terminal, engine, nav, mass, standing, point, goal)
 

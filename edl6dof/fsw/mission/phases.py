@@ -22,9 +22,9 @@ from edl6dof.interface.thrusters import THRUSTER_GROUPS, ThrusterGroup
 
 NEVER = 1e9
 
-Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend"]
+Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "descend", "held_thrust"]
 GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
-G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND = range(len(GUIDANCE))
+G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST = range(len(GUIDANCE))
 
 Quantity = Literal[
     "time_s",
@@ -43,6 +43,8 @@ Quantity = Literal[
     "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
     "spot_chosen",  # by hazard detection: the spot to land on
+    "held_thrust_n",  # of a throttle that is believed to stand; 0: it moves
+    "stop_height_m",  # above ground: where that thrust brings the lander to rest, if it brakes from now on
 ]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 (
@@ -62,6 +64,8 @@ QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
     Q_TOTAL_ALPHA,
     Q_DOWNRANGE_TO_GO,
     Q_SPOT_CHOSEN,
+    Q_HELD_THRUST,
+    Q_STOP_HEIGHT,
 ) = range(len(QUANTITIES))
 
 

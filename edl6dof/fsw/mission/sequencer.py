@@ -17,10 +17,12 @@ from edl6dof.fsw.mission.phases import (
     Q_DRAG,
     Q_DYNAMIC_PRESSURE,
     Q_HEIGHT,
+    Q_HELD_THRUST,
     Q_MACH,
     Q_PHASE_TIME,
     Q_SPEED,
     Q_SPOT_CHOSEN,
+    Q_STOP_HEIGHT,
     Q_TIME,
     Q_TIME_TO_GO,
     Q_TOTAL_ALPHA,
@@ -78,6 +80,10 @@ def watched(quantity, nav, vehicle, guide, elapsed):
         return guide.downrange_to_go
     if quantity == Q_SPOT_CHOSEN:
         return 1.0 if guide.spot_chosen != 0 else 0.0
+    if quantity == Q_HELD_THRUST:
+        return vehicle.held_thrust
+    if quantity == Q_STOP_HEIGHT:
+        return guide.stop_height
     return 1.0 if nav.footpad_contact != 0 else 0.0
 
 
@@ -129,8 +135,8 @@ def sequence(mission, nav, vehicle, guide, memory, request):
     Args:
         mission: ``MISSION`` record.
         nav: navigation record.
-        vehicle: ``VEHICLE_STATE`` record (trim wing).
-        guide: guidance record (time and downrange to go, spot chosen).
+        vehicle: ``VEHICLE_STATE`` record (trim wing, thrust that is held).
+        guide: guidance record (time and downrange to go, spot chosen, height of the stop).
         memory: ``SEQUENCE`` record, updated.
         request: written, one flag for each event of the mission.
     """

@@ -20,7 +20,8 @@ from edl6dof.studies.call_time import call_time
 from edl6dof.studies.guidance.conditions import CONDITIONS, DISPERSED, WAVES_AND_GUSTS
 from edl6dof.studies.guidance.drawings import drawings
 from edl6dof.studies.guidance.figures import of_flight
-from edl6dof.studies.guidance.tables import REMARKS, findings, grids
+from edl6dof.studies.guidance.reach import lift_up, out_of_reach
+from edl6dof.studies.guidance.tables import REMARKS, findings, grids, of
 from edl6dof.studies.guidance.vehicles import VEHICLES, Vehicle, entries, with_law
 from edl6dof.studies.study import Progress, Report, Study
 
@@ -43,11 +44,13 @@ def run(laws: Sequence[str], flights: int, progress: Progress) -> Report:
                 rows.append(row)
                 progress(len(rows), total)
             calls[vehicle.name, law] = call_time(loaded)
+    far = [row for vehicle in VEHICLES if vehicle.dispersions for row in lift_up(vehicle, rows, flights)]
+    beyond = {vehicle.name: out_of_reach(of(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
     return Report(
-        tuple(findings(rows, calls)),
+        tuple(findings(rows, calls, beyond)),
         tuple(drawings(rows)),
-        table_of(rows),
-        total,
+        table_of([*rows, *far]),
+        total + len(far),
         REMARKS,
         tuple(grids(rows, calls)),
     )

@@ -53,7 +53,7 @@ def _first_calm(t: np.ndarray, virtual: np.ndarray) -> int:
 def range_control(flight: Flight) -> np.ndarray:
     """Rows in which the law controls range: its phase, above the speed of heading alignment."""
     rows, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
-    return flight.during(LIFT) & (rows["truth.speed_m_s"] > entry.heading.speed_m_s)
+    return flight.during(LIFT) & (rows["truth.speed_m_s"] > entry.heading_below_m_s)
 
 
 def history(flight: Flight) -> dict[str, np.ndarray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import atan2, log10, pi, sin, sqrt
-from typing import ClassVar, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -29,6 +29,12 @@ class CapsuleParams(Hardware):
         "molecular_mass_kg": "planet.gas.molecular_mass_kg",
     }
 
+    coefficients: Literal["table", "newtonian"] = param(
+        "table",
+        "the static table, with Newtonian flow beyond its angles, or modified Newtonian flow and base "
+        "pressure of the shape alone",
+        record=False,
+    )
     static_table: str = param(
         "phoenix_70deg_static_aero.csv",
         "csv of CD, CL, Cm over Mach and alpha: a name in edl6dof/data/aerodynamics, or a path",
@@ -58,6 +64,12 @@ class CapsuleParams(Hardware):
         source="Li, Rao et al., Astrodynamics 6(1), 2022", gt=10.0,
         lt=90.0, record=False,
     )  # fmt: skip
+    forebody_break_radius_m: float | None = param(
+        None, "radius where the second cone of a biconic forebody begins", record=False, gt=0.0
+    )
+    forebody_second_cone_angle_deg: float | None = param(
+        None, "half angle of the second cone of a biconic forebody", record=False, gt=0.0, lt=90.0
+    )
     backshell_cone_angle_deg: float = param(
         30.0, "half angle of the first backshell cone", status="estimate",
         source="total height about 2.6 m", gt=0.0, lt=90.0,
@@ -119,6 +131,11 @@ class CapsuleParams(Hardware):
             raise ValueError("the backshell radii must decrease: diameter/2 - shoulder > break > base")
         if self.nose_radius_m >= radius or self.shoulder_radius_m >= 0.5 * radius:
             raise ValueError("nose radius must be below diameter/2 and shoulder radius below diameter/4")
+        given = (self.forebody_break_radius_m, self.forebody_second_cone_angle_deg)
+        if (given[0] is None) != (given[1] is None):
+            raise ValueError(
+                "a biconic forebody needs both forebody_break_radius_m and forebody_second_cone_angle_deg"
+            )
         if any(
             b <= a
             for grid in (self.damping_mach, self.damping_angle_deg)

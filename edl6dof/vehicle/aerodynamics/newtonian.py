@@ -1,4 +1,4 @@
-"""Newtonian and free-molecular coefficients of a sphere-cone capsule: integrals over its surface.
+"""Newtonian and free-molecular coefficients of a capsule of one or two cones: integrals over its surface.
 
 The capsule is a convex body of revolution, so the only shadowing is n.v < 0, and the integrals over the
 azimuth are closed form: with flow direction (cos a, 0, sin a) and normal (nx, nr cos phi), n.v = nx cos a +
@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.config.base import stated
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 
 BASE_SUCTION = 0.2  # [E] mean base pressure coefficient of a bluff body at Mach 0
@@ -55,14 +56,59 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
     return np.where(mach >= 1.0, (pitot - 1.0) / (0.5 * g * m2), subsonic)
 
 
+def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
+    """Mean pressure coefficient of what the flow does not see.
+
+    Supersonic: Gaubeaud's correlation, which tends to the vacuum's -2 / (g M^2).  Subsonic: from the suction
+    of a bluff body at rest to that at Mach 1, with the square of Mach [E].
+
+    Source: Gaubeaud, as used for the aerodynamics of Stardust (Mitcheltree et al., AIAA 97-2304; recalled).
+    """
+    mach, g = np.asarray(mach, dtype=np.float64), heat_capacity_ratio
+    m = np.maximum(mach, 1.0)
+    share = (2.0 / (g + 1.0)) ** 1.4 * m**-2.8 * (2.0 * g * m * m - (g - 1.0)) / (g + 1.0)
+    behind = 2.0 / (g * m * m) * (share - 1.0)
+    s2 = np.minimum(mach, 1.0) ** 2
+    return np.where(mach >= 1.0, behind, s2 * behind - BASE_SUCTION * (1.0 - s2))
+
+
+def newtonian_coefficients(
+    rings: Rings, angle: np.ndarray, mach: np.ndarray, heat_capacity_ratio: float, size: tuple[float, float]
+) -> np.ndarray:
+    """Continuum coefficients [Mach, angle, (CA, CN, Cm)]: modified Newtonian pressure on the windward side,
+    base pressure on the lee.
+
+    Args:
+        rings: the surface.
+        angle: total angles, rad, 0..pi.
+        mach: Mach numbers.
+        heat_capacity_ratio: ratio of specific heats behind the shock.
+        size: reference diameter, and station of the moment reference, m.
+    """
+    newton, _ = surface_integrals(rings, angle, *size)
+    base = base_pressure_coefficient(mach, heat_capacity_ratio)
+    # the suction of a bluff body at rest is the base's own part here
+    suction = BASE_SUCTION * np.maximum(1.0 - np.asarray(mach) ** 2, 0.0)
+    stagnation = stagnation_pressure_coefficient(mach, heat_capacity_ratio) - suction
+    return stagnation[:, None, None] * newton - base[:, None, None] * windward_integrals(rings, angle, *size)
+
+
 def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
-    """Rings of nose sphere, cone, shoulder, two backshell cones and flat lid; Gauss-Legendre points on every
-    piece.
+    """Rings of nose sphere, one cone or two, shoulder, two backshell cones and flat lid; Gauss-Legendre
+    points on every piece.
     """
     rn, rs, rmax = capsule.nose_radius_m, capsule.shoulder_radius_m, 0.5 * capsule.diameter_m
-    cone, back = radians(capsule.cone_half_angle_deg), radians(capsule.backshell_cone_angle_deg)
+    nose, back = radians(capsule.cone_half_angle_deg), radians(capsule.backshell_cone_angle_deg)
     back2 = radians(capsule.backshell_second_cone_angle_deg)
-    r1, x1 = rn * cos(cone), -rn * (1.0 - sin(cone))
+    r1, x1 = rn * cos(nose), -rn * (1.0 - sin(nose))
+    pieces, cone = [_arc(-rn, 0.0, rn, 0.5 * pi, nose, points)], nose
+    if (r_break := capsule.forebody_break_radius_m) is not None:
+        if r_break <= r1:
+            raise ValueError("nose radius and forebody_break_radius_m leave no room for the first cone")
+        x_break = x1 - (r_break - r1) / tan(nose)
+        pieces.append(_line(x1, r1, x_break, r_break, points))
+        x1, r1 = x_break, r_break
+        cone = radians(stated(capsule.forebody_second_cone_angle_deg))
     r2 = rmax - rs * (1.0 - cos(cone))
     if r2 <= r1:
         raise ValueError("nose and shoulder radii leave no room for the cone")
@@ -72,8 +118,7 @@ def capsule_rings(capsule: CapsuleParams, points: int = 24) -> Rings:
     r4, r5 = capsule.backshell_break_radius_m, capsule.backshell_base_radius_m
     x4 = x3 - (r3 - r4) / tan(back)
     x5 = x4 - (r4 - r5) / tan(back2)
-    pieces = [
-        _arc(-rn, 0.0, rn, 0.5 * pi, cone, points),
+    pieces += [
         _line(x1, r1, x2, r2, points),
         _arc(x_shoulder, rmax - rs, rs, cone, 0.0, points),
         _arc(x_shoulder, rmax - rs, rs, 0.0, -back, points),
@@ -97,10 +142,7 @@ def surface_integrals(
     Atmospheric Re-Entry, ch. 11-12 (recalled).
     """
     area, ca, sa = 0.25 * pi * diameter**2, np.cos(angle)[:, None], np.sin(angle)[:, None]
-    a, b = rings.nx * ca, rings.nr * sa
-    tiny = b < 1e-14
-    ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
-    bound = np.arccos(np.clip(ratio, -1.0, 1.0))
+    a, b, bound = _windward(rings, angle)
     # Integrals of 1, cos, cos^2, cos^3 over the windward arc |phi| < bound; b >= 0 for angles 0..pi.
     s, c = np.sin(bound), np.cos(bound)
     m0, m1, m2, m3 = 2.0 * bound, 2.0 * s, bound + s * c, 2.0 * s - 2.0 / 3.0 * s**3
@@ -116,6 +158,27 @@ def surface_integrals(
     moment = -2.0 * total(tilt * rings.r * ca - shadow * arm * sa) / diameter
     rare = np.stack((2.0 * total(shadow) * ca[:, 0], 2.0 * total(shadow) * sa[:, 0], moment), axis=1)
     return newton, rare
+
+
+def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: float) -> np.ndarray:
+    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of one on all that the flow sees.
+
+    One all around a closed surface has no force: on the lee alone it has the opposite of these.
+    """
+    area, bound = 0.25 * pi * diameter**2, _windward(rings, angle)[2]
+    along, across = 2.0 * bound * rings.nx, 2.0 * np.sin(bound)
+    turning = -across * (rings.r * rings.nx - (rings.x - x_ref) * rings.nr) / diameter
+    return np.stack(
+        [(part * rings.weight).sum(axis=1) / area for part in (along, across * rings.nr, turning)], axis=1
+    )
+
+
+def _windward(rings: Rings, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """n.v = a + b cos phi of every ring at every total angle, and the azimuth up to which it is positive."""
+    a, b = rings.nx * np.cos(angle)[:, None], rings.nr * np.sin(angle)[:, None]
+    tiny = b < 1e-14
+    ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
+    return a, b, np.arccos(np.clip(ratio, -1.0, 1.0))
 
 
 def _arc(x: float, r: float, radius: float, start: float, end: float, points: int) -> Rings:

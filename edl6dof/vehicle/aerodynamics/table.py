@@ -4,24 +4,26 @@ numpy, at load time.
 0-16 deg is the published static table, made C1 in angle by monotone cubics (PCHIP) through its points and
 their mirror images. Beyond it modified Newtonian flow over the whole capsule, plus a correction that makes
 value and slope continuous at the end of the table and fades out at 40 deg.  Free-molecular coefficients by
-the same surface integral (:mod:`edl6dof.vehicle.aerodynamics.newtonian`).
+the same surface integral (:mod:`edl6dof.vehicle.aerodynamics.newtonian`).  A capsule without a table of its
+own has all its coefficients from the shape.
 """
 
 from __future__ import annotations
 
-import csv
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.document.regular import read_regular, read_regular_text
+from edl6dof.config.document.regular import read_regular
+from edl6dof.interchange.aero_table import read_aero_csv
 from edl6dof.interchange.vehicle import static_table
 from edl6dof.records import require_finite
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams
 from edl6dof.vehicle.aerodynamics.newtonian import (
     capsule_rings,
+    newtonian_coefficients,
     stagnation_pressure_coefficient,
     surface_integrals,
 )
@@ -31,6 +33,11 @@ PACKAGED = Path(__file__).parents[2] / "data" / "aerodynamics"
 MACH_CAPACITY = 64
 ANGLES = 181
 FADE_END = 40
+#: Mach numbers at which the coefficients of a shape are worked out; the highest ones differ by 1e-3.
+NEWTONIAN_MACH = np.array(
+    [0.2, 0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.5, 8.0, 10.0]
+    + [15.0, 20.0, 30.0, 40.0]
+)
 
 #: ``continuum`` [Mach, degree, (CA, dCA, CN, dCN, Cm, dCm, Cmq)] and ``free_molecular`` [degree, (CA ..
 #: dCm)], slopes per degree.
@@ -67,7 +74,8 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
         ValueError: there is no such static table.
         OSError: it cannot be read.
     """
-    content = read_regular(_existing(capsule.static_table))
+    made = capsule.coefficients == "newtonian"
+    content = b"" if made else read_regular(_existing(capsule.static_table))
     return AeroInputs(capsule.model_copy(update=_UNFLOWN), heat_capacity_ratio, content)
 
 
@@ -83,14 +91,20 @@ def build_aero_table(inputs: AeroInputs) -> np.ndarray:
         ValueError: no table can be built.
     """
     capsule, heat_capacity_ratio, _ = inputs
-    mach, alpha, static = read_static_table(capsule.static_table)
     rings = capsule_rings(capsule)
     x_ref = capsule.moment_reference_x_over_d * capsule.diameter_m
     degrees = np.arange(float(ANGLES))
     newton, rare = surface_integrals(rings, np.radians(degrees), capsule.diameter_m, x_ref)
-    newton = newton[None] * stagnation_pressure_coefficient(mach, heat_capacity_ratio)[:, None, None]
+    if capsule.coefficients == "newtonian":
+        mach, size = NEWTONIAN_MACH, (capsule.diameter_m, x_ref)
+        values = newtonian_coefficients(rings, np.radians(degrees), mach, heat_capacity_ratio, size)
+        slopes = _slopes(values)
+    else:
+        mach, alpha, static = read_static_table(capsule.static_table)
+        newton = newton[None] * stagnation_pressure_coefficient(mach, heat_capacity_ratio)[:, None, None]
+        values, slopes = _join(alpha, static, newton)
     columns = np.empty((len(mach), ANGLES, 6))
-    columns[..., 0::2], columns[..., 1::2] = _join(alpha, static, newton)
+    columns[..., 0::2], columns[..., 1::2] = values, slopes
 
     grid = np.union1d(mach, capsule.damping_mach)
     grid = grid[(grid >= mach[0]) & (grid <= mach[-1])]
@@ -132,19 +146,15 @@ def _static_table(path: Path, content: bytes) -> tuple[np.ndarray, np.ndarray, n
     if path.suffix == ".dml":
         mach, alpha, table = static_table(path)
         cd, cl, cm = table[..., 0], table[..., 1], table[..., 2]
-        return _checked(path, mach, alpha, cd, cl, cm)
-    lines = (line for line in read_regular_text(path).splitlines() if line[:1] in set("0123456789."))
-    rows = [list(map(float, row[:5])) for row in csv.reader(lines)]
-    data = np.array(sorted(rows))
-    mach, alpha = np.unique(data[:, 0]), np.unique(data[:, 1])
-    if (
-        len(mach) < 2
-        or data.shape != (len(mach) * len(alpha), 5)
-        or np.any(data[:, 1].reshape(len(mach), -1) != alpha)
-    ):
-        raise ValueError(f"{path}: not a complete Mach x alpha table")
-    cd, cl, cm = (data[:, k].reshape(len(mach), len(alpha)) for k in (2, 3, 4))
-    return _checked(path, mach, alpha, cd, cl, cm)
+        c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
+        return _checked(path, mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1))
+    columns = read_aero_csv(path, content)
+    if columns.has_beta:
+        raise ValueError(
+            f"{path}: a capsule's table has no column beta_deg; aero.model body flies one that has"
+        )
+    mach, alpha, values = columns.mach, columns.alpha_deg, columns.values[:, :, 0]
+    return _checked(path, mach, alpha, values[..., [0, 2, 4]])
 
 
 def _existing(name: str) -> Path:
@@ -155,16 +165,14 @@ def _existing(name: str) -> Path:
 
 
 def _checked(
-    path: Path, mach: np.ndarray, alpha: np.ndarray, *coefficients: np.ndarray
+    path: Path, mach: np.ndarray, alpha: np.ndarray, coefficients: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Mach, alpha and (CA, CN, Cm) from CD, CL, Cm."""
-    cd, cl, cm = coefficients
+    """Mach, alpha and coefficients, where the angles are such that a table can be made of them."""
     if alpha[0] != 0.0 or np.any(alpha != np.round(alpha)) or not 2.0 <= alpha[-1] < FADE_END:
         raise ValueError(f"{path}: alpha must be whole degrees from 0 to less than {FADE_END}")
-    if not all(np.isfinite(part).all() for part in (mach, *coefficients)):
+    if not (np.isfinite(mach).all() and np.isfinite(coefficients).all()):
         raise ValueError(f"{path}: holds a number that is not finite")
-    c, s = np.cos(np.radians(alpha)), np.sin(np.radians(alpha))
-    return mach, alpha, np.stack((cd * c - cl * s, cd * s + cl * c, cm), axis=-1)
+    return mach, alpha, coefficients
 
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

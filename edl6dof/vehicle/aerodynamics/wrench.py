@@ -8,6 +8,7 @@ from edl6dof.config.base import Hardware, group, param
 from edl6dof.config.dtype import dtype_of
 from edl6dof.jit import inlined_kernel
 from edl6dof.vehicle.aerodynamics.bluff import BluffParams, bluff_aero
+from edl6dof.vehicle.aerodynamics.body import BodyAeroParams, body_aero
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
 from edl6dof.vehicle.aerodynamics.constant import (
     ConstantAeroParams,
@@ -17,7 +18,7 @@ from edl6dof.vehicle.aerodynamics.constant import (
 )
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE
 
-MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG = range(4)
+MODEL_CAPSULE, MODEL_CONSTANT, MODEL_NONE, MODEL_LIFT_DRAG, MODEL_BODY = range(5)
 
 
 def _backshell() -> BluffParams:
@@ -38,12 +39,15 @@ def _lander() -> BluffParams:
 class AeroParams(Hardware):
     """Aerodynamics of the vehicle in all its configurations."""
 
-    model: Literal["capsule", "constant", "none", "lift_drag"] = param(
+    model: Literal["capsule", "constant", "none", "lift_drag", "body"] = param(
         "capsule", "which aerodynamic model flies"
     )
     capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
     lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
+    body: BodyAeroParams = group(
+        BodyAeroParams, "body of any shape; where a part shows a capsule, until that has left"
+    )
     backshell: BluffParams = param(
         ..., "backshell and lander, heat shield gone", status="estimate", factory=_backshell
     )
@@ -54,9 +58,9 @@ AERO = dtype_of(AeroParams)
 
 
 @inlined_kernel
-def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
+def aerodynamic_wrench(aero, table, body_table, gas, configuration, qbar, mach, rho, u, v, w, p, q, r):
     """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies: the model chosen in ``aero``, the configuration
-    (``CONFIG_...``).
+    (``CONFIG_...``); ``table`` of a capsule, ``body_table`` of a body of any shape.
     """
     if aero.model == MODEL_NONE:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -66,7 +70,10 @@ def aerodynamic_wrench(aero, table, gas, configuration, qbar, mach, rho, u, v, w
     if aero.model == MODEL_LIFT_DRAG:
         fx, fy, fz = lift_drag_aero(aero.lift_drag, qbar, u, v, w)
         return fx, fy, fz, 0.0, 0.0, 0.0, 0.0
-    if configuration == CONFIG_CAPSULE:
+    if aero.model == MODEL_BODY and (configuration == CONFIG_CAPSULE or body_table.sheds == 0):
+        fx, fy, fz, mx, my, mz = body_aero(aero, body_table, gas, qbar, mach, rho, u, v, w, p, q, r)
+        return fx, fy, fz, mx, my, mz, aero.body.moment_reference[0]
+    if aero.model == MODEL_CAPSULE and configuration == CONFIG_CAPSULE:
         fx, fy, fz, mx, my, mz = capsule_aero(aero, table, gas, qbar, mach, rho, u, v, w, p, q, r)
         return fx, fy, fz, mx, my, mz, table.moment_reference_x
     bluff = aero.backshell if configuration == CONFIG_BACKSHELL else aero.lander

@@ -88,6 +88,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     wrench = aerodynamic_wrench(
         vehicle.aero,
         tables.aero,
+        tables.body,
         case.planet.gas,
         plant.shape,
         qbar,

@@ -4,7 +4,8 @@ import json
 
 import pyarrow.parquet as pq
 import pytest
-from cli_run import run, spawn
+from cli_run import run
+from in_process import called
 
 
 def rows_of(folder):
@@ -18,9 +19,8 @@ def flown(tmp_path_factory):
         *("faults", "tianwen1", "--components", "D7,P1", "--phases", "hazard_avoidance"),
         *("--kinds", "all", "--workers", "1", "--out", str(target)),
     ]
-    program = spawn(words, target.parent)
-    out, err = program.communicate(timeout=600)
-    return program.returncode, out, err, target
+    done = called(*words, cwd=target.parent)
+    return done.returncode, done.stdout, done.stderr, target
 
 
 def test_matrix_is_flown_and_exit_status_says_that_all_survived(flown):
@@ -81,9 +81,8 @@ SENSORS = (
 def sensors_flown(tmp_path_factory):
     target = tmp_path_factory.mktemp("faults") / "matrix"
     words = ["faults", "tianwen1", *SENSORS, "--phases", "parachute", "--kinds", "false_lock,stars_lost"]
-    program = spawn([*words, "--workers", "1", "--out", str(target)], target.parent)
-    out, err = program.communicate(timeout=600)
-    return program.returncode, out, err, target
+    done = called(*words, "--workers", "1", "--out", target, cwd=target.parent)
+    return done.returncode, done.stdout, done.stderr, target
 
 
 def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):

@@ -5,84 +5,102 @@ each mistake is named in one line.
 import json
 from pathlib import Path
 
-import pytest
 from test_plugins import cli
 
 import edl6dof
 from edl6dof.scenario.viewed import viewed_scenario
 
 PACKAGE = Path(edl6dof.__file__).parent
-AIR = "isothermal: {density_kg_m3: 0.02, scale_height_m: 9e3, temperature_k: 200.0}"
+AIR = {"density_kg_m3": 0.02, "scale_height_m": 9e3, "temperature_k": 200.0}
 
-#: FAMILY, the file of a member, its name there and as a plugin, the lines of a scenario that choose it.
+#: What the navigation filter cannot do without.
+INSTRUMENTS = ("inertial_unit", "star_tracker", "ground_tracking")
+#: From the ground up: FAMILY, the file of a member, its name there and as a plugin, and the sections of a
+#: scenario that choose it.
 FAMILIES = [
     (
-        "sensor",
-        "sensors/imu.py",
-        '"imu"',
-        '"imu_b"',
-        "sensors: {carried: [perfect, imu, imu_b]}\nflight_software: {navigation: {filter: given}}",
-    ),
-    (
         *("atmosphere", "environment/atmospheres/exponential.py", "exponential", "isothermal"),
-        f"atmosphere: {{model: isothermal, {AIR}}}",
+        {"atmosphere": {"model": "isothermal", "isothermal": AIR}},
     ),
     (
         *("wind", "environment/winds/shear.py", "shear", "gradient"),
-        "wind: {model: gradient, gradient: {east_m_s: 3.0}}",
+        {"wind": {"model": "gradient", "gradient": {"east_m_s": 3.0}}},
     ),
     (
         *("parachute_model", "vehicle/parachutes/models/reefed.py", '"reefed"', '"skirt"'),
-        "truth: {vehicle.parachutes.main.model: skirt, vehicle.parachutes.main.skirt.filling_exponent: 2.0}",
+        {
+            "truth": {
+                "vehicle.parachutes.main.model": "skirt",
+                "vehicle.parachutes.main.skirt.filling_exponent": 2.0,
+            }
+        },
     ),
     (
         *("engine_model", "vehicle/propulsion/engine_models/pulsed.py", '"pulsed"', '"bang_bang"'),
-        "truth: {vehicle.engines.main.model: bang_bang, vehicle.engines.main.bang_bang.period_s: 0.2}",
+        {
+            "truth": {
+                "vehicle.engines.main.model": "bang_bang",
+                "vehicle.engines.main.bang_bang.period_s": 0.2,
+            }
+        },
+    ),
+    (
+        *("sensor", "sensors/imu.py", '"imu"', '"imu_b"'),
+        {"sensors": {"carried": ["perfect", *INSTRUMENTS, "imu_b"]}},
     ),
     (
         *("navigation_filter", "fsw/navigation/filters/dead_reckoning.py", '"dead_reckoning"', '"unaided"'),
-        "flight_software: {navigation: {filter: unaided, unaided: {every_s: 2.0}}}",
+        {"flight_software": {"navigation": {"filter": "unaided", "unaided": {"every_s": 2.0}}}},
     ),
     (
         *("distribution", "campaign/design/distributions/uniform.py", "uniform", "level"),
-        "campaign:\n  cases: 5\n  truth:\n    wind.scale: {kind: level, half_width: 0.2}",
+        {"campaign": {"cases": 5, "truth": {"wind.scale": {"kind": "level", "half_width": 0.2}}}},
     ),
 ]
 
 
-def checked(folder, family, member, old, new, lines):
-    text = (PACKAGE / member).read_text(encoding="utf-8").replace(old, new)
-    (folder / "mine.py").write_text(f'{text}\nFAMILY = "{family}"\n', encoding="utf-8")
-    scenario = folder / "mine.yaml"
-    scenario.write_text(f"extends: tianwen1\nname: mine\nplugins: [mine.py]\n{lines}\n", encoding="utf-8")
-    return cli("check", scenario)
+def checked(folder, *members):
+    """What the program says of a scenario that chooses a member outside the package of each family."""
+    sections = {"extends": "tianwen1", "name": "mine", "plugins": []}
+    for family, member, old, new, chosen in members:
+        text = (PACKAGE / member).read_text(encoding="utf-8")
+        assert old in text
+        (folder / f"my_{family}.py").write_text(
+            f'{text.replace(old, new)}\nFAMILY = "{family}"\n', encoding="utf-8"
+        )
+        sections["plugins"].append(f"my_{family}.py")
+        for section, values in chosen.items():
+            sections[section] = {**sections.get(section, {}), **values}
+    lines = [f"{name}: {json.dumps(value)}" for name, value in sections.items()]
+    (folder / "mine.yaml").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    return cli("check", folder / "mine.yaml")
 
 
-@pytest.mark.parametrize("family, member, old, new, lines", FAMILIES, ids=[family for family, *_ in FAMILIES])
-def test_member_outside_the_package_is_chosen_by_its_name(tmp_path, family, member, old, new, lines):
-    status, out, error = checked(tmp_path, family, member, old, new, lines)
+def test_members_outside_the_package_are_chosen_by_their_names(tmp_path):
+    """One of each family, all in one scenario: one that is not accepted would be refused by its line."""
+    status, out, error = checked(tmp_path, *FAMILIES)
     assert (status, error) == (0, "")
     assert "mine.yaml: ok" in out
 
 
 def test_goal_of_an_engine_that_is_no_line_is_refused_in_one_line(tmp_path):
-    family, member, old, new, lines = next(row for row in FAMILIES if row[0] == "engine_model")
+    family, member, old, new, chosen = next(row for row in FAMILIES if row[0] == "engine_model")
     text = (PACKAGE / member).read_text(encoding="utf-8")
     line = "return line_in_step(engine.full_thrust * first, engine.full_thrust * second, step)"
     wrong = text.replace(old, new).replace(line, "return engine.full_thrust * first / step")
     assert line in text
-    status, _, error = checked(tmp_path, family, member, text, wrong, lines)
+    status, _, error = checked(tmp_path, (family, member, text, wrong, chosen))
     assert status == 2
     assert "goal: must return two numbers: mean and slope" in error and len(error.strip().splitlines()) == 1
 
 
 def test_sensor_that_writes_what_does_not_cross_is_refused_in_one_line(tmp_path):
-    family, member, *_ = FAMILIES[0]
+    family, member, *_ = next(row for row in FAMILIES if row[0] == "sensor")
     source = PACKAGE / member
     text = source.read_text(encoding="utf-8").replace('"imu"', '"imu_b"')
     wrong = text.replace("sensed.imu_gain_B", "sensed.gain_B")
     assert wrong != text
-    status, _, error = checked(tmp_path, family, member, source.read_text(encoding="utf-8"), wrong, "")
+    status, _, error = checked(tmp_path, (family, member, source.read_text(encoding="utf-8"), wrong, {}))
     assert status == 2
     assert "uses a field that its records do not have" in error and len(error.strip().splitlines()) == 1
 
@@ -97,8 +115,8 @@ def test_result_with_models_that_only_a_plugin_has_is_shown_without_them():
 
 
 def test_distribution_without_its_kind_is_refused_in_one_line(tmp_path):
-    family, member, _, _, lines = FAMILIES[-1]
+    family, member, _, _, chosen = FAMILIES[-1]
     names = '    "uniform",\n', '    "level",\n'
-    status, _, error = checked(tmp_path, family, member, *names, lines)
+    status, _, error = checked(tmp_path, (family, member, *names, chosen))
     assert status == 2
     assert "with kind: Literal['level']" in error and len(error.strip().splitlines()) == 1

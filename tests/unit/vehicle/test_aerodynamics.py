@@ -22,11 +22,17 @@ from aero_capsule import (
 from pydantic import ValidationError
 
 from edl6dof.vehicle.aerodynamics.bluff import BluffParams, bluff_aero
+from edl6dof.vehicle.aerodynamics.body import BODY_TABLE
 from edl6dof.vehicle.aerodynamics.capsule import CapsuleParams, capsule_aero
 from edl6dof.vehicle.aerodynamics.constant import ConstantAeroParams, constant_aero
 from edl6dof.vehicle.aerodynamics.shape import CONFIG_BACKSHELL, CONFIG_CAPSULE, CONFIG_LANDER
 from edl6dof.vehicle.aerodynamics.table import AERO_TABLE
 from edl6dof.vehicle.aerodynamics.wrench import AeroParams, aerodynamic_wrench
+
+
+def no_body():
+    """The table of a body of any shape, of which there is none."""
+    return np.zeros(1, BODY_TABLE).view(np.recarray)[0]
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +136,18 @@ def test_bluff_body():
 def test_bluff_bodies_are_statically_stable_about_a_forward_cg(configuration, cg_x):
     empty = np.zeros(1, AERO_TABLE).view(np.recarray)[0]  # not used by bluff bodies
     got = aerodynamic_wrench(
-        record(), empty, gas_record(), configuration, 1.0, 0.5, DENSE, *velocity(10.0), 0.0, 0.0, 0.0
+        record(),
+        empty,
+        no_body(),
+        gas_record(),
+        configuration,
+        1.0,
+        0.5,
+        DENSE,
+        *velocity(10.0),
+        0.0,
+        0.0,
+        0.0,
     )
     fx, fy, fz, mx, my, mz, x_ref = got
     bluff = PARAMS.backshell if configuration == CONFIG_BACKSHELL else PARAMS.lander
@@ -153,12 +170,14 @@ def test_constant_aero_is_nesc_drag_and_rate_damping():
 
 def test_dispatch(table):
     arguments = (100.0, 5.0, DENSE, *velocity(8.0, 40.0, 900.0), 0.01, 0.02, 0.03)
-    got = aerodynamic_wrench(record(), table, gas_record(), CONFIG_CAPSULE, *arguments)
+    got = aerodynamic_wrench(record(), table, no_body(), gas_record(), CONFIG_CAPSULE, *arguments)
     assert got[:6] == capsule_aero(record(), table, gas_record(), *arguments) and got[6] == pytest.approx(
         -0.253 * D
     )
     assert (
-        aerodynamic_wrench(record(AeroParams(model="none")), table, gas_record(), CONFIG_CAPSULE, *arguments)
+        aerodynamic_wrench(
+            record(AeroParams(model="none")), table, no_body(), gas_record(), CONFIG_CAPSULE, *arguments
+        )
         == (0.0,) * 7
     )
     constant = record(
@@ -166,7 +185,7 @@ def test_dispatch(table):
             model="constant", constant=ConstantAeroParams(drag_coefficient=1.0, moment_reference_x_m=-0.5)
         )
     )
-    got = aerodynamic_wrench(constant, table, gas_record(), CONFIG_LANDER, *arguments)
+    got = aerodynamic_wrench(constant, table, no_body(), gas_record(), CONFIG_LANDER, *arguments)
     assert sqrt(sum(f * f for f in got[:3])) == pytest.approx(100.0) and got[6] == -0.5
 
 

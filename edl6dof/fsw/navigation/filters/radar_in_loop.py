@@ -1,5 +1,5 @@
-"""Inertial solution with the radar in the loop: height and velocity are drawn to those that the radar shows,
-projected with the attitude of the inertial unit, which nothing corrects.
+"""Inertial solution with the radar in the loop: height and velocity become those that the radar shows, and
+follow them, projected with the attitude of the inertial unit, which nothing corrects.
 
 The radar is compared with the inertial solution first.  It comes into the loop when both have agreed for a
 while; and when they have contradicted each other for long, too, as without it there is no landing.  The height
@@ -59,6 +59,7 @@ RADAR_IN_LOOP = np.dtype(
     [
         ("started_t", "f8"),  # s, flight time
         ("age", "f8"),  # s: since the last look at the radar
+        ("begun", FLAG),  # whether there was an echo
         ("seen", "f8"),  # s: for how long there have been echoes
         ("agreed", "f8"),  # s: for how long radar and inertial solution have agreed on end
         ("against", "f8"),  # s: for how long they have contradicted each other on end
@@ -74,7 +75,7 @@ def start(params, onboard, sensed, solution, memory):
     """Nothing seen yet."""
     memory.started_t = solution.t
     memory.age = memory.seen = memory.agreed = memory.against = 0.0
-    memory.in_loop = memory.forced = 0
+    memory.begun = memory.in_loop = memory.forced = 0
     _claim(onboard, solution, memory)
 
 
@@ -85,17 +86,18 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     n_beams = onboard.instruments.n_beams
     if sensed.radar.fresh == 0 or count_usable(health, sensed.radar, n_beams) == 0:
         return
-    dt = memory.age
-    memory.age, memory.seen = 0.0, memory.seen + dt
+    dt = memory.age if memory.begun != 0 else 0.0
+    memory.begun, memory.age, memory.seen = 1, 0.0, memory.seen + dt
     q, lever, velocity, swing, up, height = place_antenna(onboard, motion, solution, sensed.t)
     at_antenna, moving = velocity_by_echoes(onboard.instruments, health, sensed.radar)
     below = height_by_echoes(onboard.instruments, health, sensed.radar, to_frame(q, scale(-1.0, up)))
     higher = below - height
     faster = sub(sub(from_frame(q, at_antenna), swing), velocity) if moving else (0.0, 0.0, 0.0)
+    share = 1.0 - exp(-dt / params.lag)
     if memory.in_loop == 0 and memory.seen > params.settle:
         _compare(params, abs(higher), norm(faster), dt, memory)
+        share = 1.0  # what it shows is taken over as it comes into the loop
     if memory.in_loop != 0:
-        share = 1.0 - exp(-dt / params.lag)
         put3(solution.r_I, 0, add(take3(solution.r_I, 0), scale(share * higher, up)))
         put3(solution.v_I, 0, add(take3(solution.v_I, 0), scale(share, faster)))
         solution.beams_used, solution.looked = locked_beams(sensed.radar, n_beams), 1

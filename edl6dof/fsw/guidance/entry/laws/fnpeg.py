@@ -64,6 +64,22 @@ class FnpegParams(Params):
         gt=0.0,
         lt=1.0,
     )
+    heading_speed_m_s: float | None = param(
+        None,
+        "speed down to which this law controls range, in place of heading.speed_m_s",
+        status="design",
+        record=False,
+        ge=0.0,
+        le=10e3,
+    )
+    bank_min_deg: float | None = param(
+        None,
+        "smallest bank magnitude of this law, in place of the one that all laws share",
+        status="design",
+        record=False,
+        ge=0.0,
+        le=90.0,
+    )
 
 
 MEMORY = np.dtype(

@@ -1,0 +1,90 @@
+"""A throttle that stands: when it is believed, and where its thrust stops a lander, against scipy."""
+
+from math import hypot
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.fsw.estimation.held_thrust import HELD_THRUST, HeldThrustParams, held_thrust
+from edl6dof.fsw.guidance.powered.held_thrust import LEAST_DESCENT, stop_height
+
+DT = 0.04
+
+
+def believed(commanded, measured, noise=0.0, seed=1):
+    """Thrust believed to be held after each control cycle, N."""
+    params, memory = np.zeros(1, dtype_of(HeldThrustParams))[0], np.zeros(1, HELD_THRUST)[0]
+    fill(params, HeldThrustParams())
+    rng = np.random.default_rng(seed)
+    return np.array(
+        [
+            held_thrust(params, c, m + noise * rng.standard_normal(), DT, memory)
+            for c, m in zip(commanded, measured, strict=True)
+        ]
+    )
+
+
+def followed(commanded, share=1.0, more=0.0, rate=1500.0):
+    """Thrust of an engine that follows its command with a limited rate (N/s), and what shows beside it."""
+    thrust = [0.0]
+    for c in commanded:
+        thrust.append(thrust[-1] + np.clip(share * c - thrust[-1], -25000.0 * DT, rate * DT))
+    return np.array(thrust[1:]) + more
+
+
+#: Full level for 3 s, into the band at once, down slowly, up again, and to and fro.
+MOVING = np.concatenate(
+    [np.full(75, 7500.0), np.linspace(4800.0, 3400.0, 300), np.full(50, 5000.0), np.full(50, 3000.0)]
+)
+
+
+@pytest.mark.parametrize(
+    ("share", "more"), [(1.0, 0.0), (0.97, 400.0), (0.7, 0.0), (1.0, 500.0), (1.03, -200.0)]
+)
+def test_engine_that_follows_is_never_believed_to_stand(share, more):
+    """Also a weak one, in drag, or beside a thruster that is stuck on."""
+    assert not believed(MOVING, followed(MOVING, share, more), noise=60.0).any()
+
+
+def test_engine_whose_command_moves_slowly_either_way_is_believed_once_it_has_moved():
+    for end in (3000.0, 6000.0):
+        commanded = np.concatenate([np.full(50, 4500.0), np.linspace(4500.0, end, 500)])
+        found = believed(commanded, np.full(550, 4500.0), noise=60.0)
+        assert found[-1] == pytest.approx(4500.0, rel=0.02)
+        first = np.argmax(found > 0.0)
+        assert 0.1 < abs(commanded[first] / 4500.0 - 1.0) < 0.3
+
+
+def test_full_level_that_stays_is_believed_within_two_seconds_and_kept_while_the_engine_is_off():
+    commanded = np.concatenate([np.full(75, 7500.0), np.full(50, 5000.0), np.zeros(100)])
+    found = believed(commanded, np.where(commanded > 0.0, 7500.0, 0.0), noise=100.0)
+    assert not found[:75].any() and found[124] == pytest.approx(7500.0, rel=0.02)
+    assert (found[125:] == found[124]).all()
+
+
+@pytest.mark.parametrize(
+    ("thrust", "height", "sideways", "descent"),
+    [(4500.0, 300.0, 8.0, 25.0), (7500.0, 900.0, 15.0, 75.0), (3600.0, 40.0, 1.0, 3.0)],
+)
+def test_stop_of_a_gravity_turn_is_that_of_scipy(thrust, height, sideways, descent):
+    gravity, mass, flow, stop, tilt = 3.72, 900.0, thrust / 2942.0, 1.0, 0.5
+
+    def rates(t, y):
+        upward = max(y[2], LEAST_DESCENT)
+        lean = min(y[1], np.tan(tilt) * upward)
+        a = thrust / (mass - flow * t) / hypot(lean, upward)
+        return [-y[2], -a * lean, gravity - a * upward]
+
+    def stopped(t, y):
+        return y[2] - stop
+
+    stopped.terminal = True
+    flown = solve_ivp(rates, (0.0, 200.0), [height, sideways, descent], events=stopped, rtol=1e-9, atol=1e-9)
+    found = stop_height(tilt, stop, thrust, flow, mass, gravity, height, sideways, descent)
+    assert found == pytest.approx(flown.y[0, -1], abs=0.01 * (height - flown.y[0, -1]))
+
+
+def test_thrust_below_the_weight_stops_nothing():
+    assert stop_height(0.5, 1.0, 3000.0, 1.0, 900.0, 3.72, 100.0, 0.0, 5.0) < -900.0
