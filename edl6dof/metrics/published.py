@@ -105,8 +105,8 @@ class PublishedFigure(Params):
         return own >= self.at_least if self.at_least is not None else None
 
 
-#: An entry of ``published``, by the name of the figure.
-Published = Mapping[str, float | PublishedFigure]
+#: An entry of ``published``, by the name of the figure; ``None`` takes back what an extended scenario says.
+Published = Mapping[str, float | PublishedFigure | None]
 
 
 class Beside(NamedTuple):
@@ -124,6 +124,7 @@ def published_figures(entries: Published) -> list[Beside]:
             entry if isinstance(entry, PublishedFigure) else PublishedFigure(value=entry),
         )
         for name, entry in entries.items()
+        if entry is not None
     ]
 
 

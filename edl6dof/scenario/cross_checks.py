@@ -159,6 +159,18 @@ def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _last_event_problems(scenario: Scenario) -> dict[str, str]:
+    """The event with which the flight ends is one of the mission, and named where it does."""
+    mission, here = scenario.mission, "mission.goal_event"
+    if mission.goal != "event":
+        words = f"has no effect with goal {mission.goal}: leave it out, or choose goal event"
+        return {} if mission.goal_event is None else {here: words}
+    if mission.goal_event in mission.events:
+        return {}
+    named = "name the event" if mission.goal_event is None else f"no event named {mission.goal_event!r}"
+    return {here: f"{named} with which the flight ends; names: {', '.join(mission.events) or 'none'}"}
+
+
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.dynamics == "six_dof" or scenario.mission.goal != "landing":
         return {}
@@ -194,6 +206,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
+    CrossCheck(frozenset({"mission"}), _last_event_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), lambda s: quantity_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), _heed_problems),

@@ -34,14 +34,13 @@ _NOT_CHASE = (
     "labels",
     "drop_line",
     "ground_track",
-    "arrows",
-    "velocity_frame",
+    "near",
     "vehicle/attitude_frame",
 )
 #: What belongs to one camera alone.
 _OWN = ("camera/scale_bar",)
-_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
-_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels", *_OWN)
+_NOT_SITE = ("near", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
+_NOT_AFAR = ("vehicle/failed", "near", "vehicle/attitude_frame", "sky", "labels", *_OWN)
 
 
 class Shown(NamedTuple):
@@ -150,7 +149,7 @@ class Views:
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
         rrb = self.rrb
-        parts = ("vehicle", "arrows", "near", "velocity_frame")
+        parts = ("vehicle", "near")
         background = rrb.Background(color=SPACE)
         eye = rrb.EyeControls3D(
             position=body_eye(self.flown.start, self.flown.end, self.flown.size),
@@ -209,8 +208,7 @@ class Views:
         """The ground below the hover, north up."""
         place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
         hidden = (
-            "arrows",
-            "velocity_frame",
+            "near",
             "vehicle/attitude_frame",
             "path",
             "markers",

@@ -13,9 +13,7 @@ from __future__ import annotations
 from edl6dof.registry import Family
 from edl6dof.vehicle.propulsion.engine_models import pulsed, solid, throttled, thruster_set
 
-ENGINE_MODELS = Family(
-    "engine model", (throttled.MEMBER, pulsed.MEMBER, thruster_set.MEMBER, solid.MEMBER)
-)
+ENGINE_MODELS = Family("engine model", (throttled.MEMBER, pulsed.MEMBER, thruster_set.MEMBER, solid.MEMBER))
 
 #: Index of the member whose thrust is that of the axial thrusters.
 BY_THRUSTERS = ENGINE_MODELS.names.index(thruster_set.NAME)
