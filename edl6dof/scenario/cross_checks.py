@@ -20,6 +20,7 @@ from edl6dof.scenario.events import event_problems, quantity_problems, way_probl
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.vehicle.faults.fault import fault_problems
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 
 
 class CrossCheck(NamedTuple):
@@ -94,6 +95,15 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
             message = f"must not exceed flight_software.rates.control_every {oldest} (got {delay})"
             found[f"sensors.{name}.delay_cycles"] = message
     return found
+
+
+def _thruster_set_problems(scenario: Scenario) -> dict[str, str]:
+    """The table of thrusters takes axial ones whole or not at all, so that they do not steer."""
+    made_so = any(engine.model == thruster_set.NAME for engine in scenario.vehicle.engines)
+    if scenario.flight_software.allocation.method != "table" or not made_so:
+        return {}
+    message = f"table does not steer by an engine that is a {thruster_set.NAME}; choose least_squares"
+    return {"flight_software.allocation.method": message}
 
 
 def _metering_problems(scenario: Scenario) -> dict[str, str]:
@@ -205,6 +215,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
+    CrossCheck(frozenset({"vehicle", "flight_software"}), _thruster_set_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), _last_event_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
