@@ -37,7 +37,9 @@ def main() -> None:
         reference, _ = flown(name, REFERENCE_MS)
         fastest = float(np.hypot(reference[RATES[1]], reference[RATES[2]]).max())
         print(f"\n{name}: lateral rate up to {fastest:.1f} deg/s")
-        print("| step | total angle (deg) | lateral rate (deg/s) | roll rate (deg/s) | altitude (m) | CPU (s) |")
+        print(
+            "| step | total angle (deg) | lateral rate (deg/s) | roll rate (deg/s) | altitude (m) | CPU (s) |"
+        )
         print("|---:|---:|---:|---:|---:|---:|")
         for step in STEPS_MS:
             own, cpu = flown(name, step)
