@@ -171,14 +171,12 @@ def _alignment_problems(scenario: Scenario) -> dict[str, str]:
 
 def _last_event_problems(scenario: Scenario) -> dict[str, str]:
     """The event with which the flight ends is one of the mission, and named where it does."""
-    mission, here = scenario.mission, "mission.goal_event"
-    if mission.goal != "event":
-        words = f"has no effect with goal {mission.goal}: leave it out, or choose goal event"
-        return {} if mission.goal_event is None else {here: words}
-    if mission.goal_event in mission.events:
+    mission = scenario.mission
+    last, known = mission.goal_event, ", ".join(mission.events) or "none"
+    if last in mission.events or last is None and mission.goal != "event":
         return {}
-    named = "name the event" if mission.goal_event is None else f"no event named {mission.goal_event!r}"
-    return {here: f"{named} with which the flight ends; names: {', '.join(mission.events) or 'none'}"}
+    named = "name the event" if last is None else f"no event named {last!r}"
+    return {"mission.goal_event": f"{named} with which the flight ends; names: {known}"}
 
 
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
