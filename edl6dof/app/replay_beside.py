@@ -102,10 +102,11 @@ def artist_beside(loaded: LoadedScenario, path: Path) -> Iterator[Artist | None]
         return
     log = np.frombuffer(mmap.mmap(-1, log_rows(loaded) * TICK.itemsize), TICK)
     reading, writing = os.pipe()
-    process = os.fork()
-    if process == 0:
-        os.close(writing)
-        _work(loaded, log, reading, path)
+    with _undisturbed():
+        process = os.fork()
+        if process == 0:
+            os.close(writing)
+            _work(loaded, log, reading, path)
     os.close(reading)
     artist = Artist(process, os.fdopen(writing, "wb"), log)
     try:
@@ -114,12 +115,23 @@ def artist_beside(loaded: LoadedScenario, path: Path) -> Iterator[Artist | None]
         artist.dismiss()
 
 
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Keep Ctrl-C for the end of the block, so that a copy made in it never does its parent's cleaning up."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _work(loaded: LoadedScenario, log: np.ndarray, reading: int, path: Path) -> None:
     """All that the other process does: it ends here, and does not end what it has of its parent.  Where it
-    fails, its parent draws, and says what is wrong.
+    fails, its parent draws, and says what is wrong; Ctrl-C stays blocked, since its parent ends it.
     """
     status = 1
     try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # rerun logs there what fails
         with blocked_imports(*UNUSED_BY_ARROW), os.fdopen(reading, "rb") as order:
             import rerun.blueprint  # noqa: F401  while the flight is flown
 

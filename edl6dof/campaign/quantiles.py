@@ -11,7 +11,7 @@ True
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, log
+from math import ceil, log, nan
 
 import numpy as np
 from scipy.stats import binom
@@ -49,6 +49,15 @@ def quantile(values: np.ndarray, share: float) -> Quantile | None:
         return None
     low, high = (int(binom.ppf(chance, n, share)) for chance in (tail, 1.0 - tail))
     return Quantile(share, float(np.quantile(ordered, share)), float(ordered[low - 1]), float(ordered[high]))
+
+
+def kept_by(values: np.ndarray, share: float) -> float:
+    """Least of ``values``, shape (n,), within which a ``share`` of the flights stays: one of the values, so
+    that none is interpolated away, infinite ones counted as the largest; nan where too few to bound it.
+    """
+    if len(values) < flights_needed(share):
+        return nan
+    return float(np.quantile(values, share, method="higher"))
 
 
 def flights_needed(share: float) -> int:

@@ -11,7 +11,8 @@ lanes, ``/events`` the timeline, ``/legend`` what colours mean.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ from edl6dof.replay.scene.track import Track
 from edl6dof.replay.scene.vehicle import Vehicle
 from edl6dof.replay.views import charts, lanes, phase_plane, readout
 from edl6dof.replay.views.cameras import Cameras
-from edl6dof.replay.views.curves import axis_range, drawn, ends
+from edl6dof.replay.views.curves import axis_range, drawn, ends, given
 from edl6dof.replay.views.director import Director
 from edl6dof.replay.views.layout import Layout, spans_of
 from edl6dof.replay.views.legend import Legend
@@ -84,6 +85,9 @@ def write_replay(
 
     ``labels`` tell several flights apart, or one from the trajectories of a campaign in ``ensemble``; a
     flight alone needs none.
+
+    Raises:
+        OSError: the file cannot be written.
     """
     import pyarrow as pa
     import rerun as rr
@@ -91,7 +95,8 @@ def write_replay(
     first = flights[0]
     motions = [Motion(flight) for flight in flights]
     name = first.name if len(flights) == 1 else " and ".join(labels)
-    with rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}") as recording:
+    stream = rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}")
+    with _failing_as_the_system_says(path), stream as recording:
         shown = _shown(flights, motions[0], labels, ensemble is not None)
         recording.save(str(path), default_blueprint=Layout(shown).blueprint(page))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
@@ -114,6 +119,17 @@ def write_replay(
             part.motions()
             recording.flush()  # or it would hold all of them at once
     pa.default_memory_pool().release_unused()
+
+
+@contextmanager
+def _failing_as_the_system_says(path: Path) -> Iterator[None]:
+    """Raise ``OSError`` where rerun cannot write: it says that its writer has ended, but not of what."""
+    try:
+        yield
+    except RuntimeError as error:
+        with path.open("ab") as file:
+            file.write(bytes(1 << 20))
+        raise OSError(str(error)) from None
 
 
 def recorded_span(path: Path) -> tuple[float, float]:
@@ -182,7 +198,7 @@ def _ranges(
     spans, found = {"Flight": whole, **spans_of(whole, flights[0].when)}, {}
     for plot in PLOTS:
         own = [flight for flight in flights if set(plot.columns) <= set(flight.series)]
-        curves = [drawn(plot, flight.series, flight.when) for flight in own]
+        curves = [drawn(given(plot, flight.series), flight.series, flight.when) for flight in own]
         for page, span in spans.items():
             if values := [value for one in curves for value in ends(*one, span)]:
                 found[page, plot.entity] = axis_range(min(values), max(values))

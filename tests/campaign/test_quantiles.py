@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, quantile
+from edl6dof.campaign.quantiles import SHARES, bounded_shares, flights_needed, kept_by, quantile
 
 #: Campaigns flown in thought.
 CAMPAIGNS = 1000
@@ -20,6 +20,14 @@ def test_flights_needed_are_the_fewest_whose_extremes_bound_the_quantile(share):
     assert tail**n <= 0.025 < tail ** (n - 1)
     values = np.linspace(0.0, 1.0, n)
     assert quantile(values, share) is not None and quantile(values[1:], share) is None
+
+
+def test_what_a_share_keeps_within_takes_as_many_flights():
+    values = np.arange(1.0, 369.0)
+    assert kept_by(values, 0.99) == 365.0  # one of them: 364.33 by interpolation
+    assert np.isnan(kept_by(values[1:], 0.99))
+    values[-4:] = np.inf
+    assert kept_by(values, 0.99) == np.inf and kept_by(values, 0.95) == 350.0
 
 
 def test_three_sigma_is_refused_from_a_hundred_flights():

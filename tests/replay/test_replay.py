@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,12 @@ def test_file_is_sound_and_small(replay):
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     assert replay.stat().st_size < 5e6
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's full device")
+def test_a_full_disk_is_named(made_up_flight):
+    with pytest.raises(OSError, match="No space left"):
+        write_replay([history(made_up_flight)], Path("/dev/full"))
 
 
 def test_entities_and_components(replay):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -49,6 +51,14 @@ def test_what_goes_wrong_there_is_told(alone, tmp_path, monkeypatch):
     with artist_beside(loaded, tmp_path / "replay.rrd") as artist:
         artist.draw(edl6dof.fly(loaded, log=artist.log))
         assert not artist.wait()
+
+
+def test_ctrl_c_leaves_the_other_process_to_this_one(alone, tmp_path):
+    with artist_beside(edl6dof.load("tianwen1"), tmp_path / "x") as artist:
+        os.kill(artist._process, signal.SIGINT)
+        time.sleep(0.1)
+        assert os.waitpid(artist._process, os.WNOHANG) == (0, 0)
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])  # of this one
 
 
 def test_nobody_is_left_behind_where_the_flight_fails(alone, tmp_path):

@@ -5,6 +5,7 @@ laws.
 from __future__ import annotations
 
 from math import radians
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from edl6dof.fsw.control.phase_plane import switch_axis
 from edl6dof.fsw.control.zones import ZoneParams, target_rate
 from edl6dof.replay.scene import aeroshell, lander
 from edl6dof.replay.scene.canopy import canopy
-from edl6dof.replay.scene.globe import planet
+from edl6dof.replay.scene.globe import Globe, planet
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.site import Site
@@ -157,6 +158,20 @@ def test_globe_shows_the_map():
     olympus, hellas = (_nearest(mesh.positions, lat, lon) for lat, lon in ((18.65, -133.8), (-42.4, 70.5)))
     assert tone[olympus] > tone[hellas] + 150
     assert mesh.triangles.max() == len(mesh.positions) - 1
+
+
+def test_the_globe_points_at_the_sun():
+    """From the landing site, as high above its horizon as the calendar says."""
+    site, told = Site(load_scenario("tianwen1").scenario), {}
+    motion = SimpleNamespace(site=site)
+    globe = SimpleNamespace(motion=motion, rr=pytest.importorskip("rerun"), static=told.__setitem__)
+    Globe._sun(globe)
+    arrow = told["globe/sun"].vectors.as_arrow_array().to_pylist()[0]
+    up = site.origin / np.linalg.norm(site.origin)
+    assert np.dot(arrow, up) / np.linalg.norm(arrow) == pytest.approx(site.sun[2], abs=5e-3)
+    site.sun, told["globe/sun"] = None, None
+    Globe._sun(globe)
+    assert told["globe/sun"] is None
 
 
 def _nearest(positions: np.ndarray, lat_deg: float, lon_deg: float) -> int:

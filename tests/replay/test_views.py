@@ -14,8 +14,9 @@ from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.arrows import COVERED, forces, scales
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.callouts import Label, laid_out, screen
-from edl6dof.replay.views.curves import axis_range
+from edl6dof.replay.views.curves import axis_range, given
 from edl6dof.replay.views.lanes import fitted
+from edl6dof.replay.views.panels import BANK, RANGE, RATES
 from edl6dof.replay.views.spatial import body_eye
 
 pytest.importorskip("rerun")
@@ -86,6 +87,15 @@ def test_an_axis_holds_its_curve_and_has_two_to_six_ticks(low, high):
     ticks = [int(np.floor(last / s) - np.ceil(first / s)) + 1 for s in steps]
     assert any(2 <= count <= 6 for count in ticks), ticks
     assert last - first < 3.0 * max(high - low, 1.0 if high == low else 0.0), "not lost on it"
+
+
+def test_a_command_that_no_law_gives_is_not_drawn():
+    zero, some = np.zeros(3), np.array([0.0, np.nan, 1.0])
+    flown = given(BANK, {"guide.bank_deg": zero, "truth.bank_deg": some})
+    assert (flown.columns, flown.series) == (("truth.bank_deg",), {"truth.bank_deg": "flown"})
+    assert given(BANK, {"guide.bank_deg": some, "truth.bank_deg": zero}) == BANK
+    assert given(RATES, dict.fromkeys(RATES.columns, zero)) == RATES, "zero of what is flown is told"
+    assert given(RANGE, {"guide.range_to_go_km": zero}) == RANGE, "a plot has a curve"
 
 
 def test_a_name_that_has_no_room_is_left_out_of_its_lane():

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace
+from edl6dof.report.flight import disturbance
+from edl6dof.report.flight.parts import Curve
 from edl6dof.report.plotly_figure import plotly_figure
 
 
@@ -30,6 +32,15 @@ def test_numbers_of_a_logarithmic_axis_are_written_out():
     wide = Panel(Axis("", range=(1.0, 1e7), log=True), Axis(""), [Trace(x, x, "share")])
     axis = plotly_figure(Figure("one", "One", [wide]))["layout"]["xaxis"]
     assert axis["ticktext"][-2:] == ["10<sup>6</sup>", "10<sup>7</sup>"]
+
+
+def test_a_single_peak_leaves_the_rest_of_a_torque_to_be_seen():
+    torque, rows, curves = np.sin(np.arange(5000.0)), slice(None), [Curve("a"), Curve("absent")]
+    assert disturbance._span({"a": torque}, curves, rows) is None
+    assert disturbance._span({"a": 2.9 * torque}, curves, rows) is None
+    torque[-1] = 6000.0
+    first, last = disturbance._span({"a": torque}, curves, rows)
+    assert -first == last == pytest.approx(1.1, abs=0.01)
 
 
 def test_bars_are_drawn_whole():

@@ -11,6 +11,9 @@ from edl6dof.replay.scene.ground import TARGET
 from edl6dof.replay.scene.landscape import tints
 from edl6dof.replay.scene.mesh import Mesh, bright
 
+#: Length of the arrow to the sun, radii of the planet, and its colour.
+SUN_ARROW, SUN = 0.45, (255, 210, 90)
+
 
 class Globe(Recorder):
     """Writes ``/globe``: planet-fixed axes in km."""
@@ -40,6 +43,22 @@ class Globe(Recorder):
                 show_labels=True,
             )
             self.static("globe/site", mark)
+            self._sun()
+
+    def _sun(self) -> None:
+        """An arrow from the landing site towards the sun, where the scenario tells the moment."""
+        site = self.motion.site
+        if site.sun is None:
+            return
+        along = site.in_F(site.radius * site.sun) - site.in_F(np.zeros(3))
+        arrow = self.rr.Arrows3D(
+            vectors=[SUN_ARROW * along / 1e3],
+            origins=[site.origin * 1.001 / 1e3],
+            labels=["to the sun"],
+            colors=SUN,
+            radii=self.rr.Radius.ui_points(1.6),
+        )
+        self.static("globe/sun", arrow)
 
     def motions(self) -> None:
         """The vehicle as a point."""

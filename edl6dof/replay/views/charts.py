@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
-from edl6dof.replay.views.curves import BOUND, drawn
+from edl6dof.replay.views.curves import BOUND, drawn, given
 from edl6dof.replay.views.panels import GROUPS, NAVIGATION, PAGES, PLOTS, RGB, SERIES, Plot
 from edl6dof.telemetry.thinning import rows_to_draw
 
@@ -48,7 +48,8 @@ class Charts(Recorder):
 
     def _plots(self) -> list[Plot]:
         """Those that the flight has the telemetry of."""
-        return [plot for plot in PLOTS if set(plot.columns) <= set(self.flight.series)]
+        series = self.flight.series
+        return [given(plot, series) for plot in PLOTS if set(plot.columns) <= set(series)]
 
     def _entity(self, name: str) -> str:
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"

@@ -49,6 +49,17 @@ def drawn(
     return t[keep], plot.scale * np.stack(values, axis=-1)
 
 
+def given(plot: Plot, series: Mapping[str, np.ndarray]) -> Plot:
+    """A plot without what no law gives: a command or a reference that is zero all along."""
+    silent = {name for name in plot.series if name.startswith("guide.") and not _ever(series.get(name))}
+    kept = {name: label for name, label in plot.series.items() if name not in silent}
+    return plot._replace(series=kept) if kept else plot
+
+
+def _ever(values: np.ndarray | None) -> bool:
+    return values is None or bool(np.any(np.nan_to_num(values)))
+
+
 def ends(t: np.ndarray, curves: np.ndarray, span: tuple[float, float]) -> list[float]:
     """Least and largest value of curves within a time (s); empty where there are none."""
     values = curves[_within(t, *span)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,9 @@ import numpy as np
 from edl6dof.report.figure import BLUE, ORANGE, Figure, Trace
 from edl6dof.report.flight.parts import Curve, has_signal, over_time, stacked
 from edl6dof.runs.run import Run
+
+#: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
+BULK, PEAK = 0.999, 3.0
 
 
 def figures(run: Run) -> Iterator[Figure]:
@@ -23,16 +26,26 @@ def figures(run: Run) -> Iterator[Figure]:
             Curve(f"estimate.torque_{axis}_nm", "estimated", colour=ORANGE),
             Curve(f"truth.disturbance_{axis}_nm", "true", colour=BLUE),
         ]
-        panels.append(over_time(run, f"{name} (N m)", curves, rows))
+        panels.append(over_time(run, f"{name} (N m)", curves, rows, _span(run, curves, rows)))
     yield stacked(
         "disturbance_torque",
         "Disturbance torque",
         panels,
-        "Moment of everything but the thrusters, in body axes.",
+        f"Moment of everything but the thrusters, in body axes. An axis ends at what {100.0 * BULK:g} % of "
+        f"the values stay within where a peak, as of touchdown, is over {PEAK:g} times as large.",
         160,
     )
     if any(has_signal(run, f"estimate.force_{axis}_n") for axis in "xyz"):
         yield force(run, rows)
+
+
+def _span(run: Run, curves: Sequence[Curve], rows: np.ndarray) -> tuple[float, float] | None:
+    """First and last value of an axis that a single peak would leave nothing else on; else ``None``."""
+    found = [np.abs(run[curve.channel][rows]) for curve in curves if curve.channel in run]
+    bulk = max(float(np.nanquantile(one, BULK)) for one in found)
+    if max(float(np.nanmax(one)) for one in found) <= PEAK * bulk:
+        return None
+    return -1.1 * bulk, 1.1 * bulk
 
 
 def force(run: Run, rows: np.ndarray) -> Figure:

@@ -7,6 +7,7 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
+from edl6dof.campaign.quantiles import kept_by
 from edl6dof.campaign.rows import Row
 from edl6dof.studies.hazards.conditions import ABUNDANCES, BLIND, blind_share, standard_error
 from edl6dof.studies.study import Finding, Grid
@@ -63,7 +64,7 @@ def _figures(rows: Sequence[Row]) -> tuple[float, ...]:
         100.0 * float(np.mean([row["success"] for row in rows])),
         100.0 * _mean(values(rows, "spot_found")),
         100.0 * _mean(values(rows, "spot_false_safe")),
-        *(_quantile(known, share) for share in (0.5, 0.95)),
+        *(kept_by(known, share) for share in (0.5, 0.95)),
         float(np.nanmin(past)) if np.isfinite(past).any() else nan,
         _mean(values(rows, "propellant_used_kg")),
         100.0 * _mean(values(rows, "map_safe_share")),

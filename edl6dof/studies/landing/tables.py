@@ -7,6 +7,7 @@ from math import inf, isfinite, nan, sqrt
 
 import numpy as np
 
+from edl6dof.campaign.quantiles import kept_by
 from edl6dof.campaign.rows import Row
 from edl6dof.studies.landing.conditions import DISPERSED, DIVERTS, ENGINE_FAULTS, divert
 from edl6dof.studies.study import Finding, Grid
@@ -93,8 +94,8 @@ def _feasibility(rows: Sequence[Row], calls: Mapping[str, float]) -> Grid:
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
     miss, tilt = values(flown, "target_miss_m", inf), values(flown, "peak_tilt_deg", 0.0)
     return (
-        *(_quantile(miss, 0.5), _quantile(miss, 0.99)),
-        _quantile(values(flown, "navigated_miss_m", inf), 0.99),
+        *(kept_by(miss, 0.5), kept_by(miss, 0.99)),
+        kept_by(values(flown, "navigated_miss_m", inf), 0.99),
         *(mean(flown, "peak_tilt_deg"), float(np.max(tilt))),
         _share(not reached(row) for row in flown),
         _share(row.get("saturated_s", inf) > SATURATED_S for row in flown),
@@ -142,10 +143,6 @@ def mean(rows: Sequence[Row], name: str) -> float:
     """Mean of a figure over the flights that have it."""
     found = values(rows, name)
     return float(np.nanmean(found)) if np.isfinite(found).any() else nan
-
-
-def _quantile(sample: np.ndarray, share: float) -> float:
-    return float(np.quantile(sample, share, method="higher"))
 
 
 def _share(kept: Iterator[bool]) -> float:
