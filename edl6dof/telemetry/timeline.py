@@ -81,7 +81,7 @@ def moments(plant: np.void, fsw: np.void, mission: MissionParams, vehicle: Vehic
     ]
     found += guard_moments(fsw["navigation"])
     found += hazard_moments(fsw["hazard"])
-    found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first footpad"))
+    found.append(moment(plant["touchdown_time"], "touchdown", "touchdown, first contact"))
     return [one for one in found if isfinite(one["t_s"])]
 
 
@@ -110,8 +110,11 @@ def ran_empty(tank: Tank, vehicle: VehicleParams) -> str:
 
 
 def in_words(event: Event) -> str:
-    """What an event did: ``heat shield jettisoned``."""
-    return DONE[event.action].format(event.thing.replace("_", " "))
+    """What an event did: ``heat shield jettisoned``; what lands need not be a gear, and has the event's own
+    name.
+    """
+    thing = event.name if event.thing == "landing_gear" else event.thing
+    return DONE[event.action].format(thing.replace("_", " "))
 
 
 def milestone(event: Event, vehicle: VehicleParams) -> str:

@@ -54,11 +54,13 @@ class Globe(Recorder):
         arrow = self.rr.Arrows3D(
             vectors=[SUN_ARROW * along / 1e3],
             origins=[site.origin * 1.001 / 1e3],
-            labels=["to the sun"],
             colors=SUN,
             radii=self.rr.Radius.ui_points(1.6),
         )
         self.static("globe/sun", arrow)
+        tip = site.origin * 1.001 / 1e3 + SUN_ARROW * along / 1e3
+        name = self.rr.Points3D([tip], labels=["to the sun"], colors=SUN, radii=0.0, show_labels=True)
+        self.static("globe/sun/name", name)
 
     def motions(self) -> None:
         """The vehicle as a point."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import shorten
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,9 @@ TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 FIRING = 0.02
 #: Least width of a page's lanes, and room that a letter takes, px.
 LANE_PX, LETTER_PX = 800.0, 6.6
+#: Letters of an event's name at most: a longer one, such as why a flight ended, would leave no room to tell
+#: where.
+MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
 
@@ -154,7 +158,8 @@ def fitted(
 
 
 def _said(event: Any) -> str:
-    return f"warning: {event['name']}" if event["key"] in TROUBLES else str(event["name"]).replace("_", " ")
+    name = shorten(str(event["name"]).replace("_", " "), MOST_LETTERS, placeholder=" ...")
+    return f"warning: {name}" if event["key"] in TROUBLES else name
 
 
 def _table(lines: Sequence[Sequence[str]], now: int) -> str:
