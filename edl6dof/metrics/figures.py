@@ -155,7 +155,9 @@ FIGURES: tuple[FigureOfMerit, ...] = (
         "landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"
     ),
     FigureOfMerit("parachute_nav_position_m", "error of the estimated position at mortar fire", "events"),
-    FigureOfMerit("backshell_nav_attitude_deg", "error of the estimated attitude at backshell release", "events"),
+    FigureOfMerit(
+        "backshell_nav_attitude_deg", "error of the estimated attitude at backshell release", "events"
+    ),
     FigureOfMerit("backshell_told_height_m", "height on board at backshell release", "events"),
     FigureOfMerit("ignition_nav_height_m", "error of the estimated height at ignition", "events"),
     FigureOfMerit("ignition_nav_velocity_m_s", "error of the estimated velocity at ignition", "events"),

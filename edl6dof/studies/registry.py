@@ -10,6 +10,7 @@ from edl6dof.studies import (
     lu_bayard,
     msl,
     newtonian,
+    schiaparelli,
     wu2013,
     yan2016,
     zheng2015,
@@ -29,5 +30,6 @@ STUDIES: dict[str, Study] = {
         hu2022,
         msl,
         newtonian,
+        schiaparelli,
     )
 }  # fmt: skip

@@ -30,6 +30,9 @@ from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
+#: Share by which the thrust of an engine of thrusters may differ from theirs, which disperse.
+_AS_BELIEVED = 0.1
+
 
 def _or_daveml(schema: dict[str, Any]) -> None:
     """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it
@@ -122,6 +125,8 @@ class VehicleParams(Hardware):
             elif high > engine.full_thrust_n:
                 words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
                 problems[f"engines.{k}.throttle_max_n"] = words
+            if engine.group in [other.name for other in self.engines]:
+                problems[f"engines.{k}.group"] = f"must not be the name of an engine (got {engine.group!r})"
         problems |= self._thruster_set_problems()
         if problems:
             raise Inconsistent(problems)
@@ -136,7 +141,7 @@ class VehicleParams(Hardware):
         problems = {}
         for k in sets:
             full = self.engines[k].full_thrust_n
-            if abs(full - axial) > 0.01 * full:
+            if abs(full - axial) > _AS_BELIEVED * full:
                 problems[f"engines.{k}.full_thrust_n"] = (
                     f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
                 )
@@ -155,6 +160,15 @@ class VehicleParams(Hardware):
             for k, name in enumerate(drawn)
             if name not in names
         }
+
+    @property
+    def engine_groups(self) -> dict[str, list[str]]:
+        """Names of the engines that events light and cut off together, by the name of their group."""
+        found: dict[str, list[str]] = {}
+        for engine in self.engines:
+            if engine.group is not None:
+                found.setdefault(engine.group, []).append(engine.name)
+        return found
 
     def showing(self, shape: str) -> Part | None:
         """The first part that shows ``shape`` to the air."""

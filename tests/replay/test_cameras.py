@@ -54,7 +54,7 @@ def canopy_at(motion: Motion) -> dict[int, np.ndarray]:
     }
 
 
-@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli_like", "titan_probe"])
+@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli", "titan_probe"])
 def motion(request) -> Motion:
     return Motion(history(edl6dof.fly(request.param)))
 

@@ -35,7 +35,7 @@ class Shown:
         return np.degrees(between + np.arcsin(np.clip(radius / far, 0.0, 1.0)))
 
 
-@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli_like", "titan_probe", "earth_drop"])
+@pytest.fixture(scope="module", params=["tianwen1", "schiaparelli", "titan_probe", "earth_drop"])
 def shown(request) -> Shown:
     return Shown(history(edl6dof.fly(request.param)))
 

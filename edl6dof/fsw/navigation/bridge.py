@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.jit import kernel
-from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, scale, sub, take3
 
 #: Force (m/s2) to which the torque of air and thrusters, which does not go with the pull, is taken to belong.
 _OTHER = 2.0
@@ -55,27 +55,31 @@ def acceleration_of(body, lever, force, rate):
 
 
 @kernel
-def bridge(body, lever, gain, dt, memory, motion):
+def bridge(body, lever, gain, most, dt, memory, motion):
     """Fill angle and rate of ``motion`` (``MOTION``), which holds those of the cycle before, from the
     velocity ``gain`` (m/s, B) that the accelerometers counted in this cycle.
+
+    No component of the rate is taken to be above ``most`` (rad/s): the centripetal part of what is read grows
+    with its square, and a rate that is off would run away.
     """
     force = scale(1.0 / dt, gain)
     rate = take3(motion.rate, 0)
     change = scale(dt, acceleration_of(body, lever, force, rate))
     put3(motion.angle, 0, scale(dt, add(rate, scale(0.5, change))))
-    put3(motion.rate, 0, add(rate, change))
+    for i in range(3):
+        motion.rate[i] = clamp(rate[i] + change[i], -most, most)
     memory.reach += dt * (memory.push + 0.5 * dt * (norm(force) + _OTHER))
     memory.push += dt * (norm(force) + _OTHER)
 
 
 @kernel
-def arrive(body, lever, gain, dt, rate_before, memory, motion):
+def arrive(body, lever, gain, most, dt, rate_before, memory, motion):
     """Add to the angle of ``motion``, which the gyros read again, what the bridged angle lacks;
     ``rate_before`` is the last rate that was bridged.
     """
     angle, rate = take3(motion.angle, 0), take3(motion.rate, 0)
     put3(motion.rate, 0, rate_before)
-    bridge(body, lever, gain, dt, memory, motion)
+    bridge(body, lever, gain, most, dt, memory, motion)
     off = scale(1.0 / dt, sub(angle, take3(motion.angle, 0)))
     put3(memory.added, 0, scale(memory.reach / memory.push, off))
     put3(motion.angle, 0, add(angle, take3(memory.added, 0)))

@@ -34,6 +34,8 @@ UNKNOWNS = 5
 _EXPECTED = (0.01, 0.6, 0.2, 0.2, 0.1)
 #: Standard deviation of what no fit explains: of a cycle, rad/s2, and of the rate after the gap, rad/s.
 _SCATTER, _RATE = 0.087, 0.001
+#: Largest rotation (rad) that is believed: what was made for degrees does not turn a vehicle over.
+_LARGEST = 1.0
 
 HINDSIGHT = np.dtype(
     [
@@ -128,6 +130,8 @@ def _turn(body, lever, memory, solution):
     _find(2, 1, length, memory)
     x, y, z = _lacked(body, lever, begins, length, memory)
     lacked = sub((x, y, z), take3(memory.added, 0))
+    if not norm(lacked) < _LARGEST:  # nor is what ran away over a long gap and fast swings, and is no number
+        return
     q = (memory.q_I2B[0], memory.q_I2B[1], memory.q_I2B[2], memory.q_I2B[3])
     now = (solution.q_I2B[0], solution.q_I2B[1], solution.q_I2B[2], solution.q_I2B[3])
     turned = turn_by(now, to_frame(now, from_frame(q, lacked)))

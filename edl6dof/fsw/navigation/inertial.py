@@ -22,6 +22,9 @@ from edl6dof.jit import kernel
 from edl6dof.records import FLAG
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 
+#: Largest rate that is believed while it is bridged, over the range of the gyros.
+MOST = 2.0
+
 #: What is remembered of the inertial unit.
 INERTIAL_MEMORY = np.dtype(
     [
@@ -78,9 +81,10 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     lever = sub(take3(instruments.unit_position, 0), take3(body.centre, 0))
     arrived = known_before == 0 and motion.rate_known != 0
     if motion.rate_known == 0:
-        bridge(body, lever, gain, dt, memory.bridge, motion)
+        bridge(body, lever, gain, MOST * instruments.gyro_range, dt, memory.bridge, motion)
     elif memory.bridge.push > 0.0:
-        arrive(body, lever, gain, dt, rate_before, memory.bridge, motion)
+        most = MOST * instruments.gyro_range
+        arrive(body, lever, gain, most, dt, rate_before, memory.bridge, motion)
     # from the unit to the centre of mass
     angle = scale(dt, take3(motion.rate, 0)) if arrived else take3(motion.angle, 0)
     turned = scale(1.0 / dt, cross(angle, cross(angle, lever)))

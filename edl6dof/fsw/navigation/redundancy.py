@@ -37,7 +37,7 @@ REDUNDANT = np.dtype(
         ("count", "f8", (MAX_AXES,)),  # what each had counted when it was last read
         ("increment", "f8", (MAX_AXES,)),  # how much it has counted since the time before
         ("flagged", "f8", (MAX_AXES,)),  # s: for how long it has said, without need, that it is saturated
-        # end of the range that a saturated one is taken to be at: +1 or -1, from when its flag came on; 0: none
+        # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
         ("end", "f8", (MAX_AXES,)),
     ],
     align=True,

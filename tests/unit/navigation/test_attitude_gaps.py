@@ -28,6 +28,9 @@ from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.onboard import CONFIGURATION, ONBOARD
 from edl6dof.interface.sensed import RADAR, SENSED
 
+#: Largest rate that is believed, rad/s: beyond all that is flown here.
+MOST = 12.0
+
 INERTIA, MASS = np.array([1150.0, 900.0, 950.0]), 1270.0
 CENTRE, HUNG_AT, UNIT = (
     np.array([-0.8, 0.0, -0.03]),
@@ -104,17 +107,29 @@ def test_bridge_follows_a_capsule_under_its_riser(beside, bound_deg):
     motion["rate"] = swing.rate[0]
     q = held = swing.q[0]
     for k in range(cycles):
-        bridge(body[0], tuple(LEVER), tuple(swing.read(k)), DT, memory[0], motion[0])
+        bridge(body[0], tuple(LEVER), tuple(swing.read(k)), MOST, DT, memory[0], motion[0])
         q = turned(q, motion["angle"][0])
         held = turned(held, DT * swing.rate[0])
     before = motion["rate"][0].copy()
     motion["angle"], motion["rate"] = swing.angle(cycles), swing.rate[cycles + 1]
-    arrive(body[0], tuple(LEVER), tuple(swing.read(cycles)), DT, tuple(before), memory[0], motion[0])
+    arrive(body[0], tuple(LEVER), tuple(swing.read(cycles)), MOST, DT, tuple(before), memory[0], motion[0])
     q = turned(q, motion["angle"][0])
     true = swing.q[cycles + 1]
     assert abs((held.inverse * true).degrees) > 5.0
     assert abs((q.inverse * true).degrees) < bound_deg
     assert memory["push"][0] == 0.0 and np.array_equal(motion["rate"][0], swing.rate[cycles + 1])
+
+
+def test_a_bridged_rate_that_is_off_does_not_run_away():
+    """A capsule that swings fast, its unit far off the centre, bridged for three seconds from a rate that is
+    40 % off: without the bound the centripetal part makes it infinite.
+    """
+    body, memory, motion = hanging_body(), np.zeros(1, BRIDGE), np.zeros(1, MOTION)
+    motion["rate"] = (0.2, 7.0, -1.0)
+    for k in range(150):
+        gain = DT * np.array([-40.0, 6.0 * sin(5.0 * k * DT), 9.0 * cos(5.0 * k * DT)])
+        bridge(body[0], (-0.1, 0.6, 0.3), tuple(gain), MOST, DT, memory[0], motion[0])
+    assert np.all(np.abs(motion["rate"][0]) <= MOST)
 
 
 def turned(q, angle):

@@ -13,6 +13,8 @@ from edl6dof.fsw.navigation.strapdown import turn_by
 from edl6dof.fsw.onboard import CONFIGURATION
 
 H = 0.02
+#: Largest rate that is believed, rad/s: beyond all that is flown here.
+MOST = 12.0
 INERTIA = np.array([1148.0, 816.0, 866.0])
 NOTHING = np.zeros(3)
 LEVER = np.array([-0.1, 0.3, 0.03])
@@ -53,11 +55,11 @@ def error_after_gap(centre_error=NOTHING, air=lambda t: NOTHING, gap=1.0, begins
         before, was_known = motion["rate"].copy(), motion["rate_known"]
         motion["rate_known"] = int(not begins <= t < begins + gap)
         if not motion["rate_known"]:
-            bridge(known, tuple(LEVER), tuple(gain), H, bridging, motion)
+            bridge(known, tuple(LEVER), tuple(gain), MOST, H, bridging, motion)
         else:
             motion["angle"], motion["rate"] = angle, w1
             if not was_known and bridging["push"] > 0.0:
-                arrive(known, tuple(LEVER), tuple(gain), H, tuple(before), bridging, motion)
+                arrive(known, tuple(LEVER), tuple(gain), MOST, H, tuple(before), bridging, motion)
         true = np.array(turn_by(tuple(true), tuple(angle)))
         solution["q_I2B"] = turn_by(tuple(solution["q_I2B"]), tuple(motion["angle"]))
         look_back(known, tuple(LEVER), inertial, motion, memory, solution)

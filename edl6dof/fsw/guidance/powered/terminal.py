@@ -67,8 +67,8 @@ class TerminalParams(Params):
     )
     descent_sideways: Literal["thrusters", "tilt"] = param(
         "thrusters",
-        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the small "
-        "tilt of hover, for a vehicle without any",
+        "what stops lateral motion in slow descent: horizontal thrusters with the vehicle upright, or the "
+        "small tilt of hover, for a vehicle without any",
     )
     standing_force_s: float = param(
         1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0

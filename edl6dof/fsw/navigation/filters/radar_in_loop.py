@@ -2,9 +2,9 @@
 follow them, projected with the attitude of the inertial unit, which nothing corrects.
 
 The radar is compared with the inertial solution first.  It comes into the loop when both have agreed for a
-while; and when they have contradicted each other for long, too, as without it there is no landing.  The height
-is the mean of the slant ranges times the cosine of each beam to the believed vertical.  Nobody asks whether
-that can be: with an attitude that is upside down the cosine, and the height, is negative.
+while; and when they have contradicted each other for long, too, as without it there is no landing.  The
+height is the mean of the slant ranges times the cosine of each beam to the believed vertical.  Nobody asks
+whether that can be: with an attitude that is upside down the cosine, and the height, is negative.
 
 Source: the landing of Schiaparelli, T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA
 DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out, projection of the ranges.

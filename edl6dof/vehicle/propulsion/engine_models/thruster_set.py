@@ -2,8 +2,8 @@
 
 It gives no thrust of its own.  What it is commanded is asked of the axial thrusters together with the torque
 of attitude control, and shared out as pulses: longer on one side and shorter on the other turns the vehicle.
-Source: pulsed descent engines of Mars Polar Lander and Phoenix, Grover et al., "Overview of the Phoenix Entry,
-Descent, and Landing System Architecture", AIAA 2008-7218, from memory.
+Source: pulsed descent engines of Mars Polar Lander and Phoenix, Grover et al., "Overview of the Phoenix
+Entry, Descent, and Landing System Architecture", AIAA 2008-7218, from memory.
 """
 
 from __future__ import annotations
