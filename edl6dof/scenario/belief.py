@@ -62,8 +62,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     software = scenario.flight_software
     for name in FILLED:
         fill(record[name], getattr(software, name))
-    entry, shared = software.guidance.entry, record["guidance"]["entry"]
-    shared["heading"]["speed"], shared["bank_min"] = entry.heading_below_m_s, radians(entry.least_bank_deg)
+    record["guidance"]["entry"]["heading"]["speed"] = software.guidance.entry.heading_below_m_s
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     sensors = scenario.sensors_in_flight

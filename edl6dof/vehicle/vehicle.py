@@ -30,6 +30,9 @@ from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
+#: Share by which the thrust of an engine of thrusters may differ from theirs, which disperse.
+_AS_BELIEVED = 0.1
+
 
 def _or_daveml(schema: dict[str, Any]) -> None:
     """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it
@@ -138,7 +141,7 @@ class VehicleParams(Hardware):
         problems = {}
         for k in sets:
             full = self.engines[k].full_thrust_n
-            if abs(full - axial) > 0.01 * full:
+            if abs(full - axial) > _AS_BELIEVED * full:
                 problems[f"engines.{k}.full_thrust_n"] = (
                     f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
                 )
