@@ -1,6 +1,6 @@
 """Reference pages of the documentation, made from the program itself: parameters, telemetry, figures, commands.
 
-    python tools/docs_reference.py FOLDER       writes them there, to be looked at; the site makes them as it is built.
+python tools/docs_reference.py FOLDER       writes them there, to be looked at; the site makes them as it is built.
 """
 
 from __future__ import annotations
@@ -37,7 +37,11 @@ PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("flight_software", "Other flight software", ("flight_software",)),
     ("mission", "Mission, limits, published values", ("mission", "limits", "published")),
     ("faults", "Faults", ("faults",)),
-    ("campaign", "Campaigns, sweeps, fault matrices, calibration", ("campaign", "sweep", "fault_matrix", "calibration")),
+    (
+        "campaign",
+        "Campaigns, sweeps, fault matrices, calibration",
+        ("campaign", "sweep", "fault_matrix", "calibration"),
+    ),
     ("scenario", "Scenario", ("",)),
 )
 
@@ -118,9 +122,20 @@ def telemetry_page() -> str:
     for group, members in groupby(CHANNELS, key=lambda channel: channel.group):
         body = [(f"`{c.name}`", c.unit, c.meaning, "yes" if c.name in brief else "") for c in members]
         text.append(f"## `{group}`\n\n" + table(("column", "unit", "meaning", "brief"), body))
-    named = ("rcs.NAME", "fault.NAME", "valve.NAME", "range.NAME_m", "used.NAME_kg", "metered.NAME_kg", "expected.NAME_kg_s")
+    named = (
+        "rcs.NAME",
+        "fault.NAME",
+        "valve.NAME",
+        "range.NAME_m",
+        "used.NAME_kg",
+        "metered.NAME_kg",
+        "expected.NAME_kg_s",
+    )
     body = [(f"`{name}`", *describe(name)) for name in named]
-    text.append("## Of each thruster, radar beam and propellant branch\n\n" + table(("column", "unit", "meaning"), body))
+    text.append(
+        "## Of each thruster, radar beam and propellant branch\n\n"
+        + table(("column", "unit", "meaning"), body)
+    )
     return "\n\n".join(text) + "\n"
 
 
@@ -128,7 +143,10 @@ def figures_page() -> str:
     """Every figure of merit."""
     from edl6dof.metrics.figures import FIGURES
 
-    body = [(f"`{f.name}`", f.unit.label, f.meaning, f.source, f"`limits.{f.limit}`" if f.limit else "") for f in FIGURES]
+    body = [
+        (f"`{f.name}`", f.unit.label, f.meaning, f.source, f"`limits.{f.limit}`" if f.limit else "")
+        for f in FIGURES
+    ]
     return (
         "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's `cases.parquet`, and the "
         "names that `published` takes. A figure of an event that a mission does not have is not formed.\n\n"

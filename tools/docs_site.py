@@ -34,7 +34,9 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, path, content=text))
     for path, source in COPIES.items():
         content = (ROOT / source).read_bytes()
-        files.append(File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content))
+        files.append(
+            File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content)
+        )
     return files
 
 
