@@ -88,8 +88,11 @@ def diameter(vehicle: VehicleParams) -> float:
         return vehicle.appearance.diameter_m
     if aero.model == "capsule":
         return aero.capsule.diameter_m
-    sections = {"lift_drag": aero.lift_drag, "body": aero.body}
-    area = sections.get(aero.model, aero.constant).reference_area_m2
+    area = aero.constant.reference_area_m2
+    if aero.model == "lift_drag":
+        area = aero.lift_drag.reference_area_m2
+    elif aero.model == "body":
+        area = aero.body.reference_area_m2
     return 2.0 * sqrt(area / pi)
 
 
