@@ -2,8 +2,8 @@
 
     python tools/spin_step.py
 
-Stardust and Genesis enter 9 deg off the flow and nutating; every row of telemetry up to the drogue is compared
-with that of a flight at a quarter of the finest step shown.  The roll rate has no cause to change.
+Stardust and Genesis enter 9 deg off the flow and nutating; every row of telemetry up to the drogue is
+compared with that of a flight at a quarter of the finest step shown.  The roll rate has no cause to change.
 """
 
 from __future__ import annotations
@@ -37,7 +37,9 @@ def main() -> None:
         reference, _ = flown(name, REFERENCE_MS)
         fastest = float(np.hypot(reference[RATES[1]], reference[RATES[2]]).max())
         print(f"\n{name}: lateral rate up to {fastest:.1f} deg/s")
-        print("| step | total angle (deg) | lateral rate (deg/s) | roll rate (deg/s) | altitude (m) | CPU (s) |")
+        print(
+            "| step | total angle (deg) | lateral rate (deg/s) | roll rate (deg/s) | altitude (m) | CPU (s) |"
+        )
         print("|---:|---:|---:|---:|---:|---:|")
         for step in STEPS_MS:
             own, cpu = flown(name, step)

@@ -37,7 +37,10 @@ class Starts:
     """
 
     def __init__(
-        self, scenario: str | Path | LoadedScenario, overrides: Iterable[str] | Mapping[str, Any] = ()
+        self,
+        scenario: str | Path | LoadedScenario,
+        overrides: Iterable[str] | Mapping[str, Any] = (),
+        faults: Sequence[Mapping[str, Any]] = (),
     ):
         self._plan: Plan | None = None
         if isinstance(scenario, LoadedScenario):

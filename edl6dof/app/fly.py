@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,8 +14,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from edl6dof.api.blocked_imports import blocked_imports
 from edl6dof.api.flights import Flight, continued, fly
-from edl6dof.api.run_files import write_files
+from edl6dof.api.run_files import REPLAY, draw_replay, write_numbers
 from edl6dof.app.compiling import announce_compiling
+from edl6dof.app.replay_beside import artist_beside
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.jit import outside_sources
 from edl6dof.manifest import listed
@@ -66,9 +67,15 @@ def _fly_into(folder: Path, options: FlyOptions, loaded: LoadedScenario, state: 
     announce_compiling(talk)
     # a plugin's kernels may hold matrix products
     unused = () if outside_sources else UNUSED_BY_NUMBA
-    with _progress(talk) as report, blocked_imports(*unused):
-        flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report)
-    write_files(flight, folder, options.replay, release=True)
+    with artist_beside(loaded, folder / REPLAY) if options.replay else nullcontext() as artist:
+        log = None if artist is None else artist.log
+        with _progress(talk) as report, blocked_imports(*unused):
+            flight = fly(loaded, start=state, save_at_s=options.save_state_s, progress=report, log=log)
+        if artist is not None:
+            artist.draw(flight)
+        write_numbers(flight, folder)
+        if options.replay and not (artist is not None and artist.wait()):
+            draw_replay(flight, folder, release=True)
     return flight
 
 

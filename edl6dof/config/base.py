@@ -109,14 +109,8 @@ class Params(BaseModel):
     their unit are errors.
     """
 
-    # built when first used: most are parts of one that is, and are built with it
     model_config = ConfigDict(
-        extra="forbid",
-        strict=True,
-        frozen=True,
-        allow_inf_nan=False,
-        validate_default=True,
-        defer_build=True,
+        extra="forbid", strict=True, frozen=True, allow_inf_nan=False, validate_default=True
     )
 
     #: Keys of an older form, and the dotted path from the top of the scenario where each stands now.

@@ -55,11 +55,12 @@ def command_angles_and_engine(vehicle, goal, state, command):
 
 @kernel
 def commanded_thrust(vehicle, t, state, command):
-    """Thrust (N) that the engines are to give now, all together, but for that of thrusters."""
+    """Thrust (N) along the axis that the engines are to give now, all together, but for that of thrusters."""
     thrust = 0.0
     if t >= state.ignition_time:
         for i in range(vehicle.n_engines):
-            thrust += command.thrust[i] * (1.0 - vehicle.engines[i].by_thrusters)
+            engine = vehicle.engines[i]
+            thrust += command.thrust[i] * engine.axial * (1.0 - engine.by_thrusters)
     return thrust
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from edl6dof.config.units import G0
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_EVENTS, MAX_PARTS
-from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR
+from edl6dof.interface.events import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISON, LANDING_GEAR, is_done_to
 from edl6dof.jit import kernel
 from edl6dof.records import FLAG, whole
 
@@ -20,6 +20,8 @@ ENGINE_ABILITY = np.dtype(
         ("throttle_max", "f8"),  # N
         ("specific_impulse", "f8"),  # s, at full thrust
         ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
+        # share of an engine's thrust along -x of B, which the others count; 1 of those together
+        ("axial", "f8"),
     ],
     align=True,
 )
@@ -76,11 +78,12 @@ def follow_events(vehicle, mission, t, request, state):
         elif event.action == EXTEND and event.thing != LANDING_GEAR:
             state.wing_commanded = 1
             state.wing_time = t
-        elif event.action == IGNITE:
-            state.burning[event.thing] = 1
-            state.ignition_time = t + event.delay
-        elif event.action == CUT_OFF:
-            state.burning[event.thing] = 0
+        elif event.action == IGNITE or event.action == CUT_OFF:
+            for k in range(vehicle.n_engines):
+                if is_done_to(event, k):
+                    state.burning[k] = 1 if event.action == IGNITE else 0
+            if event.action == IGNITE:
+                state.ignition_time = t + event.delay
     take_together(vehicle.engines, vehicle.n_engines, state)
 
 
@@ -104,15 +107,17 @@ def take_together(engines, count, state):
     state.engine.throttle_min, state.engine.throttle_max = left * low, left * high
     state.engine.specific_impulse = full / flow if full > 0.0 else 0.0
     state.engine.by_thrusters = by_thrusters / full if full > 0.0 else 0.0
+    state.engine.axial = 1.0
 
 
 @kernel
 def share_thrust(vehicle, thrust, state, command):
-    """Command each engine that burns its share of the thrust (N), in proportion to what it can give.
+    """Command each engine that burns its share of the thrust (N), in proportion to what it can give; one that
+    points aside gives more than it brings.
 
     Args:
         vehicle: believed vehicle.
-        thrust: of all together, N.
+        thrust: of all together along the axis, N.
         state: ``VEHICLE_STATE`` record.
         command: thrust of each engine, N, written.
     """
@@ -120,7 +125,7 @@ def share_thrust(vehicle, thrust, state, command):
         full = vehicle.engines[i].full_thrust
         command[i] = 0.0
         if state.burning[i] != 0:
-            command[i] = min(thrust * (full / state.engine.full_thrust), full)
+            command[i] = min(thrust * (full / state.engine.full_thrust), full) / vehicle.engines[i].axial
 
 
 @kernel

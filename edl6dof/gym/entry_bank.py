@@ -11,7 +11,6 @@ from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import LIFT
 from edl6dof.gym.task import Feature, Task, Verdict, guide, nav
-from edl6dof.sim.fleet import Fleet
 
 #: Miss of the aim point at the mortar that counts as done, m.
 NEAR_M = 10_000.0

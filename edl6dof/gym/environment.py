@@ -21,7 +21,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         pool: dispersed flights that episodes begin from; each is flown once, when it is first drawn.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012
+    metadata: dict[str, Any] = {"render_modes": []}
 
     def __init__(self, task: str, pool: int = 64, render_mode: str | None = None):
         self.render_mode = render_mode

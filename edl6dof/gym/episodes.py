@@ -43,9 +43,13 @@ class Episodes:
     def begin(self, which: Iterable[int], generators: list[np.random.Generator]) -> None:
         """Let some episodes begin anew, each with a flight that its own generator draws."""
         for index in which:
-            self.fleet.put(index, self._starts[int(generators[index].integers(len(self._starts)))])
-            self._steps[index] = 0
-            self.task.begin(index)
+            self.begin_with(index, int(generators[index].integers(len(self._starts))))
+
+    def begin_with(self, index: int, number: int) -> None:
+        """Let an episode begin anew, with the dispersed flight of a number below that of the pool."""
+        self.fleet.put(index, self._starts[number])
+        self._steps[index] = 0
+        self.task.begin(index)
 
     def observe(self) -> np.ndarray:
         """What the flight computers know, shape (flights, size)."""

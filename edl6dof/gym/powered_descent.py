@@ -6,11 +6,10 @@ import numpy as np
 from gymnasium import spaces
 
 from edl6dof.fsw.mission.roles import POWERED_DECELERATION
+from edl6dof.gym.landing import landed_well
 from edl6dof.gym.task import Feature, Task, Verdict, nav
-from edl6dof.metrics.touchdown import touchdown_state
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
-from edl6dof.sim.outcome import LANDED
 
 #: Acceleration beyond weight that an action of 1 asks for, m/s2.
 ACCELERATION = 5.0
@@ -87,19 +86,9 @@ class PoweredDescent(Task):
         """Over when the flight ends."""
         before, self._left = self._left, _left(self.fleet)
         over = self.ended()
-        success = np.zeros(len(self.fleet), bool)
-        for index in np.flatnonzero(over):
-            success[index] = self.fleet.outcomes[index] == LANDED and self._softly(index)
+        success = landed_well(self.fleet, self.loaded.scenario.limits)
         reward = before - self._left + np.where(over, np.where(success, 1.0, -1.0), 0.0)
         return Verdict(reward, over, success)
-
-    def _softly(self, index: int) -> bool:
-        limits, one = self.loaded.scenario.limits, slice(index, index + 1)
-        figures = touchdown_state(self.fleet.cases[one], self.fleet.plants[one])
-        return all(
-            figures.get(f"touchdown_{name}", np.inf) <= getattr(limits, f"touchdown_{name}")
-            for name in ("vertical_m_s", "horizontal_m_s", "tilt_deg", "rate_deg_s")
-        )
 
 
 def _mass_and_weight(fleet: Fleet) -> tuple[np.ndarray, np.ndarray]:

@@ -47,10 +47,11 @@ class StartPool:
             ConfigError: no flight comes so far, or they are of several worlds.
         """
         for seed in range(number, number + _PATIENCE * self._size, self._size):
-            loaded, parts = self._flights.of(seed)
+            variant = self._flights.of(seed)
+            parts = variant.parts
             if parts.tables is not self._flights.base.records.tables:
                 raise refusal(self._task.scenario, "disperses the tables of the world, which a fleet shares")
-            flight = SteppedFlight(loaded, parts, telemetry=False)
+            flight = SteppedFlight(variant.loaded, parts, telemetry=False)
             if self._comes(flight):
                 return Start.of(parts, flight.underway.moment())
         raise refusal(self._task.scenario, f"none of {_PATIENCE} flights came to the phase {self._task.role}")

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from gymnasium import spaces
 
-from edl6dof.fsw.mission.roles import LIFT
+from edl6dof.fsw.mission.roles import LIFT, POWERED_DECELERATION
 from edl6dof.gym.task import Feature, Task, Verdict
 from edl6dof.scenario.loading import LoadedScenario
 from edl6dof.sim.fleet import Fleet
 
-#: When a bank reversal is under way, s after the beginning of lift control, and when the thruster has failed.
-_BEGINS_S, _FAILS_S = 50.0, 45.0
-#: Thrusters that turn the vehicle in it.
+#: When the thruster fails, s after the beginning of the phase.
+_FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
+#: Thrusters that turn the vehicle.
 FAILING = ("D1", "D2", "D3", "D4", "D5", "D6", "D7", "D8")
-_FAULTS = tuple(
-    {"thruster": name, "kind": "stuck_off", "at": {"phase": "lift", "plus_s": _FAILS_S}} for name in FAILING
-)
 _THRUSTERS = 22
+
+
+def _one_dead(phase: str, names: Sequence[str]) -> tuple[dict[str, Any], ...]:
+    """Faults of which one happens."""
+    at = {"phase": phase, "plus_s": _FAILS_S[phase]}
+    return tuple({"thruster": name, "kind": "stuck_off", "at": at} for name in names)
+
 
 _ATTITUDE = (
     Feature("attitude_error", 0.5, lambda memories: memories["demand"]["attitude_error"], 3),
@@ -27,10 +34,7 @@ _ATTITUDE = (
 
 
 class _ThrusterFault(Task):
-    """One of the horizontal thrusters is dead, and nobody has said which."""
-
-    faults = _FAULTS
-    role, later_s = LIFT, _BEGINS_S
+    """One of the thrusters is dead, and nobody has said which."""
 
     def __init__(self, loaded: LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
@@ -39,14 +43,17 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Action: duty of each thruster.  Reward: 0.01 less a hundredth of error and rate in each step, -1 where
-    attitude is lost; done where the vehicle is where it should be after 40 s.
+    """Action: duty of each thruster, from the release of the backshell on.  Reward: a hundredth less a
+    hundredth of error (rad) and rate (rad/s) in each step, -1 where attitude is lost; done where the thrust
+    axis is where guidance wants it after 30 s.
     """
 
-    title = "attitude by single thrusters, one of which is dead"
+    title = "attitude of powered descent by single thrusters, one of which is dead"
+    faults = _one_dead(POWERED_DECELERATION, FAILING)
+    role = POWERED_DECELERATION
     interval_s, longest_s = 0.04, 60.0
     #: s after which it is over; rad and rad/s within which it is done; rad beyond which attitude is lost.
-    ends_s, error, rate, lost = 40.0, 0.15, 0.12, 3.2
+    ends_s, error, rate, lost = 30.0, 0.1, 0.05, 1.0
     features = (
         *_ATTITUDE,
         Feature("disturbance_torque", 200.0, lambda memories: memories["disturbance"]["torque"], 3),
@@ -76,10 +83,10 @@ class DeadThruster(_ThrusterFault):
         self._began[index] = self.fleet.plants["t"][index]
 
     def judge(self) -> Verdict:
-        """Over after 40 s, or when attitude is lost."""
+        """Over after 30 s, or when attitude is lost."""
         memories = self.fleet.memories
         error = np.linalg.norm(memories["demand"]["attitude_error"], axis=1)
-        rate = np.linalg.norm(memories["nav"]["w_B"][:, 1:], axis=1)
+        rate = np.linalg.norm(memories["nav"]["w_B"], axis=1)
         lost = self.ended() | (error > self.lost)
         done = self.fleet.plants["t"] - self._began >= self.ends_s - 1e-6
         success = done & ~lost & (error < self.error) & (rate < self.rate)
@@ -89,14 +96,19 @@ class DeadThruster(_ThrusterFault):
 
 class FaultDiagnosis(_ThrusterFault):
     """Action: 0 to wait, or the number of a thruster to take out of use, which ends the episode.  Reward: 1
-    less a hundredth for each second if it is the one that failed, -1 if not or if none is named.
+    less a twentieth for each second if it is the one that failed, but a tenth at least; -1 if not.
+
+    A bank reversal, which uses the thrusters, comes some seconds after the beginning.  Fault isolation of the
+    flight software is at work, too; the duties show what it has taken out of use.
     """
 
     title = "which thruster is dead"
+    faults = _one_dead(LIFT, FAILING)
+    role, later_s = LIFT, 50.0
     interval_s, longest_s = 0.2, 60.0
     features = (
         *_ATTITUDE,
-        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"], 6),
+        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"][:, 1:], 5),
         Feature("imu_rates", 0.2, lambda memories: memories["nav"]["imu_rate_B"], 3),
     )
 
@@ -126,7 +138,7 @@ class FaultDiagnosis(_ThrusterFault):
 
     def begin(self, index: int) -> None:
         """See which thruster fails."""
-        self._failed[index] = 1 + self.fleet.cases["faults"]["thruster"][index, 0]
+        self._failed[index] = 1 + self.fleet.cases["faults"]["slots"]["component"][index, 0]
         self._waited[index] = 0.0
 
     def judge(self) -> Verdict:
@@ -135,5 +147,5 @@ class FaultDiagnosis(_ThrusterFault):
         right = self._named == self._failed
         over = (self._named > 0) | self.ended()
         success = over & right
-        reward = np.where(success, 1.0 - 0.01 * self._waited, np.where(over, -1.0, 0.0))
+        reward = np.where(success, np.maximum(1.0 - 0.05 * self._waited, 0.1), np.where(over, -1.0, 0.0))
         return Verdict(reward, over, success)

@@ -83,9 +83,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         self._episodes.begin(np.flatnonzero(which), self._generators)
         self._ended[which] = False
 
-    def step(
-        self, actions: Any
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Take one action each."""
         begins = self._ended
         if self._mode is AutoresetMode.DISABLED and begins.any():

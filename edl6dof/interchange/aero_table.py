@@ -16,7 +16,7 @@ import numpy as np
 
 _AXES = ("mach", "alpha_deg", "beta_deg")
 _COEFFICIENTS = ("CD", "CL", "CA", "CN", "Cm", "CY", "Cl", "Cn")
-_KNOWN = {name.lower() if name in _AXES else name: name for name in (*_AXES, *_COEFFICIENTS)}
+_KNOWN = {name: name for name in (*_AXES, *_COEFFICIENTS)} | {"alpha": "alpha_deg", "beta": "beta_deg"}
 
 
 class AeroColumns(NamedTuple):

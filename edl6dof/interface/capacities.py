@@ -9,7 +9,7 @@ MAX_BRANCHES = MAX_THRUSTERS
 #: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
 MAX_PARTS = 8
 #: Engines, and deployable surfaces, of a vehicle.
-MAX_ENGINES = 4
+MAX_ENGINES = 8
 MAX_SURFACES = 4
 #: Propellant tanks of a vehicle.
 MAX_TANKS = 4

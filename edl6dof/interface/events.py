@@ -6,11 +6,13 @@ what is done, to which thing, and how long it takes from the command.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal, get_args
 
 import numpy as np
 
 from edl6dof.interface.capacities import MAX_EVENTS
+from edl6dof.jit import kernel
 
 #: What an event does; records carry the index.  Jettison a part; deploy or release a parachute; extend a
 #: surface or the landing gear; ignite or cut off an engine.
@@ -24,7 +26,9 @@ LANDING_GEAR = -1
 EVENT = np.dtype(
     [
         ("action", "i8"),  # index in ACTIONS
-        ("thing", "i8"),  # index of the part, parachute, surface or engine in its list; LANDING_GEAR
+        # index of the part, parachute, surface or engine in its list; LANDING_GEAR; of a group of engines
+        # less than zero: its size is a bit for each
+        ("thing", "i8"),
         ("delay", "f8"),  # s, from the command to what is done
     ],
     align=True,
@@ -36,3 +40,16 @@ EVENT_TABLE = np.dtype(
     ],
     align=True,
 )
+
+
+def group_of(indices: Iterable[int]) -> int:
+    """The thing of an event that is done to several engines."""
+    return -sum(1 << index for index in indices)
+
+
+@kernel
+def is_done_to(event, engine):
+    """Whether an event that ignites or cuts off does it to an ``engine``, alone or in a group."""
+    if event.thing >= 0:
+        return event.thing == engine
+    return (-event.thing >> engine) & 1 != 0

@@ -36,8 +36,8 @@ class PublishedFigure(Params):
     sigma: float | None = param(
         None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
     )
-    because: str = param(
-        "", "why flights of this model differ from it, where they do; validate tells it", record=False
+    because: str | None = param(
+        None, "why flights of this model differ from it, where they do; validate tells it", record=False
     )
 
     @model_validator(mode="after")
@@ -105,8 +105,8 @@ class PublishedFigure(Params):
         return own >= self.at_least if self.at_least is not None else None
 
 
-#: An entry of ``published``, by the name of the figure.
-Published = Mapping[str, float | PublishedFigure]
+#: An entry of ``published``, by the name of the figure; ``None`` takes back what an extended scenario says.
+Published = Mapping[str, float | PublishedFigure | None]
 
 
 class Beside(NamedTuple):
@@ -124,6 +124,7 @@ def published_figures(entries: Published) -> list[Beside]:
             entry if isinstance(entry, PublishedFigure) else PublishedFigure(value=entry),
         )
         for name, entry in entries.items()
+        if entry is not None
     ]
 
 

@@ -65,7 +65,13 @@ def _is_mission(name: str) -> bool:
     path = find_shipped("scenarios", name)
     if path is None or CAMPAIGN not in parse_document(path.read_text(encoding="utf-8"), name).data:
         return False
-    return bool(read_document(path).data.get(PUBLISHED))
+    return _says(read_document(path), PUBLISHED)
+
+
+def _says(document: Document, section: str) -> bool:
+    """Whether a section is there and says something: what is published may have been taken back."""
+    value = document.data.get(section)
+    return any(one is not None for one in value.values()) if isinstance(value, dict) else bool(value)
 
 
 def load_mission(name: str, flights: int | None = None) -> Mission:
@@ -79,7 +85,7 @@ def load_mission(name: str, flights: int | None = None) -> Mission:
         ConfigError: every problem, with file and line; nothing is published in it, or nothing dispersed.
     """
     document = read_document(resolve_scenario(name))
-    missing = [key for key in (PUBLISHED, CAMPAIGN) if not document.data.get(key)]
+    missing = [key for key in (PUBLISHED, CAMPAIGN) if not _says(document, key)]
     if missing:
         known = ", ".join(shipped_missions())
         words = f"is no mission: it has no {' and no '.join(f'{key}:' for key in missing)} section"

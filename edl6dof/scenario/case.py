@@ -15,10 +15,10 @@ from edl6dof.environment.layout import extended
 from edl6dof.environment.planet import PLANET, fill_planet
 from edl6dof.environment.terrain import TERRAIN, fill_terrain
 from edl6dof.environment.wind import WIND, fill_wind
-from edl6dof.interface.capacities import MAX_PARACHUTES, MAX_SURFACES
+from edl6dof.interface.capacities import MAX_EVENTS, MAX_PARACHUTES, MAX_SURFACES
 from edl6dof.interface.events import EVENT_TABLE
 from edl6dof.interface.thrusters import BRANCHES
-from edl6dof.records import offset
+from edl6dof.records import FLAG, offset
 from edl6dof.scenario.events import event_number, fill_events
 from edl6dof.scenario.initial import InitialState
 from edl6dof.scenario.schema import LimitParams, Scenario, SimulationParams
@@ -50,7 +50,7 @@ CASE = np.dtype(
         ("carrier", "i8", (MAX_SURFACES,)),  # part that each surface goes with; -1: it stays
         ("events", EVENT_TABLE),
         ("dynamics", "i8"),
-        ("ends_at_deployment", "i8"),
+        ("ends_with", FLAG, (MAX_EVENTS,)),  # events with which the flight ends
         ("point_mass", dtype_of(PointMassParams)),
         ("initial", extended(InitialState, altitude="f8")),
         ("simulation", dtype_of(SimulationParams)),
@@ -142,7 +142,8 @@ def _fill_vehicle(case: np.void, s: Scenario, tables: np.void) -> None:
 def _fill_goal(case: np.void, s: Scenario, tables: np.void) -> None:
     fill(case["limits"], s.limits)
     case["dynamics"] = DYNAMICS.index(s.dynamics)
-    case["ends_at_deployment"] = s.mission.goal == "deployment"
+    last = s.mission.last_events
+    case["ends_with"][: len(s.mission.events)] = [name in last for name in s.mission.events]
     if s.mission.goal == "time":
         case["limits"]["skip_out"] = np.inf  # a flight that need not land may climb
 
@@ -173,7 +174,5 @@ CASE_PARTS = (
     ),
     CasePart(("events",), frozenset({"mission", "vehicle"}), _fill_events),
     CasePart(("faults",), frozenset({"faults", "vehicle", "sensors", "mission"}), _fill_faults),
-    CasePart(
-        ("limits", "dynamics", "ends_at_deployment"), frozenset({"limits", "dynamics", "mission"}), _fill_goal
-    ),
+    CasePart(("limits", "dynamics", "ends_with"), frozenset({"limits", "dynamics", "mission"}), _fill_goal),
 )

@@ -64,7 +64,8 @@ def _lag_problems(scenario: Scenario) -> dict[str, str]:
     step = scenario.simulation.step_s
     found = {}
     for engine in scenario.vehicle.engines:
-        lag = {"throttled": engine.throttled.lag_s, "pulsed": engine.pulsed.lag_s}.get(engine.model, step)
+        lags = {"throttled": engine.throttled, "pulsed": engine.pulsed, "solid": engine.solid}
+        lag = lags[engine.model].lag_s if engine.model in lags else step
         if step > (1.0 + 1e-9) * lag:
             own = f"vehicle.engines.{engine.name}.{engine.model}.lag_s"
             found["simulation.step_s"] = f"must not exceed {own} = {lag:g} s (got {step:g})"
@@ -168,6 +169,16 @@ def _alignment_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _last_event_problems(scenario: Scenario) -> dict[str, str]:
+    """The event with which the flight ends is one of the mission, and named where it does."""
+    mission = scenario.mission
+    last, known = mission.goal_event, ", ".join(mission.events) or "none"
+    if last in mission.events or last is None and mission.goal != "event":
+        return {}
+    named = "name the event" if last is None else f"no event named {last!r}"
+    return {"mission.goal_event": f"{named} with which the flight ends; names: {known}"}
+
+
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
     if scenario.dynamics == "six_dof" or scenario.mission.goal != "landing":
         return {}
@@ -204,6 +215,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
     CrossCheck(frozenset({"vehicle", "flight_software"}), _thruster_set_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
+    CrossCheck(frozenset({"mission"}), _last_event_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), lambda s: quantity_problems(s.mission)),
     CrossCheck(frozenset({"mission"}), _heed_problems),

@@ -11,7 +11,7 @@ import numpy as np
 from edl6dof.config.dtype import fill
 from edl6dof.fsw.mission.phases import Condition, Event, MissionParams, Phase, Trigger, WayOut
 from edl6dof.interface.capacities import MAX_EVENTS, MAX_WAYS
-from edl6dof.interface.events import ACTIONS, LANDING_GEAR
+from edl6dof.interface.events import ACTIONS, LANDING_GEAR, group_of
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Quantities that guidance works out, and which guidance does; of others navigation always tells.
@@ -32,7 +32,10 @@ def things(vehicle: VehicleParams, action: str) -> dict[str, int]:
     if action == "extend":
         surfaces = {surface.name: index for index, surface in enumerate(vehicle.surfaces)}
         return surfaces | {"landing_gear": LANDING_GEAR}
-    return {engine.name: index for index, engine in enumerate(vehicle.engines)}
+    found = {engine.name: index for index, engine in enumerate(vehicle.engines)}
+    for group, members in vehicle.engine_groups.items():
+        found[group] = group_of(found[name] for name in members)
+    return found
 
 
 def event_number(mission: MissionParams, name: str | None) -> int:

@@ -79,12 +79,16 @@ def try_out() -> None:
     """Run every kernel of every active plugin once, on records of zeros.
 
     Raises:
-        ConfigError: a kernel does not compile, fails, or returns something else than its family wants.
+        ConfigError: kernels that do not compile, fail, or return something else than their family wants.
     """
-    for path, (key, member) in plugins.ACTIVE.items():
-        for role, arguments in plugins.FAMILIES[key].roles.items():
-            if complaint := _complaint(key, member, role, arguments):
-                raise ConfigError([Problem(shown(path), 0, 0, role, complaint)])
+    complaints = [
+        Problem(shown(path), 0, 0, role, complaint)
+        for path, (key, member) in plugins.ACTIVE.items()
+        for role, arguments in plugins.FAMILIES[key].roles.items()
+        if (complaint := _complaint(key, member, role, arguments))
+    ]
+    if complaints:
+        raise ConfigError(complaints)
 
 
 def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:

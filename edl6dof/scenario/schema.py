@@ -107,7 +107,10 @@ class LimitParams(Params):
         300.0, "body rate beyond which attitude is lost (gyro range)", status="published", source="S1", gt=0.0
     )
     powered_tilt_deg: float = param(
-        90.0, "tilt from the vertical with an engine burning beyond which attitude is lost", gt=0.0, le=180.0
+        90.0,
+        "tilt of -x of B from the vertical while an engine is on beyond which attitude is lost",
+        gt=0.0,
+        le=180.0,
     )
     total_alpha_deg: float = param(
         60.0, "total angle of attack in the flow beyond which attitude is lost", status="estimate", gt=0.0
@@ -162,9 +165,12 @@ class Scenario(Params):
         record=False,
         factory=dict,
     )
-    published: dict[str, float | PublishedFigure] = param(
+    published: dict[str, float | PublishedFigure | None] = param(
         None,
-        "figures of the real flight, shown beside this one's: a flown value, or what is required",
+        (
+            "figures of the real flight, shown beside this one's: a flown value, or what is required; null "
+            "takes back that of an extended scenario"
+        ),
         status="published",
         record=False,
         factory=dict,

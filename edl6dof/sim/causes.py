@@ -142,7 +142,7 @@ def _empty_tanks(flight: Flight) -> list[Consequence]:
 
 def _cut_off(flight: Flight) -> list[Consequence]:
     """The first cut-off above the ground."""
-    names = [engine.name for engine in flight.scenario.vehicle.engines]
+    names = _engines(flight)
     t, met = _done(flight, ("cut_off",), names), float(flight.plant["touchdown_time"][0])
     if not isfinite(t) or t >= met:
         return []
@@ -151,13 +151,19 @@ def _cut_off(flight: Flight) -> list[Consequence]:
     return [Consequence(t, words.format(""), words.format(f"{height:.1f} m ") + f" at {t:.1f} s")]
 
 
+def _engines(flight: Flight) -> list[str]:
+    """Names of engines, and of groups of them."""
+    vehicle = flight.scenario.vehicle
+    return [*(engine.name for engine in vehicle.engines), *vehicle.engine_groups]
+
+
 def _left_undone(flight: Flight) -> list[Consequence]:
     """What a mission that crashed has not done of what it was to do."""
     met, vehicle = float(flight.plant["touchdown_time"][0]), flight.scenario.vehicle
     planned = {(event.action, event.thing) for event in flight.scenario.mission.events.values()}
     wanted = (
         ("deploy", [chute.name for chute in vehicle.parachutes], "no parachute deployed"),
-        ("ignite", [engine.name for engine in vehicle.engines], "no engine lit"),
+        ("ignite", _engines(flight), "no engine lit"),
     )
     return [
         Consequence(met, words, words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from math import acos, isfinite, sqrt
 
-from edl6dof.interface.events import DEPLOY
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import clamp, norm, take3
 from edl6dof.vehicle.motion.body import tilt
@@ -20,9 +19,11 @@ OUTCOMES = (
     "skipped out",
     "not finite",
     "time limit",
-    "deployed",
+    "at its last event",
 )
-FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT, DEPLOYED = range(9)
+FLYING, LANDED, CRASHED, TIPPED_OVER, LOST_ATTITUDE, SKIPPED_OUT, NOT_FINITE, TIME_LIMIT, LAST_EVENT = range(
+    9
+)
 
 #: Dynamic pressure (Pa) below which the angle of attack says nothing about control.
 THIN_AIR = 50.0
@@ -36,10 +37,10 @@ def contact_speed(spin, y):
 
 
 @kernel
-def deployed(case, plant):
-    """Whether a parachute has been deployed."""
-    for i in range(case.events.n_events):
-        if case.events.events[i].action == DEPLOY and isfinite(plant.done[i]):
+def at_last_event(case, plant):
+    """Whether an event is done with which the flight ends."""
+    for i in range(case.events.n_events):  # noqa: SIM110  numba compiles no generators
+        if case.ends_with[i] != 0 and isfinite(plant.done[i]):
             return True
     return False
 
@@ -58,8 +59,8 @@ def outcome_of(case, plant, outputs):
     """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
     limits, out, y = case.limits, outputs, plant.y
     t = plant.t
-    if case.ends_at_deployment != 0 and deployed(case, plant):
-        return DEPLOYED
+    if at_last_event(case, plant):
+        return LAST_EVENT
     if plant.touched != 0:
         if plant.legs == 0 or contact_speed(case.planet.rotation_rate, plant.touchdown) > limits.crash_speed:
             return CRASHED

@@ -8,16 +8,20 @@ from dataclasses import dataclass
 from math import hypot
 from typing import TYPE_CHECKING
 
+from edl6dof.config.base import stated
 from edl6dof.sim.causes import reasons
-from edl6dof.sim.outcome import CRASHED, DEPLOYED, LANDED, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
+from edl6dof.sim.outcome import CRASHED, LANDED, LAST_EVENT, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
+from edl6dof.telemetry.timeline import in_words
 
 if TYPE_CHECKING:
     from edl6dof.sim.flight import Flight
 
-#: Goal of the mission: outcome that reaches it, its words, and what follows them when all limits are kept.
+#: Goal of the mission: outcome that reaches it, its words (those of the event itself where none stand here),
+#: and what follows them when all limits are kept.
 _GOALS = {
     "landing": (LANDED, "landed", " within limits"),
-    "deployment": (DEPLOYED, "deployed", " within limits"),
+    "deployment": (LAST_EVENT, "deployed", " within limits"),
+    "event": (LAST_EVENT, "", " within limits"),
     "time": (TIME_LIMIT, "flown to the time limit", ""),
 }
 
@@ -46,7 +50,10 @@ def goal_code(goal: str) -> int:
 
 def termination(flight: Flight) -> Termination:
     """How ``flight`` ended."""
-    reached, words, within = _GOALS[flight.scenario.mission.goal]
+    mission = flight.scenario.mission
+    reached, words, within = _GOALS[mission.goal]
+    if mission.goal == "event":
+        words = in_words(mission.events[stated(mission.goal_event)])
     missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
         return Termination(True, True, words + within, "")

@@ -33,24 +33,25 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
     """
     if not len(values):
         return np.empty(0, int)
-    finite = np.where(np.isfinite(values), values, np.nan)
-    gap = np.isnan(finite.min(axis=1, initial=np.inf))
+    columns = np.ascontiguousarray(values.T)  # numpy is quick along the rows of an array
+    finite = np.where(np.isfinite(columns), columns, np.nan)
+    gap: np.ndarray = np.logical_or.reduce(np.isnan(finite), axis=0)
     low, high = (np.where(np.isnan(finite), far, finite) for far in (np.inf, -np.inf))
-    near = np.maximum(high.max(axis=0) - low.min(axis=0), 0.0) * SHARE / HALVINGS
+    near = np.maximum(high.max(axis=1) - low.min(axis=1), 0.0)[:, None] * SHARE / HALVINGS
     kept = ~gap
     kept[1:] |= ~gap[:-1]
     kept[:-1] |= ~gap[1:]
     kept[[0, -1]] = True
     for _ in range(HALVINGS):
         rows = np.flatnonzero(kept)
-        before, middle, after = (rows[first : len(rows) - 2 + first : 2] for first in (0, 1, 2))
-        share = ((along[middle] - along[before]) / (along[after] - along[before]))[:, None]
-        line = finite[before] + share * (finite[after] - finite[before])
-        straight = np.all(np.abs(finite[middle] - line) <= near, axis=1)
+        x, y = along[rows], finite[:, rows]
+        share = (x[1:-1:2] - x[:-2:2]) / (x[2::2] - x[:-2:2])
+        line = y[:, :-2:2] + share * (y[:, 2::2] - y[:, :-2:2])
+        straight = np.all(np.abs(y[:, 1:-1:2] - line) <= near, axis=0)
         if not straight.any():
             break
-        kept[middle[straight]] = False
-    kept[low.argmin(axis=0)] = kept[high.argmax(axis=0)] = True
+        kept[rows[1:-1:2][straight]] = False
+    kept[low.argmin(axis=1)] = kept[high.argmax(axis=1)] = True
     return np.flatnonzero(kept)
 
 

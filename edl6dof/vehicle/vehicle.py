@@ -125,6 +125,8 @@ class VehicleParams(Hardware):
             elif high > engine.full_thrust_n:
                 words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
                 problems[f"engines.{k}.throttle_max_n"] = words
+            if engine.group in [other.name for other in self.engines]:
+                problems[f"engines.{k}.group"] = f"must not be the name of an engine (got {engine.group!r})"
         problems |= self._thruster_set_problems()
         if problems:
             raise Inconsistent(problems)
@@ -158,6 +160,15 @@ class VehicleParams(Hardware):
             for k, name in enumerate(drawn)
             if name not in names
         }
+
+    @property
+    def engine_groups(self) -> dict[str, list[str]]:
+        """Names of the engines that events light and cut off together, by the name of their group."""
+        found: dict[str, list[str]] = {}
+        for engine in self.engines:
+            if engine.group is not None:
+                found.setdefault(engine.group, []).append(engine.name)
+        return found
 
     def showing(self, shape: str) -> Part | None:
         """The first part that shows ``shape`` to the air."""

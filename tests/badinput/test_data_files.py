@@ -55,8 +55,8 @@ BROKEN = {
     ),
     "atmosphere fine steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "0.001,1.4"), "at most 512 fit"),
     "atmosphere absurd steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "1e-300,1.4"), ""),
-    "aero empty": ("aero", "", "not a complete table"),
-    "aero text": ("aero", AERO.replace("1.5", "1.5x"), "could not convert string to float: '1.5x'"),
+    "aero empty": ("aero", "", "is empty"),
+    "aero text": ("aero", AERO.replace("1.5", "1.5x"), ":2: CD must be a number (got '1.5x')"),
     "aero gap": ("aero", AERO.rsplit("\n", 2)[0] + "\n", "not a complete Mach x alpha table"),
     "aero short row": ("aero", AERO + "7.0,0\n", ""),
     "aero fraction of a degree": ("aero", AERO.replace(",2,", ",2.5,"), "alpha must be whole degrees"),
@@ -118,7 +118,8 @@ def test_no_such_file(kind, what, tmp_path):
 def test_table_that_does_not_fit_with_the_damping_is_refused_at_the_capsule(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text(
-        "".join(
+        "mach,alpha_deg,CD,CL,Cm\n"
+        + "".join(
             f"{0.5 + 0.1003 * m},{a},1.5,{-0.01 * a},{-0.002 * a}\n" for m in range(60) for a in (0, 2, 4)
         )
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import END, synthetic_flight
+from made_up import END
 
 from edl6dof.app.exit_status import UNAVAILABLE
 from edl6dof.app.replay import FilmOptions, ReplayOptions, run_replay
@@ -17,19 +17,11 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.replay import film, viewer
 from edl6dof.replay.film import Cut, NoFilm
 from edl6dof.replay.program import NoViewer
-from edl6dof.replay.recording import history, write_replay
 
 #: A program that keeps what it reads in the file named last, as ffmpeg does.
 KEEPS = "import sys; open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())"
 #: One that writes a part of its file, complains and ends.
 FAILS = "import sys; open(sys.argv[-1], 'wb').write(b'part'); sys.exit('Unknown encoder')"
-
-
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("film") / "replay.rrd"
-    write_replay([history(synthetic_flight())], path)
-    return path
 
 
 @pytest.fixture

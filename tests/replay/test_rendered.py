@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from live_page import opened, settled
-from made_up import synthetic_flight
 from PIL import Image
 
 from edl6dof.replay import page as html
 from edl6dof.replay.program import NoViewer
-from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.viewer import screenshot
 
 SIZE = (1280, 800)
-
-
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("rendered") / "replay.rrd"
-    write_replay([history(synthetic_flight())], path)
-    return path
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,8 @@ from pathlib import Path
 
 import pytest
 from live_page import opened, wait_until_it_plays
-from made_up import synthetic_flight
 
 from edl6dof.replay.page import page
-from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.server import PageServer
 
 ROOT = Path(__file__).parents[2]
@@ -94,13 +92,6 @@ def test_a_client_that_hangs_up_is_no_error(server, capfd):
         client.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port_of(server)}\r\n".encode())
     assert ask(port_of(server))[0] == 200
     assert capfd.readouterr().err == ""
-
-
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("served") / "replay.rrd"
-    write_replay([history(synthetic_flight())], path)
-    return path
 
 
 @contextmanager

@@ -130,10 +130,10 @@ def test_failed_thruster_is_red_from_the_failure_on_and_named_when_diagnosed(rep
 
 
 def test_arrows_end_when_their_force_does(flight, replay):
-    times, columns = read(replay, "/site/arrows/thrust")
+    times, columns = read(replay, "/site/near/arrows/thrust")
     shown = np.array([len(cell or []) for cell in columns["Arrows3D:vectors"]])
     assert times[0] > SHELL - 0.1 and np.all(shown == 1)
-    times, columns = read(replay, "/site/arrows/lift")
+    times, columns = read(replay, "/site/near/arrows/lift")
     lengths = [len(cell or []) for cell in columns["Arrows3D:vectors"]]
     assert lengths[-1] == 0 and times[-1] == pytest.approx(6.0, abs=0.2), "none under the parachute"
     force = np.stack([flight.telemetry[f"truth.aero_force_{axis}_n"] for axis in "xyz"], axis=-1)

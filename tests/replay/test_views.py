@@ -31,13 +31,12 @@ def test_names_of_arrows_and_axes_stand_clear_of_the_vehicle_and_of_each_other(f
     motion = Motion(history(flight))
     size = motion.shape.size
     plane = screen(body_eye(motion.centre[0], motion.last, size))
-    times, columns = read(replay, "/site/arrows/names")
+    times, columns = read(replay, "/site/near/arrows/names")
     seen = 0
     for t, labels, places in zip(
         times, columns["Points3D:labels"], columns["Points3D:positions"], strict=True
     ):
-        row = int(np.argmin(np.abs(motion.t - t)))
-        middles = plane.seen(np.array(places) - motion.centre[row]) + plane.below
+        middles = plane.seen(np.array(places)) + plane.below
         halves = np.array([plane.box(len(label)) for label in labels])
         assert not overlaps(middles, halves), t
         nearest = np.linalg.norm(np.maximum(np.abs(middles) - halves, 0.0), axis=-1)
@@ -67,7 +66,7 @@ def test_an_arrow_is_its_force_over_what_a_metre_stands_for(flight, replay):
     rows = np.arange(len(thinned.t))
     thrust = next(arrow for arrow in forces(thinned, motion, rows) if arrow.name == "thrust")
     assert thrust.metre == 1000.0, "3 kN in at most nine tenths of 3.35 m, rounded up to 1, 2, 5, ..."
-    times, columns = read(replay, "/site/arrows/thrust")
+    times, columns = read(replay, "/site/near/arrows/thrust")
     lengths = [np.linalg.norm(cell[0]) for cell in columns["Arrows3D:vectors"] if cell]
     assert np.allclose(lengths, 3.0, rtol=1e-5)
     assert "1 kN (thrust)" in scales(thinned, motion)

@@ -177,14 +177,15 @@ class Phase(Params):
 class MissionParams(Params):
     """The phase table; an empty one flies without flight software."""
 
-    goal: Literal["landing", "deployment", "time"] = param(
+    goal: Literal["landing", "deployment", "event", "time"] = param(
         "landing",
         (
-            "what counts as success: a landing within limits, the mortar fired within limits, or a flight "
-            "up to simulation.time_limit_s"
+            "what counts as success: a landing within limits, the mortar fired within limits, the event of "
+            "goal_event within limits, or a flight up to simulation.time_limit_s"
         ),
         record=False,
     )
+    goal_event: Key | None = param(None, "event with which a flight of goal event ends", record=False)
     phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(
         None, "phases in order", factory=list, max_length=MAX_PHASES
     )
@@ -193,6 +194,14 @@ class MissionParams(Params):
     def exits(self) -> list[list[WayOut]]:
         """Ways out of each phase; nothing follows the last of the list but what its ways name."""
         return [*(phase.exits for phase in self.phases[:-1]), *(phase.ways_out for phase in self.phases[-1:])]
+
+    @property
+    def last_events(self) -> set[str]:
+        """Names of the events with which the flight ends."""
+        if self.goal == "event":
+            return {stated(self.goal_event)}
+        deploying = self.goal == "deployment"
+        return {name for name, event in self.events.items() if deploying and event.action == "deploy"}
 
     @property
     def events(self) -> dict[str, Event]:

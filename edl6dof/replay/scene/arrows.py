@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
-from edl6dof.replay.recorder import SCALAR_HZ, Recorder
+from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder
 from edl6dof.replay.scene.mesh import RGB
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.callouts import Label, laid_out, screen
@@ -46,7 +46,9 @@ class Arrow(NamedTuple):
 
 
 class Arrows(Recorder):
-    """Writes ``arrows``, in landing-site axes, and ``vehicle/frame`` and ``velocity_frame``."""
+    """Writes ``near/arrows`` and ``near/velocity_frame``, from the centre of mass in landing-site axes, and
+    ``vehicle/attitude_frame``.
+    """
 
     def motions(self) -> None:
         """Each arrow from its own start: the velocity ahead of the vehicle, forces at the centre of mass."""
@@ -78,10 +80,10 @@ class Arrows(Recorder):
         keep = shown | np.append(False, shown[:-1])  # a row without an arrow ends it
         if not shown.any():
             return
-        entity = f"{self.root}/arrows/{arrow.name.replace(' ', '_')}"
+        entity = f"{self.root}/near/arrows/{arrow.name.replace(' ', '_')}"
         radius = 0.011 * self.motion.shape.size
         self.static(entity, rr.Arrows3D.from_fields(colors=arrow.colour, radii=radius))
-        drawn = rr.Arrows3D.columns(origins=(self.motion.centre[rows] + start)[shown], vectors=vectors[shown])
+        drawn = rr.Arrows3D.columns(origins=start[shown], vectors=vectors[shown])
         self.columns(entity, self.t[rows[keep]], drawn.partition(shown[keep].astype(int)))
 
     def _frames(self, rows: np.ndarray, way: np.ndarray) -> dict[str, np.ndarray]:
@@ -99,11 +101,9 @@ class Arrows(Recorder):
         axes = np.stack([way, right, np.cross(way, right)], axis=-1)
         steep = np.abs(np.linalg.det(axes)) < 0.5  # at rest, or falling straight down
         axes[steep] = np.eye(3)
-        self.static(f"{self.root}/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
-        pose = rr.Transform3D.columns(
-            translation=motion.centre[rows], quaternion=turns.xyzw(turns.from_axes(axes))
-        )
-        self.columns(f"{self.root}/velocity_frame", self.t[rows], pose)
+        self.static(f"{self.root}/near/velocity_frame", rr.TransformAxes3D(axis_length=VELOCITY_AXES * size))
+        pose = rr.Transform3D.columns(quaternion=turns.xyzw(turns.from_axes(axes)))
+        self.columns(f"{self.root}/near/velocity_frame", self.t[rows], pose)
         middle = [self.flight[f"truth.centre_{axis}_m"][0] for axis in "xyz"]
         self.static(
             f"{self.root}/vehicle/attitude_frame",
@@ -126,6 +126,10 @@ class Arrows(Recorder):
         """Name and value of each arrow beyond its end, and the names of the axes: off the vehicle and off
         each other as the page of the body shows them.
         """
+        few = slice(None, None, round(SCALAR_HZ / SLOW_HZ))  # nobody reads faster
+        rows, ends, shown = rows[few], [end[few] for end in ends], [there[few] for there in shown]
+        arrows = [arrow._replace(values=arrow.values[few]) for arrow in arrows]
+        axes = {name: end[few] for name, end in axes.items()}
         size = self.motion.shape.size
         plane = screen(body_eye(self.motion.centre[0], self.motion.last, size))
         texts = [_texts(arrow) for arrow in arrows] + [[name] * len(rows) for name in axes]
@@ -144,11 +148,11 @@ class Arrows(Recorder):
         colours = np.array([arrow.colour for arrow in arrows] + list(AXES) * 2, np.uint8)
         when, which = np.nonzero(there.T)
         points = self.rr.Points3D.columns(
-            positions=self.motion.centre[rows[when]] + plane.placed(places[which, when]),
+            positions=plane.placed(places[which, when]),
             labels=[texts[k][row] for row, k in zip(when.tolist(), which.tolist(), strict=True)],
             colors=colours[which],
         )
-        entity = f"{self.root}/arrows/names"
+        entity = f"{self.root}/near/arrows/names"
         self.static(entity, self.rr.Points3D.from_fields(radii=-0.01, show_labels=True))
         self.columns(entity, self.t[rows], points.partition(there.sum(axis=0)))
 

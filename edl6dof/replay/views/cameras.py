@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.canopy import canopy as canopy_of
 from edl6dof.replay.scene.motion import Motion
+from edl6dof.replay.views.moving import moving_largest, moving_mean
 from edl6dof.spatial import rotations as turns
 
 #: For how long (s) after a separation both parts stay in the frame; how long (s) a camera takes to change.
@@ -117,12 +117,10 @@ def steady(t: np.ndarray, body: np.ndarray, kept: Spheres) -> Spheres:
     step = (t[-1] - t[0]) / max(len(t) - 1, 1)
     width = round(CHANGE_S / step) | 1 if step > 0.0 else 1
     shift = kept.centre - body
-    calm = uniform_filter1d(
-        uniform_filter1d(shift, width, axis=0, mode="nearest"), width, axis=0, mode="nearest"
-    )
+    calm = moving_mean(moving_mean(shift, width), width)
     needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
     # no mean of the largest radii around a row is less than the row's own
-    zoom = uniform_filter1d(np.log(maximum_filter1d(needed, width, mode="nearest")), width, mode="nearest")
+    zoom = moving_mean(np.log(moving_largest(needed, width)), width)
     return Spheres(body + calm, np.exp(zoom))
 
 

@@ -42,7 +42,7 @@ def drawn(
     that are claimed come last.
     """
     t = series["t_s"]
-    keep = (t >= when.get(plot.since, -np.inf)) & (t <= when.get(plot.until, np.inf))
+    keep = _within(t, when.get(plot.since, -np.inf), when.get(plot.until, np.inf))
     values = [series[name][keep] for name in plot.series]
     if plot.sigma:
         values += [sign * BOUND * series[plot.sigma][keep] for sign in (1.0, -1.0)]
@@ -51,9 +51,14 @@ def drawn(
 
 def ends(t: np.ndarray, curves: np.ndarray, span: tuple[float, float]) -> list[float]:
     """Least and largest value of curves within a time (s); empty where there are none."""
-    values = curves[(t >= span[0]) & (t <= span[1])]
+    values = curves[_within(t, *span)]
     values = values[np.isfinite(values)]
     return [float(values.min()), float(values.max())] if len(values) else []
+
+
+def _within(t: np.ndarray, first: float, last: float) -> slice:
+    """Rows from one time (s) to another, both among them."""
+    return slice(int(np.searchsorted(t, first)), int(np.searchsorted(t, last, side="right")))
 
 
 def _ticks(low: float, high: float, step: float) -> int:

@@ -10,11 +10,11 @@ that the eye stands still in it.  Shots blend into each other: distance and dire
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.motion import Motion
 from edl6dof.replay.views.cameras import CHANGE_S, SEPARATION_S, Spheres, away, facing, steady, together
+from edl6dof.replay.views.moving import moving_mean
 from edl6dof.replay.views.spatial import KEPT_DEG
 from edl6dof.spatial import rotations as turns
 
@@ -147,4 +147,4 @@ def _blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values that change over some seconds where they jumped."""
     step = (t[-1] - t[0]) / max(len(t) - 1, 1)
     width = round(CHANGE_S / step) | 1 if step > 0.0 else 1
-    return uniform_filter1d(uniform_filter1d(values, width, mode="nearest"), width, mode="nearest")
+    return moving_mean(moving_mean(values, width), width)

@@ -34,14 +34,13 @@ _NOT_CHASE = (
     "labels",
     "drop_line",
     "ground_track",
-    "arrows",
-    "velocity_frame",
+    "near",
     "vehicle/attitude_frame",
 )
 #: What belongs to one camera alone.
 _OWN = ("camera/scale_bar",)
-_NOT_SITE = ("arrows", "velocity_frame", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
-_NOT_AFAR = ("vehicle/failed", "arrows", "velocity_frame", "vehicle/attitude_frame", "sky", "labels", *_OWN)
+_NOT_SITE = ("near", "vehicle/attitude_frame", "path", "markers", "labels", *_OWN)
+_NOT_AFAR = ("vehicle/failed", "near", "vehicle/attitude_frame", "sky", "labels", *_OWN)
 
 
 class Shown(NamedTuple):
@@ -110,11 +109,13 @@ class Views:
         place: np.ndarray,
         target: np.ndarray,
         labels: Sequence[str] = (),
+        not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
         rrb = self.rrb
-        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden] + [
-            f"/site/labels/{name}" for name in labels
-        ]
+        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden]
+        others = [root for root in self.roots() if f"{root}/{origin.rpartition('/')[2]}" != origin]
+        excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
+        excluded += [f"/site/labels/{name}" for name in labels]
         return rrb.Spatial3DView(
             origin=origin,
             contents=["/site/**", *excluded],
@@ -142,7 +143,14 @@ class Views:
     ) -> rrb.Spatial3DView | rrb.Grid:
         """A view from the same camera of each flight."""
         views = [
-            self._view(f"{name}: {label}" if label else name, f"{root}/{camera}", hidden, eye, np.zeros(3))
+            self._view(
+                f"{name}: {label}" if label else name,
+                f"{root}/{camera}",
+                hidden,
+                eye,
+                np.zeros(3),
+                not_of_others=(*_OWN, "camera/name"),
+            )
             for root, label in zip(self.roots(), self.flown.labels, strict=True)
         ]
         return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)
@@ -150,7 +158,7 @@ class Views:
     def body(self) -> rrb.Spatial3DView:
         """The vehicle with its frames and forces."""
         rrb = self.rrb
-        parts = ("vehicle", "arrows", "near", "velocity_frame")
+        parts = ("vehicle", "near")
         background = rrb.Background(color=SPACE)
         eye = rrb.EyeControls3D(
             position=body_eye(self.flown.start, self.flown.end, self.flown.size),
@@ -209,8 +217,7 @@ class Views:
         """The ground below the hover, north up."""
         place, target = scanned - [0.0, 20.0, 20.0], scanned - [0.0, 0.0, 100.0]
         hidden = (
-            "arrows",
-            "velocity_frame",
+            "near",
             "vehicle/attitude_frame",
             "path",
             "markers",

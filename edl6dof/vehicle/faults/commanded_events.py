@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from edl6dof.interface.events import IGNITE, is_done_to
 from edl6dof.jit import kernel
 
 #: Time (s) of what never happens.
@@ -9,11 +10,21 @@ NEVER = 1e99
 
 
 @kernel
+def is_about(event, action, thing):
+    """Whether an event is an ``action`` on a ``thing``, or on a group of engines with it."""
+    if event.action != action:
+        return False
+    return is_done_to(event, thing) if action >= IGNITE else event.thing == thing
+
+
+@kernel
 def put_off(case, command, plant, action, thing, delay):
-    """Let an ``action`` on a ``thing`` happen ``delay`` s later, if it is commanded in this cycle."""
+    """Let an ``action`` on a ``thing`` happen ``delay`` s later, if it is commanded in this cycle; engines
+    that are lit together wait for each other.
+    """
     for k in range(case.events.n_events):
         event = case.events.events[k]
-        if command.request[k] != 0 and event.action == action and event.thing == thing:
+        if command.request[k] != 0 and is_about(event, action, thing):
             plant.due[k] += delay
 
 
@@ -22,5 +33,5 @@ def prevent(case, plant, action, thing):
     """Let an ``action`` on a ``thing`` that is due not happen."""
     for k in range(case.events.n_events):
         event = case.events.events[k]
-        if event.action == action and event.thing == thing:
+        if is_about(event, action, thing):
             plant.due[k] = NEVER

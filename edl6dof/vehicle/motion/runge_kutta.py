@@ -32,6 +32,7 @@ from edl6dof.vehicle.plant import (
     VELOCITY,
 )
 from edl6dof.vehicle.propulsion.engine import thrust_goal
+from edl6dof.vehicle.propulsion.engine_models.registry import UNCOMMANDED
 from edl6dof.vehicle.propulsion.rcs import fire
 from edl6dof.vehicle.propulsion.tanks import load_within_reach
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
@@ -117,7 +118,10 @@ def set_goals(case, plant, h):
     inputs, engines = plant.inputs, case.vehicle.engines
     for i in range(case.vehicle.n_engines):
         fed = load_within_reach(case.feeds.engines, i, inputs.filled) > 0.0
-        command = plant.thrust_command[i] if fed and plant.running[i] != 0 else 0.0
+        command = 0.0
+        if fed and plant.running[i] != 0:
+            uncommanded = engines[i].model == UNCOMMANDED
+            command = engines[i].full_thrust if uncommanded else plant.thrust_command[i]
         mean, slope = thrust_goal(engines[i], plant.t, h, command)
         inputs.thrust_goal[i], inputs.thrust_goal_slope[i] = mean, slope
 

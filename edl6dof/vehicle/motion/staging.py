@@ -10,6 +10,7 @@ from edl6dof.interface.events import (
     JETTISON,
     LANDING_GEAR,
     RELEASE,
+    is_done_to,
 )
 from edl6dof.jit import kernel
 from edl6dof.spatial.quaternion import from_frame
@@ -144,7 +145,7 @@ def carry_out(case, plant, number):
             plant.legs = 1
         else:
             plant.wing_start[thing] = plant.t
-    elif action == IGNITE:
-        plant.running[thing] = 1
-    elif action == CUT_OFF:
-        plant.running[thing] = 0
+    elif action == IGNITE or action == CUT_OFF:
+        for i in range(case.vehicle.n_engines):
+            if is_done_to(event, i):
+                plant.running[i] = 1 if action == IGNITE else 0

@@ -32,6 +32,9 @@ class EngineParams(EngineChoice, Hardware):
     }
 
     name: Key = param(REQUIRED, "name that events call it by", record=False)
+    group: Key | None = param(
+        None, "name that events call all engines of the group by, lit and cut off together", record=False
+    )
     full_thrust_n: float = param(REQUIRED, "thrust at the full level used at the start", gt=0.0)
     throttle_min_n: float = param(0.0, "lower end of the throttle band", ge=0.0)
     throttle_max_n: float = param(0.0, "upper end of the throttle band", ge=0.0)
@@ -49,7 +52,10 @@ class EngineParams(EngineChoice, Hardware):
     @field_validator("direction")
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
-        return unit_vector(value)
+        found = unit_vector(value)
+        if not found[0] < -0.1:
+            raise ValueError(f"must push along -x, at most 84 deg from it (got {list(value)})")
+        return found
 
 
 ENGINE = dtype_of(EngineParams)

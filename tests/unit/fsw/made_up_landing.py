@@ -22,6 +22,7 @@ from edl6dof.spatial.quaternion import (
     normalise,
     rotation_vector,
 )
+from edl6dof.spatial.vector import cross, sub, take3
 
 ARM, CENTRE = (0.3, 0.6, -0.2), (-0.9, 0.02, 0.01)
 
@@ -75,6 +76,22 @@ def draw_unit(unit, size, rng):
 
 
 @kernel
+def walk(bias, size, rng):
+    """A cycle of the random walk of a bias."""
+    for i in range(3):
+        bias[i] += size * np.sqrt(DT) * rng.standard_normal()
+
+
+@kernel
+def spoil(increment, scale, noise, bias, believed, rng):
+    """Make of a true increment over a cycle the one that is counted and corrected by the believed bias."""
+    x, y, z = increment[0], increment[1], increment[2]
+    for i in range(3):
+        increment[i] += scale[i, 0] * x + scale[i, 1] * y + scale[i, 2] * z
+        increment[i] += noise * np.sqrt(DT) * rng.standard_normal() + DT * (bias[i] - believed[i])
+
+
+@kernel
 def star_fix(unit, q, bias, size, rng):
     """What the star tracker says of the attitude ``q``."""
     noise = size * unit.star_sigma * rng.standard_normal(3)
@@ -87,10 +104,9 @@ def star_fix(unit, q, bias, size, rng):
 def read_radar(onboard, change, t, r, v, q, rate, terrain, drawn, looks, size, radar, rng):
     """Fill ``radar``; ``looks``: state of each beam (0 sound, 1 lost, 2 locked on something 60 m away)."""
     unit, planet = onboard.instruments, onboard.planet
-    arm = np.array(ARM) - np.array(CENTRE)
-    place = r + np.array(from_frame(q, (arm[0], arm[1], arm[2])))
-    turning = np.cross(rate, arm)
-    swing = np.array(from_frame(q, (turning[0], turning[1], turning[2])))
+    arm = sub(ARM, CENTRE)
+    place = r + np.array(from_frame(q, arm))
+    swing = np.array(from_frame(q, cross(take3(rate, 0), arm)))
     _, _, up, altitude = level_axes(planet, (place[0], place[1], place[2]), t)
     height = altitude - onboard.site.altitude - terrain
     velocity = v + swing - np.array([-SPIN * place[1], SPIN * place[0], 0.0])
@@ -182,15 +198,14 @@ def fly_filter(onboard, params, records, flown, rng, size, stars_until, looks, r
             solution.q_I2B[:] = np.array(star_fix(unit, q, drawn[4], size, rng))
             start(params, onboard, sensed, solution, memory)
         else:
-            bg += half * unit.gyro_bias_walk * np.sqrt(DT) * rng.standard_normal(3)
-            ba += half * unit.accelerometer_bias_walk * np.sqrt(DT) * rng.standard_normal(3)
-            noise = half * unit.gyro_noise * np.sqrt(DT) * rng.standard_normal(3)
-            angle = angles[k] + drawn[2] @ angles[k] + noise + DT * (bg - solution.gyro_bias)
-            noise = half * unit.accelerometer_noise * np.sqrt(DT) * rng.standard_normal(3)
-            gain = gains[k] + drawn[3] @ gains[k] + noise + DT * (ba - solution.accelerometer_bias)
+            walk(bg, half * unit.gyro_bias_walk, rng)
+            walk(ba, half * unit.accelerometer_bias_walk, rng)
+            angle, gain = angles[k].copy(), gains[k].copy()
+            spoil(angle, drawn[2], half * unit.gyro_noise, bg, solution.gyro_bias, rng)
+            spoil(gain, drawn[3], half * unit.accelerometer_noise, ba, solution.accelerometer_bias, rng)
             motion.dt = DT
-            motion.angle[:], motion.gain[:] = angle, gain
-            motion.rate[:] = angle / DT
+            for i in range(3):
+                motion.angle[i], motion.gain[i], motion.rate[i] = angle[i], gain[i], angle[i] / DT
             strapdown(onboard, motion, solution)
             sensed.t = k * DT
             read_radar(

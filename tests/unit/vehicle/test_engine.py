@@ -176,3 +176,13 @@ def test_a_pulsed_engine_has_one_specific_impulse():
     record = engine(model="pulsed")
     got = [thrust / (propellant_flow(record, thrust) * G0) for thrust in (100.0, 3000.0, 7500.0)]
     assert got == pytest.approx([300.0] * 3)
+
+
+def test_a_solid_motor_builds_up_as_an_exponential_and_keeps_its_specific_impulse():
+    motor = engine(model="solid", solid={"lag_s": 0.05}, full_specific_impulse_s=360.0)
+    times = np.linspace(0.0, 0.4, 9)
+    assert response(motor, 0.0, 7500.0, times) == pytest.approx(
+        7500.0 * (1.0 - np.exp(-times / 0.05)), abs=0.1
+    )
+    for thrust in (100.0, 7500.0):
+        assert propellant_flow(motor, thrust) == pytest.approx(thrust / (360.0 * G0))

@@ -11,12 +11,15 @@ all engines have.
 from __future__ import annotations
 
 from edl6dof.registry import Family
-from edl6dof.vehicle.propulsion.engine_models import pulsed, throttled, thruster_set
+from edl6dof.vehicle.propulsion.engine_models import pulsed, solid, throttled, thruster_set
 
-ENGINE_MODELS = Family("engine model", (throttled.MEMBER, pulsed.MEMBER, thruster_set.MEMBER))
+ENGINE_MODELS = Family("engine model", (throttled.MEMBER, pulsed.MEMBER, thruster_set.MEMBER, solid.MEMBER))
 
 #: Index of the member whose thrust is that of the axial thrusters.
 BY_THRUSTERS = ENGINE_MODELS.names.index(thruster_set.NAME)
+
+#: Index of the member that burns at full thrust from ignition on.
+UNCOMMANDED = ENGINE_MODELS.names.index(solid.NAME)
 
 EngineChoice = ENGINE_MODELS.params_model(
     "EngineChoice", "model", "throttled", "How the thrust of an engine follows its command."

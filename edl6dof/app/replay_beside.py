@@ -1,0 +1,148 @@
+"""The replay of a flight, drawn by a second process while this one flies and writes the other files.
+
+The other process is a copy of this one (fork) from before the flight: it loads what it draws with, which
+takes as long as the flight, then reads the telemetry where the flight has put it, in memory that both share.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import pickle
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from edl6dof.api.blocked_imports import UNUSED_BY_ARROW, blocked_imports
+from edl6dof.scenario.loading import LoadedScenario
+from edl6dof.sim.flight import Flight, log_rows
+from edl6dof.telemetry.channels import TICK
+from edl6dof.telemetry.columns import Telemetry
+
+if TYPE_CHECKING:
+    from edl6dof.scenario.schema import Scenario
+    from edl6dof.telemetry.landing_map import LandingMap
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a replay needs of a flight besides its scenario and its telemetry."""
+
+    rows: int
+    outcome: str
+    success: bool
+    events: Sequence[Mapping[str, Any]]
+    landing_map: LandingMap | None
+
+
+@dataclass(frozen=True)
+class Landed:
+    """A flight as the drawing process has it; see :class:`edl6dof.replay.history.Flown`."""
+
+    loaded: LoadedScenario
+    telemetry: Telemetry
+    name: str
+    outcome: str
+    success: bool
+    phase_names: list[str]
+    events: Sequence[Mapping[str, Any]]
+    landing_map: LandingMap | None
+
+    @property
+    def scenario(self) -> Scenario:
+        """What was flown."""
+        return self.loaded.scenario
+
+
+class Artist:
+    """The other process, seen from this one.
+
+    Attributes:
+        log: where the flight has to put its telemetry.
+    """
+
+    def __init__(self, process: int, order: BinaryIO, log: np.ndarray) -> None:
+        self._process, self._order, self.log = process, order, log
+
+    def draw(self, flight: Flight) -> None:
+        """Let it begin: the flight is over."""
+        what = Outcome(len(flight.log), flight.outcome, flight.success, flight.events, flight.landing_map)
+        with suppress(BrokenPipeError):
+            pickle.dump(what, self._order)
+            self._order.close()
+
+    def wait(self) -> bool:
+        """Wait until it has ended; returns whether the replay is written."""
+        status, self._process = os.waitpid(self._process, 0)[1], 0
+        return status == 0
+
+    def dismiss(self) -> None:
+        """End it, if it has not ended."""
+        with suppress(BrokenPipeError):
+            self._order.close()
+        if self._process:
+            os.kill(self._process, signal.SIGKILL)
+            os.waitpid(self._process, 0)
+
+
+@contextmanager
+def artist_beside(loaded: LoadedScenario, path: Path) -> Iterator[Artist | None]:
+    """A process that will draw the replay of a flight of ``loaded`` into ``path``; ``None`` where this one
+    must: with one core only, off Linux, or beside other threads, which a copy would not have.
+    """
+    if sys.platform != "linux" or threading.active_count() > 1 or len(os.sched_getaffinity(0)) < 2:
+        yield None
+        return
+    log = np.frombuffer(mmap.mmap(-1, log_rows(loaded) * TICK.itemsize), TICK)
+    reading, writing = os.pipe()
+    process = os.fork()
+    if process == 0:
+        os.close(writing)
+        _work(loaded, log, reading, path)
+    os.close(reading)
+    artist = Artist(process, os.fdopen(writing, "wb"), log)
+    try:
+        yield artist
+    finally:
+        artist.dismiss()
+
+
+def _work(loaded: LoadedScenario, log: np.ndarray, reading: int, path: Path) -> None:
+    """All that the other process does: it ends here, and does not end what it has of its parent.  Where it
+    fails, its parent draws, and says what is wrong.
+    """
+    status = 1
+    try:
+        with blocked_imports(*UNUSED_BY_ARROW), os.fdopen(reading, "rb") as order:
+            import rerun.blueprint  # noqa: F401  while the flight is flown
+
+            from edl6dof.replay.recording import history, write_replay
+
+            flown = pickle.load(order)  # of this very program
+            write_replay([history(_landed(loaded, log, flown))], path)
+        status = 0
+    finally:
+        os._exit(status)
+
+
+def _landed(loaded: LoadedScenario, log: np.ndarray, flown: Outcome) -> Landed:
+    scenario = loaded.scenario
+    names = scenario.thruster_names, scenario.beam_names, list(scenario.branches)
+    telemetry = Telemetry(log[: flown.rows], *names)
+    return Landed(
+        loaded,
+        telemetry,
+        scenario.name,
+        flown.outcome,
+        flown.success,
+        scenario.phase_names,
+        flown.events,
+        flown.landing_map,
+    )

@@ -1,0 +1,169 @@
+"""The learning environments keep gymnasium's word, and fly what a flight flies."""
+
+import builtins
+import importlib
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+gymnasium = pytest.importorskip("gymnasium")
+
+from gymnasium.utils.env_checker import check_env  # noqa: E402
+from gymnasium.vector import AutoresetMode  # noqa: E402
+
+import edl6dof.gym as gym  # noqa: E402
+from edl6dof.gym.tasks import task_called  # noqa: E402
+
+#: Tasks whose beginnings take a tenth of a second each; that of hazards takes seconds.
+QUICK = [name for name in gym.TASKS if name != "HazardDivert"]
+
+
+@pytest.fixture(scope="module")
+def environments():
+    """One of each task, whose flights to the beginning are flown once."""
+    return {name: gym.FlightEnv(name, pool=1) for name in QUICK}
+
+
+def episode(env, policy, seed=0):
+    """Return, whether done, and the last observation."""
+    seen, _ = env.reset(seed=seed)
+    total, over, cut_off = 0.0, False, False
+    while not (over or cut_off):
+        seen, reward, over, cut_off, information = env.step(policy(env))
+        total += reward
+    return total, information["is_success"], seen
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_environment_keeps_gymnasiums_word(environments, name):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", message=".*not within the observation space bounds.*gymnasium.make")
+        check_env(environments[name], skip_render_check=True)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_flight_software_itself_does_the_task(environments, name):
+    total, done, seen = episode(environments[name], lambda env: env.baseline())
+    assert done
+    assert total > 0.0
+    assert np.isfinite(seen).all()
+
+
+IDLE = {
+    "EntryBank": lambda env: np.zeros(1, np.float32),  # lift up all the way
+    "PoweredDescent": lambda env: np.zeros(3, np.float32),  # thrust against the weight alone
+    "DeadThruster": lambda env: -np.ones(22, np.float32),  # no thruster at all
+    "FaultDiagnosis": lambda env: 22,  # one that works
+}
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_doing_nothing_about_it_does_not(environments, name):
+    total, done, _ = episode(environments[name], IDLE[name])
+    assert not done
+    assert total < 1.0
+
+
+def test_same_seed_is_the_same_episode():
+    env = gym.FlightEnv("PoweredDescent", pool=4)
+    first = [env.reset(seed=5)[0], *(env.step(env.baseline())[0] for _ in range(5))]
+    again = [env.reset(seed=5)[0], *(env.step(env.baseline())[0] for _ in range(5))]
+    other = env.reset(seed=6)[0]
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first[0], other)
+
+
+def test_many_flights_are_as_many_single_ones():
+    many = gym.FlightVectorEnv("PoweredDescent", 3, pool=4, workers=2)
+    single = gym.FlightEnv("PoweredDescent", pool=4)
+    rng = np.random.default_rng(0)
+    actions = rng.uniform(-0.3, 0.3, (20, 3, 3)).astype(np.float32)
+    seen = [many.reset(seed=7)[0]]
+    rewards = []
+    for action in actions:
+        one, reward, *_ = many.step(action)
+        seen.append(one)
+        rewards.append(reward)
+    for k in range(3):
+        alone = [single.reset(seed=7 + k)[0]]
+        for action, reward in zip(actions[:, k], rewards, strict=True):
+            one, value, *_ = single.step(action)
+            alone.append(one)
+            assert value == reward[k]
+        assert np.array_equal(alone, np.array(seen)[:, k])
+    many.close()
+
+
+def ended(mode):
+    """A diagnosis whose first flight names a thruster, which ends its episode."""
+    env = gym.FlightVectorEnv("FaultDiagnosis", 2, pool=1, autoreset_mode=mode)
+    begun, _ = env.reset(seed=1)
+    return env, begun, env.step(np.array([22, 0]))
+
+
+def test_an_episode_begins_anew_in_the_next_step():
+    env, begun, (seen, reward, over, cut_off, information) = ended(AutoresetMode.NEXT_STEP)
+    assert over.tolist() == [True, False] and not cut_off.any()
+    assert reward.tolist() == [-1.0, 0.0]
+    assert information["_is_success"].tolist() == [True, False]
+    seen, reward, over, *_ = env.step(np.array([22, 0]))
+    assert np.array_equal(seen[0], begun[0])
+    assert (reward[0], over[0]) == (0.0, False)
+
+
+def test_an_episode_begins_anew_in_the_same_step():
+    _, begun, (seen, _, over, _, information) = ended("SameStep")
+    assert over.tolist() == [True, False]
+    assert np.array_equal(seen[0], begun[0])
+    assert not np.array_equal(information["final_obs"][0], begun[0])
+    assert information["final_obs"][1] is None
+
+
+def test_an_episode_begins_anew_when_it_is_told():
+    env, begun, (seen, _, over, *_) = ended(AutoresetMode.DISABLED)
+    with pytest.raises(ValueError, match=r"episodes \[0\] have ended"):
+        env.step(np.array([0, 0]))
+    again, _ = env.reset(options={"reset_mask": over})
+    assert np.array_equal(again[0], begun[0])
+    assert np.array_equal(again[1], seen[1])
+    with pytest.raises(ValueError, match="reset_mask must have 2 values"):
+        env.reset(options={"reset_mask": np.array([True])})
+
+
+def test_gymnasium_makes_them_by_name():
+    env = gymnasium.make("edl6dof/EntryBank-v0", pool=1)
+    assert env.observation_space.contains(env.reset(seed=1)[0])
+    many = gymnasium.make_vec("edl6dof/EntryBank-v0", num_envs=2, pool=1)
+    assert many.reset(seed=1)[0].shape == (2, *env.observation_space.shape)
+
+
+def test_observation_holds_no_truth(environments):
+    """It is made of the memories of the flight computers alone."""
+    env = environments["PoweredDescent"]
+    env.reset(seed=0)
+    before = env.task.observe()
+    env.task.fleet.plants["y"] += 1.0
+    env.task.fleet.outputs["height"] = 0.0
+    assert np.array_equal(env.task.observe(), before)
+
+
+def test_a_task_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="did you mean 'EntryBank'"):
+        task_called("EntryBanc")
+
+
+def test_without_gymnasium_it_says_what_to_install(monkeypatch):
+    load = builtins.__import__
+
+    def without(name, *more, **named):
+        if name == "gymnasium":
+            raise ImportError(name)
+        return load(name, *more, **named)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.delitem(sys.modules, "edl6dof.gym")
+    with pytest.raises(ImportError, match=r"edl6dof\[gym\]"):
+        importlib.import_module("edl6dof.gym")
