@@ -81,6 +81,7 @@ def swing(flight: Flight) -> dict[str, float]:
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
     after = (t > fired) & (t < fired + SWINGING_S)
+    crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     if not after.any():
         return {
             "swing_deg_s": nan,

@@ -103,7 +103,7 @@ def guards(rows: Sequence[Row]) -> Grid:
             )
         )  # fmt: skip
     heads = (
-        *("", "flights", "landed", "beyond the range", "of these landed", "crashed"),
+        *("", "flights", "landings", "beyond the range", "of these landed", "crashed"),
         *("released early", "propellant kg"),
     )
     return Grid("One guard at a time", heads, tuple(found))
