@@ -1,6 +1,7 @@
-"""Reference pages of the documentation, made from the program itself: parameters, telemetry, figures, commands.
+"""Reference pages of the documentation, made from the program itself: parameters, telemetry, figures,
+commands.
 
-    python tools/docs_reference.py FOLDER       writes them there, to be looked at; the site makes them as it is built.
+    python tools/docs_reference.py FOLDER       writes them there; the site makes them as it is built
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 
 from edl6dof.config.reference import Row, rows
 
-#: Pages of parameters: file, title, and the dotted paths whose parameters are on it; the first page that fits has it.
+#: Pages of parameters: file, title, dotted paths whose parameters are on it; the first page that fits has it.
 PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("planet", "Planet", ("planet",)),
     ("environment", "Air, wind, ground", ("atmosphere", "wind", "terrain")),
@@ -37,19 +38,24 @@ PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("flight_software", "Other flight software", ("flight_software",)),
     ("mission", "Mission, limits, published values", ("mission", "limits", "published")),
     ("faults", "Faults", ("faults",)),
-    ("campaign", "Campaigns, sweeps, fault matrices, calibration", ("campaign", "sweep", "fault_matrix", "calibration")),
+    (
+        "campaign",
+        "Campaigns, sweeps, fault matrices, calibration",
+        ("campaign", "sweep", "fault_matrix", "calibration"),
+    ),
     ("scenario", "Scenario", ("",)),
 )
 
 #: What the file takes besides: keys that stand at the top of a scenario and are described elsewhere.
 _EXTENDS = (
-    "`extends: NAME` begins with another scenario; what this file says replaces what that one says, items of lists by "
-    "their `name`. `edl6dof params PATH` prints these tables, `edl6dof schema` the JSON schema for an editor."
+    "`extends: NAME` begins with another scenario; what this file says replaces what that one says, items of "
+    "lists by their `name`. `edl6dof params PATH` prints these tables, `edl6dof schema` the JSON schema for "
+    "an editor."
 )
 
 _STATUS = (
-    "Status: *published*, *derived* from something published, *recalled* from memory, *estimate*, *design* (a choice of "
-    "this software), *calibrated*."
+    "Status: *published*, *derived* from something published, *recalled* from memory, *estimate*, *design* "
+    "(a choice of this software), *calibrated*."
 )
 
 
@@ -110,17 +116,28 @@ def telemetry_page() -> str:
 
     brief = {channel.name for channel in BRIEF_CHANNELS}
     text = [
-        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The suffix of a name "
-        "is its unit. A flight of a campaign records those marked *brief* and keeps only what follows from them. "
-        "`truth` is what nobody on board knows; `nav`, `guide`, `control`, `estimate` and `diagnosis` are the flight "
-        "computer's; `nav.error_*` compares the two."
+        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The suffix "
+        "of a name is its unit. A flight of a campaign records those marked *brief* and keeps only what follows "
+        "from them. `truth` is what nobody on board knows; `nav`, `guide`, `control`, `estimate` and `diagnosis` "
+        "are the flight computer's; `nav.error_*` compares the two."
     ]
     for group, members in groupby(CHANNELS, key=lambda channel: channel.group):
         body = [(f"`{c.name}`", c.unit, c.meaning, "yes" if c.name in brief else "") for c in members]
         text.append(f"## `{group}`\n\n" + table(("column", "unit", "meaning", "brief"), body))
-    named = ("rcs.NAME", "fault.NAME", "valve.NAME", "range.NAME_m", "used.NAME_kg", "metered.NAME_kg", "expected.NAME_kg_s")
+    named = (
+        "rcs.NAME",
+        "fault.NAME",
+        "valve.NAME",
+        "range.NAME_m",
+        "used.NAME_kg",
+        "metered.NAME_kg",
+        "expected.NAME_kg_s",
+    )
     body = [(f"`{name}`", *describe(name)) for name in named]
-    text.append("## Of each thruster, radar beam and propellant branch\n\n" + table(("column", "unit", "meaning"), body))
+    text.append(
+        "## Of each thruster, radar beam and propellant branch\n\n"
+        + table(("column", "unit", "meaning"), body)
+    )
     return "\n\n".join(text) + "\n"
 
 
@@ -128,12 +145,14 @@ def figures_page() -> str:
     """Every figure of merit."""
     from edl6dof.metrics.figures import FIGURES
 
-    body = [(f"`{f.name}`", f.unit.label, f.meaning, f.source, f"`limits.{f.limit}`" if f.limit else "") for f in FIGURES]
+    body = [
+        (f"`{f.name}`", f.unit.label, f.meaning, f.source, f"`limits.{f.limit}`" if f.limit else "")
+        for f in FIGURES
+    ]
     return (
-        "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's `cases.parquet`, and the "
-        "names that `published` takes. A figure of an event that a mission does not have is not formed.\n\n"
-        + table(("figure", "unit", "meaning", "formed from", "limit"), body)
-        + "\n"
+        "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's "
+        "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does not have "
+        "is not formed.\n\n" + table(("figure", "unit", "meaning", "formed from", "limit"), body) + "\n"
     )
 
 

@@ -1,7 +1,8 @@
-"""Hooks of the documentation site (mkdocs.yml): pages made from the program, files from outside docs/, formulas.
+"""Hooks of the documentation site (mkdocs.yml): pages made from the program, files from outside docs/,
+formulas.
 
-Formulas are written in LaTeX between dollars and become MathML, which browsers draw by themselves: a page that is
-read fetches nothing.
+Formulas are written in LaTeX between dollars and become MathML, which browsers draw by themselves: a page
+that is read fetches nothing.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ def on_files(files: Any, config: Any) -> Any:
         files.append(File.generated(config, path, content=text))
     for path, source in COPIES.items():
         content = (ROOT / source).read_bytes()
-        files.append(File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content))
+        files.append(
+            File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content)
+        )
     return files
 
 
