@@ -116,10 +116,10 @@ def telemetry_page() -> str:
 
     brief = {channel.name for channel in BRIEF_CHANNELS}
     text = [
-        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The suffix "
-        "of a name is its unit. A flight of a campaign records those marked *brief* and keeps only what follows "
-        "from them. `truth` is what nobody on board knows; `nav`, `guide`, `control`, `estimate` and `diagnosis` "
-        "are the flight computer's; `nav.error_*` compares the two."
+        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The "
+        "suffix of a name is its unit. A flight of a campaign records those marked *brief* and keeps only "
+        "what follows from them. `truth` is what nobody on board knows; `nav`, `guide`, `control`, "
+        "`estimate` and `diagnosis` are the flight computer's; `nav.error_*` compares the two."
     ]
     for group, members in groupby(CHANNELS, key=lambda channel: channel.group):
         body = [(f"`{c.name}`", c.unit, c.meaning, "yes" if c.name in brief else "") for c in members]
@@ -151,8 +151,10 @@ def figures_page() -> str:
     ]
     return (
         "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's "
-        "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does not have "
-        "is not formed.\n\n" + table(("figure", "unit", "meaning", "formed from", "limit"), body) + "\n"
+        "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does "
+        "not have is not formed.\n\n"
+        + table(("figure", "unit", "meaning", "formed from", "limit"), body)
+        + "\n"
     )
 
 
