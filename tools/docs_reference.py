@@ -1,6 +1,7 @@
-"""Reference pages of the documentation, made from the program itself: parameters, telemetry, figures, commands.
+"""Reference pages of the documentation, made from the program itself: parameters, telemetry, figures,
+commands.
 
-python tools/docs_reference.py FOLDER       writes them there, to be looked at; the site makes them as it is built.
+    python tools/docs_reference.py FOLDER       writes them there; the site makes them as it is built
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 
 from edl6dof.config.reference import Row, rows
 
-#: Pages of parameters: file, title, and the dotted paths whose parameters are on it; the first page that fits has it.
+#: Pages of parameters: file, title, dotted paths whose parameters are on it; the first page that fits has it.
 PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("planet", "Planet", ("planet",)),
     ("environment", "Air, wind, ground", ("atmosphere", "wind", "terrain")),
@@ -47,13 +48,14 @@ PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 
 #: What the file takes besides: keys that stand at the top of a scenario and are described elsewhere.
 _EXTENDS = (
-    "`extends: NAME` begins with another scenario; what this file says replaces what that one says, items of lists by "
-    "their `name`. `edl6dof params PATH` prints these tables, `edl6dof schema` the JSON schema for an editor."
+    "`extends: NAME` begins with another scenario; what this file says replaces what that one says, items of "
+    "lists by their `name`. `edl6dof params PATH` prints these tables, `edl6dof schema` the JSON schema for "
+    "an editor."
 )
 
 _STATUS = (
-    "Status: *published*, *derived* from something published, *recalled* from memory, *estimate*, *design* (a choice of "
-    "this software), *calibrated*."
+    "Status: *published*, *derived* from something published, *recalled* from memory, *estimate*, *design* "
+    "(a choice of this software), *calibrated*."
 )
 
 
@@ -114,10 +116,10 @@ def telemetry_page() -> str:
 
     brief = {channel.name for channel in BRIEF_CHANNELS}
     text = [
-        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The suffix of a name "
-        "is its unit. A flight of a campaign records those marked *brief* and keeps only what follows from them. "
-        "`truth` is what nobody on board knows; `nav`, `guide`, `control`, `estimate` and `diagnosis` are the flight "
-        "computer's; `nav.error_*` compares the two."
+        "# Telemetry\n\nColumns of `telemetry.parquet` and keys of `flight.telemetry`, beside `t_s`. The "
+        "suffix of a name is its unit. A flight of a campaign records those marked *brief* and keeps only "
+        "what follows from them. `truth` is what nobody on board knows; `nav`, `guide`, `control`, "
+        "`estimate` and `diagnosis` are the flight computer's; `nav.error_*` compares the two."
     ]
     for group, members in groupby(CHANNELS, key=lambda channel: channel.group):
         body = [(f"`{c.name}`", c.unit, c.meaning, "yes" if c.name in brief else "") for c in members]
@@ -148,8 +150,9 @@ def figures_page() -> str:
         for f in FIGURES
     ]
     return (
-        "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's `cases.parquet`, and the "
-        "names that `published` takes. A figure of an event that a mission does not have is not formed.\n\n"
+        "# Figures of merit\n\nKeys of `flight.metrics`, of `summary.json`, columns of a campaign's "
+        "`cases.parquet`, and the names that `published` takes. A figure of an event that a mission does "
+        "not have is not formed.\n\n"
         + table(("figure", "unit", "meaning", "formed from", "limit"), body)
         + "\n"
     )

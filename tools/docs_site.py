@@ -1,7 +1,8 @@
-"""Hooks of the documentation site (mkdocs.yml): pages made from the program, files from outside docs/, formulas.
+"""Hooks of the documentation site (mkdocs.yml): pages made from the program, files from outside docs/,
+formulas.
 
-Formulas are written in LaTeX between dollars and become MathML, which browsers draw by themselves: a page that is
-read fetches nothing.
+Formulas are written in LaTeX between dollars and become MathML, which browsers draw by themselves: a page
+that is read fetches nothing.
 """
 
 from __future__ import annotations
