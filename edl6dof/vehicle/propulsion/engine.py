@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 from math import cos, sin
-from typing import ClassVar
+from typing import ClassVar, Self
 
-from pydantic import field_validator
+from pydantic import field_validator, model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
@@ -52,10 +52,16 @@ class EngineParams(EngineChoice, Hardware):
     @field_validator("direction")
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
-        found = unit_vector(value)
-        if not found[0] < -0.1:
-            raise ValueError(f"must push along -x, at most 84 deg from it (got {list(value)})")
-        return found
+        return unit_vector(value)
+
+    @model_validator(mode="after")
+    def _lands_on_its_thrust(self) -> Self:
+        """What flight software throttles brakes a landing; nothing steers a solid motor."""
+        if self.model != "solid" and not self.direction[0] < -0.1:
+            raise ValueError(
+                f"direction must push along -x, at most 84 deg from it (got {list(self.direction)})"
+            )
+        return self
 
 
 ENGINE = dtype_of(EngineParams)
