@@ -11,6 +11,7 @@ from pydantic import field_validator, model_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
+from edl6dof.config.errors import Inconsistent
 from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
@@ -58,9 +59,8 @@ class EngineParams(EngineChoice, Hardware):
     def _lands_on_its_thrust(self) -> Self:
         """What flight software throttles brakes a landing; nothing steers a solid motor."""
         if self.model != "solid" and not self.direction[0] < -0.1:
-            raise ValueError(
-                f"direction must push along -x, at most 84 deg from it (got {list(self.direction)})"
-            )
+            words = f"must push along -x, at most 84 deg from it (got {list(self.direction)})"
+            raise Inconsistent({"direction": words})
         return self
 
 
