@@ -10,10 +10,12 @@ What the command line does, each of these functions does and returns as an objec
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.many import calibrate, campaign, faults, refly, verify
 from edl6dof.api.one import fly, load, open_run, replay, report
+from edl6dof.api.packages import stay_callable
 
 if TYPE_CHECKING:
     from edl6dof.api.campaigns import CampaignResult
@@ -51,6 +53,11 @@ _CLASSES = {
     "RecordedFlight": "edl6dof.api.flights",
     "Simulation": "edl6dof.api.simulation",
 }
+
+stay_callable(
+    sys.modules[__name__],
+    {"campaign": campaign, "replay": replay, "report": report, "verify": verify},
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -224,6 +224,6 @@ def _watch(progress: Progress | None) -> Watch:
     return watch
 
 
-def listed(names: str | Iterable[str]) -> str:
-    """Names as a text with commas."""
-    return names if isinstance(names, str) else ",".join(names)
+def listed(names: str | float | Iterable[str | float]) -> str:
+    """Names, or times, as a text with commas."""
+    return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))

@@ -84,7 +84,7 @@ def faults(
     kinds: str | Iterable[str] = (),
     components: str | Iterable[str] = (),
     pairs: bool = False,
-    at: str | Iterable[str] | None = None,
+    at: str | float | Iterable[str | float] | None = None,
     phases: str | Iterable[str] = (),
     after_s: float | None = None,
     vehicles: int | None = None,

@@ -49,7 +49,7 @@ def faults(
     kinds: str | Iterable[str],
     components: str | Iterable[str],
     pairs: bool,
-    at: str | Iterable[str] | None,
+    at: str | float | Iterable[str | float] | None,
     phases: str | Iterable[str],
     after_s: float | None,
     vehicles: int | None,

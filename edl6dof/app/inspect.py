@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from edl6dof.app.exit_status import BAD_INPUT
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.source import read_document, resolve_scenario
-from edl6dof.config.errors import ConfigError
+from edl6dof.config.errors import ConfigError, refusal
+from edl6dof.config.schema import json_schema
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
 from edl6dof.scenario.schema import Scenario
 
@@ -39,10 +40,26 @@ def run_check(files: Sequence[str], sets: Sequence[str]) -> int:
     return BAD_INPUT if bad else 0
 
 
-def run_schema() -> int:
-    """Print the JSON schema."""
-    print(json.dumps(scenario_schema(), indent=1))
+def run_schema(of: str) -> int:
+    """Print the JSON schema of a kind of files."""
+    if of not in SCHEMAS:
+        raise refusal("--of", f"must be one of {', '.join(SCHEMAS)} (got {of!r})")
+    print(json.dumps(SCHEMAS[of](), indent=1))
     return 0
+
+
+def vehicle_schema() -> dict[str, Any]:
+    """Schema of vehicle files."""
+    from edl6dof.vehicle.vehicle import VehicleParams
+
+    return json_schema(VehicleParams, {})
+
+
+def planet_schema() -> dict[str, Any]:
+    """Schema of planet files."""
+    from edl6dof.environment.planet import PlanetParams
+
+    return json_schema(PlanetParams, {})
 
 
 def scenario_schema() -> dict[str, Any]:
@@ -52,7 +69,6 @@ def scenario_schema() -> dict[str, Any]:
     from edl6dof.calibration.params import CalibrationFile
     from edl6dof.campaign.design.params import CampaignFile
     from edl6dof.config.document.extends import EXTENDS
-    from edl6dof.config.schema import json_schema
 
     schema = json_schema(Scenario)
     schema["properties"][EXTENDS] = {
@@ -78,5 +94,14 @@ def _ask_for_nothing_in_sections(schema: dict[str, Any]) -> None:
                 name = option.get("$ref", "").rsplit("/", 1)[-1]
                 if name in definitions and name not in met:
                     met.add(name)
-                    definitions[name].pop("required", None)
+                    for asks in ("required", "anyOf"):  # anyOf: one of several that are required
+                        definitions[name].pop(asks, None)
                     waiting.append(definitions[name])
+
+
+#: Schemas by what they are of.
+SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
+    "scenario": scenario_schema,
+    "vehicle": vehicle_schema,
+    "planet": planet_schema,
+}

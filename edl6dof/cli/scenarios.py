@@ -91,9 +91,18 @@ def params(
     raise typer.Exit(run_params(path, as_json))
 
 
-def schema() -> None:
-    """JSON schema of scenario files, for editors."""
-    load_plugins()
+def schema(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(metavar="SCENARIO", help="Scenario whose plugins the files may choose from."),
+    ] = None,
+    of: Annotated[
+        str, typer.Option("--of", metavar="KIND", help="scenario (campaigns, too), vehicle or planet.")
+    ] = "scenario",
+    trust: Trust = False,
+) -> None:
+    """JSON schema of scenario, vehicle or planet files."""
+    load_plugins(scenario, trust=trust)
     from edl6dof.app.inspect import run_schema
 
-    raise typer.Exit(run_schema())
+    raise typer.Exit(run_schema(of))

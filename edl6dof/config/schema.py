@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from edl6dof.config.document.scalars import BOOLEAN_WORDS
 from edl6dof.config.document.source import INCLUDES
 from edl6dof.config.units import split_unit
 
@@ -53,9 +54,17 @@ def _draft7(node: Any) -> Any:
     if isinstance(changed.get("prefixItems"), list):
         changed["items"] = changed.pop("prefixItems")
         changed["additionalItems"] = False
+    if isinstance(changed.get("enum"), list) and (otherwise := _read_otherwise(changed["enum"])):
+        changed["enum"] = [*changed["enum"], *otherwise]
+        changed.pop("type", None)
     if isinstance(changed.get("properties"), dict):
         changed["properties"] = {name: _described(name, item) for name, item in changed["properties"].items()}
     return changed
+
+
+def _read_otherwise(words: list[Any]) -> list[bool]:
+    """What editors that read YAML 1.1 take some words for: ``off`` for false."""
+    return list({BOOLEAN_WORDS[word]: None for word in words if word in BOOLEAN_WORDS})
 
 
 #: Keywords of a declaration that no schema knows.

@@ -117,19 +117,8 @@ class EntryGuidanceParams(_EntryLaws):
     @property
     def heading_below_m_s(self) -> float:
         """Speed below which heading alignment takes over: the chosen law's own, where it has one."""
-        own = getattr(self._chosen, "heading_speed_m_s", None)
+        own = getattr(getattr(self, self.law, None), "heading_speed_m_s", None)
         return self.heading.speed_m_s if own is None else float(own)
-
-    @property
-    def least_bank_deg(self) -> float:
-        """Smallest bank magnitude: the chosen law's own, where it has one."""
-        own = getattr(self._chosen, "bank_min_deg", None)
-        return self.bank_min_deg if own is None else float(own)
-
-    @property
-    def _chosen(self) -> Any:
-        """Section of the law that is flown."""
-        return getattr(self, self.law, None)
 
 
 class PoweredGuidanceParams(_PoweredLaws):

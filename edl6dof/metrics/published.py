@@ -36,8 +36,8 @@ class PublishedFigure(Params):
     sigma: float | None = param(
         None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
     )
-    because: str = param(
-        "", "why flights of this model differ from it, where they do; validate tells it", record=False
+    because: str | None = param(
+        None, "why flights of this model differ from it, where they do; validate tells it", record=False
     )
 
     @model_validator(mode="after")

@@ -100,5 +100,5 @@ def _plain(one: Predicted) -> dict[str, Any]:
         "sigmas": one.sigmas if one.flown else None,
         "share_below": one.below,
         "inside": one.inside if one.flown else None,
-        "because": published.because,
+        "because": published.because or "",
     }

@@ -67,13 +67,16 @@ def show_flight(console: Console, flight: Flight) -> None:
 def timeline_table(flight: Flight) -> Table:
     """Events in order of time; what happens inside a phase is indented below it."""
     table = open_table("Timeline", "t (s)>", "event", "height above ground (m)>", "speed (m/s)>", "Mach>")
+    landed = False
     for event in flight.events:
+        landed = landed or event["key"] == "touchdown"
         starts_phase = "phase" in event
         name = event["name"] if starts_phase or event["key"] == "end" else f"  {event['name']}"
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", f"{mach:.2f}"
+        told = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
+        cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", told
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
 

@@ -62,8 +62,7 @@ def believe(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     software = scenario.flight_software
     for name in FILLED:
         fill(record[name], getattr(software, name))
-    entry, shared = software.guidance.entry, record["guidance"]["entry"]
-    shared["heading"]["speed"], shared["bank_min"] = entry.heading_below_m_s, radians(entry.least_bank_deg)
+    record["guidance"]["entry"]["heading"]["speed"] = software.guidance.entry.heading_below_m_s
     record["navigation"]["filter"] = NAVIGATION_FILTERS.names.index(scenario.navigation_filter)
     fill_check_out(record["check_out"], software.check_out, scenario.thruster_names)
     sensors = scenario.sensors_in_flight
@@ -148,7 +147,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     _hang(record["configuration"], hung, vehicle)
     record["n_engines"] = len(vehicle.engines)
     for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
-        axial = slot["axial"] = -engine.direction[0]
+        axial = slot["axial"] = abs(engine.direction[0])
         slot["full_thrust"] = axial * engine.full_thrust_n
         slot["specific_impulse"] = axial * engine.full_specific_impulse_s
         slot["throttle_min"] = axial * engine.throttle_min_n

@@ -20,6 +20,7 @@ from edl6dof.scenario.events import event_problems, quantity_problems, way_probl
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sensors.registry import sensor_problems
 from edl6dof.vehicle.faults.fault import fault_problems
+from edl6dof.vehicle.propulsion.engine_models import thruster_set
 
 
 class CrossCheck(NamedTuple):
@@ -96,6 +97,15 @@ def _delay_problems(scenario: Scenario) -> dict[str, str]:
     return found
 
 
+def _thruster_set_problems(scenario: Scenario) -> dict[str, str]:
+    """The table of thrusters takes axial ones whole or not at all, so that they do not steer."""
+    made_so = any(engine.model == thruster_set.NAME for engine in scenario.vehicle.engines)
+    if scenario.flight_software.allocation.method != "table" or not made_so:
+        return {}
+    message = f"table does not steer by an engine that is a {thruster_set.NAME}; choose least_squares"
+    return {"flight_software.allocation.method": message}
+
+
 def _metering_problems(scenario: Scenario) -> dict[str, str]:
     """Diagnosis sets what branches use against what the vehicle does: over the same cycle."""
     sensors = scenario.sensors_in_flight
@@ -161,14 +171,12 @@ def _alignment_problems(scenario: Scenario) -> dict[str, str]:
 
 def _last_event_problems(scenario: Scenario) -> dict[str, str]:
     """The event with which the flight ends is one of the mission, and named where it does."""
-    mission, here = scenario.mission, "mission.goal_event"
-    if mission.goal != "event":
-        words = f"has no effect with goal {mission.goal}: leave it out, or choose goal event"
-        return {} if mission.goal_event is None else {here: words}
-    if mission.goal_event in mission.events:
+    mission = scenario.mission
+    last, known = mission.goal_event, ", ".join(mission.events) or "none"
+    if last in mission.events or last is None and mission.goal != "event":
         return {}
-    named = "name the event" if mission.goal_event is None else f"no event named {mission.goal_event!r}"
-    return {here: f"{named} with which the flight ends; names: {', '.join(mission.events) or 'none'}"}
+    named = "name the event" if last is None else f"no event named {last!r}"
+    return {"mission.goal_event": f"{named} with which the flight ends; names: {known}"}
 
 
 def _goal_problems(scenario: Scenario) -> dict[str, str]:
@@ -205,6 +213,7 @@ CROSS_CHECKS = (
     CrossCheck(frozenset({"sensors", "flight_software"}), _delay_problems),
     CrossCheck(frozenset({"sensors", "flight_software"}), _hazard_problems),
     CrossCheck(frozenset({"sensors", "dynamics"}), _metering_problems),
+    CrossCheck(frozenset({"vehicle", "flight_software"}), _thruster_set_problems),
     CrossCheck(frozenset({"dynamics", "mission"}), _goal_problems),
     CrossCheck(frozenset({"mission"}), _last_event_problems),
     CrossCheck(frozenset({"mission"}), lambda s: way_problems(s.mission)),

@@ -20,8 +20,6 @@ from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
 
 #: Outcome of a flight that flies no further though it could, or has not begun.
 HALTED = -1
-#: Portions of a fleet for each thread: flights differ in what their cycles take.
-_PORTIONS = 4
 
 
 class Start(NamedTuple):
@@ -69,10 +67,10 @@ class Fleet:
         self.cycles = np.zeros(count, np.int64)
         self.outcomes = np.full(count, HALTED, np.int64)
         self._works = np.zeros(count, WORKSPACE)
-        portions = min(count, workers * _PORTIONS) if workers > 1 else 1
-        edges = np.linspace(0, count, portions + 1).astype(int)
+        edges = np.linspace(0, count, min(workers, count) + 1).astype(int)
         self._portions = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
-        self._pool = ThreadPoolExecutor(workers, thread_name_prefix="edl6dof") if workers > 1 else None
+        others = len(self._portions) - 1
+        self._pool = ThreadPoolExecutor(others, thread_name_prefix="edl6dof") if others else None
 
     def __len__(self) -> int:
         return len(self.cycles)
@@ -93,12 +91,12 @@ class Fleet:
         self.outcomes[which & (self.outcomes == FLYING)] = HALTED
 
     def advance(self, cycles: int) -> None:
-        """Fly some base cycles of every flight that still flies."""
-        if self._pool is None:
-            self._fly(self._portions[0], cycles)
-            return
-        for done in [self._pool.submit(self._fly, portion, cycles) for portion in self._portions]:
-            done.result()
+        """Fly some base cycles of every flight that still flies, a share of them in this thread."""
+        mine, *others = self._portions
+        under_way = [self._pool.submit(self._fly, some, cycles) for some in others] if self._pool else []
+        self._fly(mine, cycles)
+        for one in under_way:
+            one.result()
 
     def _fly(self, some: slice, cycles: int) -> None:
         fly_each(

@@ -15,6 +15,7 @@ from edl6dof.scenario.records import Records
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.commanding import Command, Commander
 from edl6dof.sim.flight import Flight, flight_of
+from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
 from edl6dof.sim.observing import Reader, navigated, true_state, wanted
 from edl6dof.sim.outcome import FLYING, OUTCOMES
 from edl6dof.sim.underway import NO_TICKS, Moment, Underway
@@ -85,6 +86,20 @@ class SteppedFlight:
         """The true state, which no flight computer has: for rewards and figures."""
         self.underway.look()
         return {name: read() for name, read in self._true.items()}
+
+    def linear_plant(self) -> LinearModel:
+        """The plant as it stands, as a linear model from torque and force of the thrusters."""
+        return linear_plant(self.underway)
+
+    def attitude_margins(self) -> dict[str, Margins]:
+        """Margins of the attitude loop of the present phase, by axis of B; the torque follows the attitude
+        after half a control cycle, for which it is held.
+
+        They mean something where the controller is linear about the state, as ``thrust_vector`` is.
+        """
+        rates = self.loaded.scenario.flight_software.rates
+        held = 0.5 * rates.control_every / rates.base_hz
+        return margins(self.linear_plant(), control_gain(self.underway), held)
 
     def state(self) -> State:
         """The flight as it stands; :meth:`State.save` writes it to a file that ``edl6dof fly --from`` reads,

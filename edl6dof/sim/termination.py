@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import hypot
 from typing import TYPE_CHECKING
 
+from edl6dof.config.base import stated
 from edl6dof.sim.causes import reasons
 from edl6dof.sim.outcome import CRASHED, LANDED, LAST_EVENT, NOT_FINITE, OUTCOMES, TIME_LIMIT, TIPPED_OVER
 from edl6dof.telemetry.timeline import in_words
@@ -51,8 +52,8 @@ def termination(flight: Flight) -> Termination:
     """How ``flight`` ended."""
     mission = flight.scenario.mission
     reached, words, within = _GOALS[mission.goal]
-    if mission.goal_event is not None:
-        words = in_words(mission.events[mission.goal_event])
+    if mission.goal == "event":
+        words = in_words(mission.events[stated(mission.goal_event)])
     missed = [check for check in flight.checks if not check.ok] if flight.code == reached else []
     if flight.code == reached and not missed:
         return Termination(True, True, words + within, "")

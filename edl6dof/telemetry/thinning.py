@@ -35,7 +35,7 @@ def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
         return np.empty(0, int)
     columns = np.ascontiguousarray(values.T)  # numpy is quick along the rows of an array
     finite = np.where(np.isfinite(columns), columns, np.nan)
-    gap = np.asarray(np.isnan(finite).any(axis=0))
+    gap: np.ndarray = np.logical_or.reduce(np.isnan(finite), axis=0)
     low, high = (np.where(np.isnan(finite), far, finite) for far in (np.inf, -np.inf))
     near = np.maximum(high.max(axis=1) - low.min(axis=1), 0.0)[:, None] * SHARE / HALVINGS
     kept = ~gap

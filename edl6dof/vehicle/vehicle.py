@@ -30,6 +30,9 @@ from edl6dof.vehicle.propulsion.engine import EngineParams
 from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.propulsion.rcs import RcsParams
 
+#: Share by which the thrust of an engine of thrusters may differ from theirs, which disperse.
+_AS_BELIEVED = 0.1
+
 
 def _or_daveml(schema: dict[str, Any]) -> None:
     """Editors: ``mass`` and ``aero`` may be left to the DAVE-ML files (the program reads those before it
@@ -138,7 +141,7 @@ class VehicleParams(Hardware):
         problems = {}
         for k in sets:
             full = self.engines[k].full_thrust_n
-            if abs(full - axial) > 0.01 * full:
+            if abs(full - axial) > _AS_BELIEVED * full:
                 problems[f"engines.{k}.full_thrust_n"] = (
                     f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
                 )
@@ -170,6 +173,11 @@ class VehicleParams(Hardware):
     def showing(self, shape: str) -> Part | None:
         """The first part that shows ``shape`` to the air."""
         return next((part for part in self.parts if part.shape == shape), None)
+
+    @property
+    def own_engines(self) -> list[EngineParams]:
+        """Engines with a nozzle of their own: not the one that is made of thrusters."""
+        return [engine for engine in self.engines if engine.model != thruster_set.NAME]
 
     @property
     def main_parachute(self) -> ParachuteParams:

@@ -104,14 +104,11 @@ def test_misses_of_entries_out_of_reach_explain_the_99_percent_and_nothing_else_
     assert found([*near, 9.0, 9.0, 9.0], {98})["msl: 99 % of misses, best law"] == (9.0, False)
 
 
-@pytest.mark.parametrize(("law", "speed", "bank"), [("fnpeg", 700.0, 8.0), ("etpc", 1100.0, 15.0)])
-def test_fnpeg_alone_controls_range_for_longer_and_banks_less(law, speed, bank):
+@pytest.mark.parametrize(("law", "speed"), [("fnpeg", 700.0), ("etpc", 1100.0)])
+def test_fnpeg_alone_controls_range_for_longer(law, speed):
     """What MSL flew stays what it flew: the settings of one law are no other's."""
-    chosen = f"{vehicles.ENTRY}.law={law}"
-    flown = build_records(edl6dof.load("msl", [chosen])).onboard[0]["guidance"]["entry"]
-    assert flown["heading"]["speed"] == speed
-    flown = build_records(edl6dof.load("tianwen1", [chosen])).onboard[0]["guidance"]["entry"]
-    assert degrees(flown["bank_min"]) == pytest.approx(bank)
+    loaded = edl6dof.load("msl", [f"{vehicles.ENTRY}.law={law}"])
+    assert build_records(loaded).onboard[0]["guidance"]["entry"]["heading"]["speed"] == speed
 
 
 def test_open_loop_profile_is_the_planned_bank():

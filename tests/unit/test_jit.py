@@ -118,6 +118,27 @@ def test_files_that_are_not_imported_are_not_seen(package):
     assert reached(package, "caller.py") == {"caller.py"}
 
 
+EDITED = """
+import sys, time
+sys.path.insert(0, {root!r})
+from pathlib import Path
+from probe.caller import area
+helper = Path({root!r}, "probe", "deep", "helper.py")
+helper.write_text(helper.read_text().replace("3.0", "7.0"))
+print(area(2.0))
+"""
+
+
+def test_code_of_a_source_that_was_edited_after_it_was_imported_is_not_kept(package):
+    """Its stamp would be that of the new source, and the next process would run the old one."""
+    write(package, "caller.py", CALLER.format("from probe.deep.helper import factor", "factor"))
+    env = {key: value for key, value in os.environ.items() if not key.startswith("NUMBA_")}
+    words = [sys.executable, "-c", EDITED.format(root=str(package))]
+    run = subprocess.run(words, capture_output=True, text=True, env=env, timeout=60, check=True)
+    assert run.stdout == "6.0\n", "what was imported"
+    assert call(package)[:2] == (14.0, 0)
+
+
 def test_an_import_cycle_ends_and_both_files_count(package):
     write(package, "a.py", "from probe import b\n")
     write(package, "b.py", "import probe.a\nfrom probe.deep.helper import factor\n")

@@ -21,6 +21,11 @@ _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*( [A-Za-z0-9_(][A-Za-z0-9_./+()-]*)*")
 _LONGEST_NUMBER = 300
+#: Words that YAML 1.1, and so many a program, takes for true and false.
+BOOLEAN_WORDS = {
+    **dict.fromkeys(("y", "yes", "on"), True),
+    **dict.fromkeys(("n", "no", "off"), False),
+}
 
 
 def read_scalar(text: str) -> Scalar:
@@ -51,14 +56,17 @@ def read_scalar(text: str) -> Scalar:
 
 
 def write_scalar(value: Scalar) -> str:
-    """Text that :func:`read_scalar` (or the double-quoted style) turns back into exactly ``value``."""
+    """Text that :func:`read_scalar` (or the double-quoted style) turns back into exactly ``value``, and that
+    YAML 1.1 reads no other way: ``"off"``, ``1.0e-05``.
+    """
     if value is None:
         return "null"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int | float):
-        return repr(value)
-    if _PLAIN.fullmatch(value) and read_scalar(value) == value:
+        text = repr(value)
+        return text.replace("e", ".0e") if "e" in text and "." not in text else text
+    if _PLAIN.fullmatch(value) and read_scalar(value) == value and value.lower() not in BOOLEAN_WORDS:
         return value
     return "".join(ch if ch.isprintable() else _escape(ch) for ch in json.dumps(value, ensure_ascii=False))
 

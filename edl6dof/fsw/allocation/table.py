@@ -90,25 +90,6 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
 
 
 @kernel
-def push_together(matrix, vehicle, healthy, demand, duty, unallocated):
-    """One duty for all axial thrusters: full where they help the engine, what the thrust asks for where they
-    are it.
-    """
-    most = 0.0
-    for i in range(vehicle.n_thrusters):
-        if vehicle.thrusters[i].group == AXIAL and healthy[i] != 0:
-            most += matrix[i, 0]
-    level = 1.0
-    if demand.descending != 0:
-        level = min(max(demand.wrench[0] / most, 0.0), 1.0) if most != 0.0 else 0.0
-    for i in range(vehicle.n_thrusters):
-        if vehicle.thrusters[i].group == AXIAL and healthy[i] != 0:
-            duty[i] = level
-            for row in range(ROWS):
-                unallocated[row] -= matrix[i, row] * level
-
-
-@kernel
 def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
     """Duties for a demanded force and torque by table; arguments as in
     :func:`edl6dof.fsw.allocation.least_squares.share_out`.
@@ -118,8 +99,10 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
         unallocated[row] = demand.wrench[row]
     for i in range(vehicle.n_thrusters):
         duty[i] = 0.0
-    if demand.boosting != 0:
-        push_together(matrix, vehicle, healthy, demand, duty, unallocated)
+        if demand.boosting != 0 and vehicle.thrusters[i].group == AXIAL and healthy[i] != 0:
+            duty[i] = 1.0
+            for row in range(ROWS):
+                unallocated[row] -= matrix[i, row]
     if demand.translating != 0:
         for row in (1, 2):
             mask = demand.groups & (1 << HORIZONTAL)

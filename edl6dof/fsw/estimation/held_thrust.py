@@ -1,10 +1,11 @@
-"""A throttle that no longer moves: thrust that rests while its command goes elsewhere.
+"""A throttle that no longer moves: thrust that rests while its command falls.
 
-The thrust that the specific force shows is smoothed.  Where it begins to rest, what it then is above its
-command is noted: the drag of the air shows as thrust, a weak engine gives less, a thruster stuck on gives
-more.  If the command moves away from there and the thrust stays, the throttle stands: any other engine would
-follow, by the share of the command that it gives.  That is believed for good, and the thrust followed from
-then on whenever it rests.
+The thrust that the specific force shows is smoothed, and where it rests it is noted together with its
+command.  What follows its command from there, even by a share of it, is noted anew: a weak engine gives less,
+and the drag of the air or a thruster that is stuck on show as thrust beside it.  Where the command has fallen
+and the thrust rests, the throttle stands.  That is believed for good, and the thrust followed from then on
+whenever it rests.  A command that rises and is not followed says less: a weak engine is made up for so
+(:mod:`.engine_shortfall`).
 
 Source: this project.
 """
@@ -19,6 +20,9 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.estimation.engine_shortfall import RESTS
 from edl6dof.jit import kernel
 
+#: Share of a change of the command that thrust has to follow to count as one that moves.
+FOLLOWS = 0.35
+
 
 class HeldThrustParams(Params):
     """Belief in a throttle that stands."""
@@ -26,8 +30,8 @@ class HeldThrustParams(Params):
     lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
     settled_s: float = param(1.0, "time for which the thrust has to stay behind", status="estimate", ge=0.0)
     believed_from: float = param(
-        0.15,
-        "change of the command, over it, that the thrust has not followed, from which it is believed",
+        0.2,
+        "fall of the command, over it, that the thrust has not followed, from which it is believed",
         status="estimate",
         gt=0.0,
     )
@@ -36,13 +40,23 @@ class HeldThrustParams(Params):
 HELD_THRUST = np.dtype(
     [
         ("smoothed", "f8"),  # N: measured thrust
-        ("reference", "f8"),  # N: where it began to rest
-        ("offset", "f8"),  # N: how far it was above its command there
-        ("stayed", "f8"),  # s: for how long it has not followed
+        ("resting", "f8"),  # N: where it began to rest
+        ("rested", "f8"),  # s: for how long it has
+        ("stayed", "f8"),  # s: and for how long away from its command
+        ("reference", "f8"),  # N: what was noted
+        ("asked", "f8"),  # N: and its command
         ("held", "f8"),  # N: thrust of the throttle that stands; 0: it moves
     ],
     align=True,
 )
+
+
+@kernel
+def is_away(params, commanded, memory):
+    """Whether the command has fallen from where both were noted, and the thrust has not followed."""
+    fallen = memory.asked - commanded
+    followed = memory.reference - memory.smoothed
+    return fallen > params.believed_from * commanded and followed < FOLLOWS * fallen
 
 
 @kernel
@@ -57,16 +71,22 @@ def held_thrust(params, commanded, measured, dt, memory):
         memory: ``HELD_THRUST`` record, updated.
     """
     if commanded <= 0.0:
-        memory.smoothed = memory.reference = memory.stayed = 0.0
+        memory.smoothed = memory.resting = memory.reference = memory.rested = memory.stayed = 0.0
         return memory.held
+    if memory.reference == 0.0:
+        memory.reference = memory.asked = commanded
     memory.smoothed += (1.0 - exp(-dt / params.lag)) * (measured - memory.smoothed)
-    above = memory.smoothed - commanded
-    if abs(memory.smoothed - memory.reference) > RESTS * memory.reference:
-        memory.reference, memory.offset, memory.stayed = memory.smoothed, above, 0.0
-    elif memory.held > 0.0 or abs(above - memory.offset) > params.believed_from * commanded:
-        memory.stayed += dt
-        if memory.stayed >= params.settled:
-            memory.held = memory.smoothed
-    else:
+    memory.rested += dt
+    memory.stayed += dt
+    if abs(memory.smoothed - memory.resting) > RESTS * memory.resting:
+        memory.resting = memory.smoothed
+        memory.rested = memory.stayed = 0.0
+    away = memory.held > 0.0 or is_away(params, commanded, memory)
+    if not away:
         memory.stayed = 0.0
+    if memory.stayed >= params.settled:
+        memory.held = memory.smoothed
+    moved = abs(memory.smoothed - memory.reference) > RESTS * memory.reference
+    if moved and not away and memory.rested >= params.settled:
+        memory.reference, memory.asked = memory.smoothed, commanded
     return memory.held

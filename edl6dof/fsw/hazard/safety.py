@@ -31,6 +31,12 @@ VERDICTS = ("safe", "edge", "slope", "rock")
 
 #: Standard deviations within which a cell may keep a limit or not; farther off it does, or does not.
 _DOUBT = 5.0
+#: -log Phi at steps of ``_FINE`` standard deviations from -``_DOUBT`` to one beyond ``_DOUBT``: it is read
+#: for every cell of every footprint.
+_FINE = 0.01
+_DOUBTS = np.array(
+    [-log(0.5 * erfc(-(k * _FINE - _DOUBT) * sqrt(0.5))) for k in range(round(2.0 * _DOUBT / _FINE) + 2)]
+)
 
 JUDGED = np.dtype(
     [
@@ -82,9 +88,28 @@ def spread_of_rise(radius_m, cell, deviation):
 
 
 @kernel
-def keeps_clear(chart, radius, i, j, planes, roughest, deviation, between, least):
+def sharpness(chart, deviation, between, out):
+    """Write the inverse of the standard deviation of the elevation of each known cell (1/m) into ``out``."""
+    for i in range(MAP_CELLS):
+        for j in range(MAP_CELLS):
+            weight = max(chart.weight[i, j], 1e-6)
+            out[i, j] = 1.0 / sqrt(deviation * deviation / weight + between * between)
+
+
+@kernel
+def doubt_of(x):
+    """-log Phi of ``x``, at most ``_DOUBT``; below -``_DOUBT`` that of it."""
+    place = max(x + _DOUBT, 0.0) / _FINE
+    k = int(place)
+    return _DOUBTS[k] + (place - k) * (_DOUBTS[k + 1] - _DOUBTS[k])
+
+
+@kernel
+def keeps_clear(chart, sharp, radius, i, j, planes, roughest, least):
     """Probability that no cell of the footprint around (i, j) lies farther off its plane than ``roughest``
     (m, up or down); once it is seen to be less than ``least``, an upper bound of it.
+
+    ``sharp`` is the inverse of the standard deviation of each cell (1/m).
     """
     reach, doubt, enough = chord(radius, 0), 0.0, -log(least)
     for row in range(-reach, reach + 1):
@@ -92,10 +117,9 @@ def keeps_clear(chart, radius, i, j, planes, roughest, deviation, between, least
         level = planes.level[j] + planes.rise_north[j] * row
         for column in range(-half, half + 1):
             off = chart.highest[i + row, j + column] - level - planes.rise_east[j] * column
-            left = roughest - abs(off)
-            variance = deviation * deviation / chart.weight[i + row, j + column] + between * between
-            if left * abs(left) < _DOUBT * _DOUBT * variance:
-                doubt -= log(max(below(left / sqrt(variance)), 1e-30))
+            x = (roughest - abs(off)) * sharp[i + row, j + column]
+            if x < _DOUBT:
+                doubt += doubt_of(x)
         if doubt > enough:
             break
     return exp(-doubt)
@@ -114,9 +138,11 @@ def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviati
         deviation: standard deviation of the elevation of one point of whole weight, m.
         between: standard deviation of the relief between the points of a cell, m.
         least: probability from which on a cell is safe.
-        out: ``JUDGED`` record, verdicts and probabilities written.
+        out: ``JUDGED`` record, verdicts and probabilities written; its clearances, which are worked out
+            afterwards, are scratch.
     """
-    radius, planes = radius_m / chart.cell, footprint.planes
+    radius, planes, sharp = radius_m / chart.cell, footprint.planes, out.clearance
+    sharpness(chart, max(deviation, 1e-9), between, sharp)
     reach = chord(radius, 0)
     spread = max(spread_of_rise(radius_m, chart.cell, sqrt(deviation * deviation + between * between)), 1e-9)
     sharpest = max(between, 1e-9)
@@ -137,7 +163,7 @@ def judge_by_probability(chart, footprint, radius_m, steepest, roughest, deviati
             if probability >= least:
                 upward = roughest * sqrt(1.0 + rise * rise)
                 probability = below((steepest - rise) / spread) * keeps_clear(
-                    chart, radius, i, j, planes, upward, deviation, between, least
+                    chart, sharp, radius, i, j, planes, upward, least
                 )
                 if probability >= least:
                     out.verdict[i, j] = SAFE

@@ -185,7 +185,7 @@ class MissionParams(Params):
         ),
         record=False,
     )
-    goal_event: Key | None = param(None, "event with which the flight ends, of goal event", record=False)
+    goal_event: Key | None = param(None, "event with which a flight of goal event ends", record=False)
     phases: Annotated[list[Phase], Capacity(MAX_PHASES)] = param(
         None, "phases in order", factory=list, max_length=MAX_PHASES
     )

@@ -109,11 +109,13 @@ class Views:
         place: np.ndarray,
         target: np.ndarray,
         labels: Sequence[str] = (),
+        not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
         rrb = self.rrb
-        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden] + [
-            f"/site/labels/{name}" for name in labels
-        ]
+        excluded = [f"- {root}/{part}/**" for root in self.roots() for part in hidden]
+        others = [root for root in self.roots() if f"{root}/{origin.rpartition('/')[2]}" != origin]
+        excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
+        excluded += [f"/site/labels/{name}" for name in labels]
         return rrb.Spatial3DView(
             origin=origin,
             contents=["/site/**", *excluded],
@@ -141,7 +143,14 @@ class Views:
     ) -> rrb.Spatial3DView | rrb.Grid:
         """A view from the same camera of each flight."""
         views = [
-            self._view(f"{name}: {label}" if label else name, f"{root}/{camera}", hidden, eye, np.zeros(3))
+            self._view(
+                f"{name}: {label}" if label else name,
+                f"{root}/{camera}",
+                hidden,
+                eye,
+                np.zeros(3),
+                not_of_others=(*_OWN, "camera/name"),
+            )
             for root, label in zip(self.roots(), self.flown.labels, strict=True)
         ]
         return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)

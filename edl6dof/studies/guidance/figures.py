@@ -16,7 +16,7 @@ def of_flight(flight: Flight) -> dict[str, float]:
     lift = flight.during(LIFT)
     steered = lift & (rows["truth.speed_m_s"] > max(entry.align_speed_m_s, entry.heading_below_m_s))
     bank, dt = np.abs(rows["guide.bank_deg"][steered]), np.gradient(rows["t_s"])[steered]
-    at_limit = (bank >= entry.bank_max_deg - 0.01) | (bank <= entry.least_bank_deg + 0.01)
+    at_limit = (bank >= entry.bank_max_deg - 0.01) | (bank <= entry.bank_min_deg + 0.01)
     reference = rows["guide.reference_drag_m_s2"][steered]
     followed = reference > 0.0
     error = (rows["nav.drag_m_s2"][steered] - reference)[followed]

@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 from math import cos, sin
-from typing import ClassVar, Self
+from typing import ClassVar
 
-from pydantic import field_validator, model_validator
+from pydantic import field_validator
 
 from edl6dof.config.base import REQUIRED, Hardware, Key, Vec3, param, unit_vector
 from edl6dof.config.dtype import dtype_of
-from edl6dof.config.errors import Inconsistent
 from edl6dof.config.units import G0
 from edl6dof.jit import kernel
 from edl6dof.spatial.vector import cross
@@ -53,15 +52,10 @@ class EngineParams(EngineChoice, Hardware):
     @field_validator("direction")
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
-        return unit_vector(value)
-
-    @model_validator(mode="after")
-    def _lands_on_its_thrust(self) -> Self:
-        """What flight software throttles brakes a landing; nothing steers a solid motor."""
-        if self.model != "solid" and not self.direction[0] < -0.1:
-            words = f"must push along -x, at most 84 deg from it (got {list(self.direction)})"
-            raise Inconsistent({"direction": words})
-        return self
+        found = unit_vector(value)
+        if not abs(found[0]) > 0.1:
+            raise ValueError(f"must push along x of B, at most 84 deg aside (got {list(value)})")
+        return found
 
 
 ENGINE = dtype_of(EngineParams)

@@ -28,9 +28,9 @@ def believed(commanded, measured, noise=0.0, seed=1):
 
 def followed(commanded, share=1.0, more=0.0, rate=1500.0):
     """Thrust of an engine that follows its command with a limited rate (N/s), and what shows beside it."""
-    thrust = [0.0]
+    thrust = [share * commanded[0]]
     for c in commanded:
-        thrust.append(thrust[-1] + np.clip(share * c - thrust[-1], -25000.0 * DT, rate * DT))
+        thrust.append(thrust[-1] + np.clip(share * c - thrust[-1], -rate * DT, rate * DT))
     return np.array(thrust[1:]) + more
 
 
@@ -48,13 +48,24 @@ def test_engine_that_follows_is_never_believed_to_stand(share, more):
     assert not believed(MOVING, followed(MOVING, share, more), noise=60.0).any()
 
 
-def test_engine_whose_command_moves_slowly_either_way_is_believed_once_it_has_moved():
-    for end in (3000.0, 6000.0):
-        commanded = np.concatenate([np.full(50, 4500.0), np.linspace(4500.0, end, 500)])
-        found = believed(commanded, np.full(550, 4500.0), noise=60.0)
-        assert found[-1] == pytest.approx(4500.0, rel=0.02)
-        first = np.argmax(found > 0.0)
-        assert 0.1 < abs(commanded[first] / 4500.0 - 1.0) < 0.3
+def test_throttle_that_stands_is_believed_once_its_command_has_fallen():
+    commanded = np.concatenate([np.full(50, 4500.0), np.linspace(4500.0, 3000.0, 500)])
+    found = believed(commanded, np.full(550, 4500.0), noise=60.0)
+    assert found[-1] == pytest.approx(4500.0, rel=0.02)
+    assert 0.15 < 1.0 - commanded[np.argmax(found > 0.0)] / 4500.0 < 0.3
+
+
+def test_thrust_that_is_lost_and_made_up_for_by_the_command_does_not_stand():
+    commanded = np.concatenate([np.full(100, 3350.0), np.linspace(3350.0, 4190.0, 50), np.full(100, 4190.0)])
+    measured = np.concatenate([np.full(100, 3350.0), 0.8 * commanded[100:]])
+    assert not believed(commanded, measured, noise=60.0).any()
+
+
+def test_jolt_while_the_throttle_stands_does_not_hide_it():
+    commanded = np.concatenate([np.full(100, 4300.0), np.full(100, 3400.0)])
+    measured = np.full(200, 4300.0)
+    measured[105:112] += 1500.0
+    assert believed(commanded, measured, noise=60.0)[-1] == pytest.approx(4300.0, rel=0.02)
 
 
 def test_full_level_that_stays_is_believed_within_two_seconds_and_kept_while_the_engine_is_off():

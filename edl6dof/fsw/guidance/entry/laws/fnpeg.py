@@ -72,14 +72,6 @@ class FnpegParams(Params):
         ge=0.0,
         le=10e3,
     )
-    bank_min_deg: float | None = param(
-        None,
-        "smallest bank magnitude of this law, in place of the one that all laws share",
-        status="design",
-        record=False,
-        ge=0.0,
-        le=90.0,
-    )
 
 
 MEMORY = np.dtype(

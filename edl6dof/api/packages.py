@@ -1,0 +1,43 @@
+"""Functions of ``import edl6dof`` that have the names of its packages: ``edl6dof.report(run)`` beside
+``from edl6dof.report.document import Report``.
+
+Python puts a package, once it is imported, in the place of the function of its name.  It is called like the
+function from then on.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from types import ModuleType
+from typing import Any
+
+
+def stay_callable(package: ModuleType, functions: Mapping[str, Callable[..., Any]]) -> None:
+    """Let what is imported into ``package`` under the name of one of these functions be called like it."""
+
+    class Package(ModuleType):
+        """A package that knows functions of the names of its packages."""
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if isinstance(value, ModuleType) and name in functions:
+                value.__class__ = _called(functions[name])
+            super().__setattr__(name, value)
+
+    package.__class__ = Package
+
+
+def _called(function: Callable[..., Any]) -> type[ModuleType]:
+    """Modules that are called like a function."""
+
+    class Called(ModuleType):
+        """A package that is a function too."""
+
+        __signature__ = inspect.signature(function)
+
+        def __call__(self, *values: Any, **named: Any) -> Any:
+            """Call the function."""
+            return function(*values, **named)
+
+    Called.__call__.__doc__ = function.__doc__
+    return Called

@@ -1,0 +1,206 @@
+"""Linear models of a flight at a moment: the plant, attitude control, and the margins of the loop of both.
+
+The plant's by central differences of its own equations of motion, attitude control's by those of the law that
+flies.  What is no straight line at that moment (a phase plane, a limit, a step that has no derivative) has
+none here either: margins mean something for laws that are linear about the state, such as ``thrust_vector``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from edl6dof.config.dtype import duplicate
+from edl6dof.fsw.control.registry import attitude_control
+from edl6dof.fsw.navigation.derived import derive
+from edl6dof.sim.loop import look
+from edl6dof.sim.underway import Underway
+from edl6dof.vehicle.plant import ATTITUDE, POSITION, RATE, VELOCITY
+
+if TYPE_CHECKING:
+    from control import StateSpace
+
+#: Deviations of the state, in the order of the matrices: position and inertial velocity in I; small rotation
+#: and rate in B.
+STATES = (
+    *("r_x_m", "r_y_m", "r_z_m", "v_x_m_s", "v_y_m_s", "v_z_m_s"),
+    *("theta_x_rad", "theta_y_rad", "theta_z_rad", "w_x_rad_s", "w_y_rad_s", "w_z_rad_s"),
+)
+#: Torque and force of the thrusters, in B.
+INPUTS = ("torque_x_nm", "torque_y_nm", "torque_z_nm", "force_x_n", "force_y_n", "force_z_n")
+#: Steps of the differences: of states and inputs in the order above, three each.
+_STATE_STEPS, _INPUT_STEPS = np.repeat([1.0, 1e-2, 1e-5, 1e-5], 3), np.repeat([1.0, 1.0], 3)
+_R, _V, _TH, _W = (slice(3 * k, 3 * k + 3) for k in range(4))
+#: rad/s, where margins are looked for.
+_FREQUENCIES = np.geomspace(1e-3, 300.0, 20_000)
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """``x' = a x + b u``, ``y = c x + d u`` of deviations from a moment of a flight.
+
+    Attributes:
+        t_s: time of the moment, s.
+        a, b, c, d: matrices.
+        states, inputs, outputs: names in their order, with units.
+    """
+
+    t_s: float
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+    d: np.ndarray
+    states: tuple[str, ...] = STATES
+    inputs: tuple[str, ...] = INPUTS
+    outputs: tuple[str, ...] = STATES
+
+    def poles(self) -> np.ndarray:
+        """Eigenvalues of ``a``, 1/s."""
+        return np.linalg.eigvals(self.a)
+
+    def to_control(self) -> StateSpace:
+        """The model as python-control's.
+
+        Raises:
+            ImportError: it is not installed.
+        """
+        try:
+            import control
+        except ImportError:
+            raise ImportError("to_control needs python-control: pip install control") from None
+        names = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
+        return control.ss(self.a, self.b, self.c, self.d, **{key: list(names[key]) for key in names})
+
+
+class Margins(NamedTuple):
+    """Margins of one axis, its loop broken at the torque and the others closed; infinite where there is no
+    crossover.
+    """
+
+    gain_db: float
+    phase_deg: float
+    delay_s: float
+    crossover_rad_s: float
+
+
+def linear_plant(flight: Underway) -> LinearModel:
+    """The plant of a flight as it stands, which stays as it is."""
+    plant, outputs, work = (duplicate(record) for record in (flight.plant, flight.outputs, flight.work))
+
+    def slopes() -> np.ndarray:
+        """Accelerations: of the velocity in I, of the rate in B."""
+        look(flight.case, flight.tables, plant, outputs, work)
+        k = work["k"][0, 0]
+        return np.concatenate([k[VELOCITY : VELOCITY + 3], k[RATE : RATE + 3]])
+
+    y, inputs = plant["y"][0], plant["inputs"]
+    y0 = y.copy()
+    a, b = np.zeros((12, 12)), np.zeros((12, 6))
+    a[_R, _V] = a[_TH, _W] = np.eye(3)
+    a[_TH, _TH] = -_cross(y0[RATE : RATE + 3])
+    for j, step in enumerate(_STATE_STEPS):
+        found = []
+        for sign in (1.0, -1.0):
+            y[:] = y0
+            _deviate(y, j, sign * step)
+            found.append(slopes())
+        y[:] = y0
+        difference = (found[0] - found[1]) / (2.0 * step)
+        a[_V, j], a[_W, j] = difference[:3], difference[3:]
+    for j, step in enumerate(_INPUT_STEPS):
+        place = inputs["rcs_moment" if j < 3 else "rcs_force"][0]
+        before, found = place[j % 3], []
+        for sign in (1.0, -1.0):
+            place[j % 3] = before + sign * step
+            found.append(slopes())
+        place[j % 3] = before
+        difference = (found[0] - found[1]) / (2.0 * step)
+        b[_V, j], b[_W, j] = difference[:3], difference[3:]
+    return LinearModel(float(plant["t"][0]), a, b, np.eye(12), np.zeros((12, 6)))
+
+
+def _deviate(y: np.ndarray, j: int, step: float) -> None:
+    """Move state ``j`` of :data:`STATES` by a step."""
+    if j < 6:
+        y[(POSITION if j < 3 else VELOCITY) + j % 3] += step
+    elif j < 9:
+        y[ATTITUDE : ATTITUDE + 4] = turned(y[ATTITUDE : ATTITUDE + 4], j - 6, step)
+    else:
+        y[RATE + j - 9] += step
+
+
+def turned(q_I2B: np.ndarray, axis: int, angle: float) -> np.ndarray:
+    """An attitude turned by an angle (rad) about an axis of B: the product with that rotation."""
+    w, v = q_I2B[0], q_I2B[1:]
+    half = np.zeros(3)
+    half[axis] = np.sin(0.5 * angle)
+    c = np.cos(0.5 * angle)
+    return np.array([w * c - v @ half, *(w * half + c * v + np.cross(v, half))])
+
+
+def _cross(w: np.ndarray) -> np.ndarray:
+    """Matrix of the cross product with a vector from the left."""
+    return np.array([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]])
+
+
+def control_gain(flight: Underway) -> np.ndarray:
+    """Torque (N m, B) that attitude control takes off for each deviation of rotation (rad) and rate (rad/s),
+    shape (3, 6): the derivative of the law of the present phase, its integrators standing.
+    """
+    fsw, onboard = duplicate(flight.fsw), flight.onboard[0]
+    estimate, nav = fsw["navigation"]["estimate"][0], fsw["nav"][0]
+    phase = onboard["mission"]["phases"][int(fsw["mission"]["phase"][0])]
+    rates, law = onboard["rates"], fsw["control"]["law"]
+    remembered = law.tobytes()
+    q, w = estimate["q_I2B"].copy(), estimate["w_B"].copy()
+    believed = onboard["planet"], onboard["atmosphere"], onboard["vehicle"], onboard["site"]["frame"]
+
+    def torque(axis: int, angle: float, rate: float) -> np.ndarray:
+        estimate["q_I2B"], estimate["w_B"] = turned(q, axis, angle), w
+        estimate["w_B"][axis] += rate
+        derive(*believed, estimate, nav)
+        law[:] = np.frombuffer(remembered, law.dtype)
+        given = fsw["guide"][0], fsw["control"]["inputs"][0], float(rates["control_every"] / rates["base"])
+        return np.array(attitude_control(phase["control"], onboard["control"], nav, *given, law[0])[0])
+
+    gain = np.zeros((3, 6))
+    for axis in range(3):
+        for column, (angle, rate) in ((axis, (1e-4, 0.0)), (axis + 3, (0.0, 1e-4))):
+            gain[:, column] = -(torque(axis, angle, rate) - torque(axis, -angle, -rate)) / 2e-4
+    return gain
+
+
+def margins(plant: LinearModel, gain: np.ndarray, delay_s: float) -> dict[str, Margins]:
+    """Margins of each axis of the attitude loop.
+
+    Args:
+        plant: from :func:`linear_plant`.
+        gain: from :func:`control_gain`, shape (3, 6).
+        delay_s: from the measured attitude to the torque; half a control cycle stands for its being held.
+    """
+    a, b = plant.a[6:, 6:], plant.b[6:, :3]
+    found = {}
+    for axis, name in enumerate("xyz"):
+        others = [k for k in range(3) if k != axis]
+        closed = a - b[:, others] @ gain[others]
+        found[name] = _margins(closed, b[:, axis], gain[axis], delay_s)
+    return found
+
+
+def _margins(a: np.ndarray, b: np.ndarray, k: np.ndarray, delay_s: float) -> Margins:
+    """Margins of the loop ``k (s - a)^-1 b exp(-s delay)``."""
+    s = 1j * _FREQUENCIES
+    matrices = s[:, None, None] * np.eye(len(a)) - a
+    loop = np.linalg.solve(matrices, np.broadcast_to(b[:, None], (len(s), len(b), 1)))[..., 0] @ k
+    size, phase = np.abs(loop), np.unwrap(np.angle(loop)) - _FREQUENCIES * delay_s
+    phase -= 2.0 * np.pi * np.round((phase[0] + 0.5 * np.pi) / (2.0 * np.pi))
+    crossovers = np.flatnonzero((size[:-1] >= 1.0) & (size[1:] < 1.0))
+    turns = np.flatnonzero(np.diff(np.floor((phase + np.pi) / (2.0 * np.pi))) != 0)
+    gain_db = min((abs(20.0 * np.log10(size[k])) for k in turns), default=np.inf)
+    if not len(crossovers):
+        return Margins(gain_db, np.inf, np.inf, np.nan)
+    at = crossovers[-1]
+    left = phase[at] + np.pi
+    return Margins(gain_db, float(np.degrees(left)), float(left / _FREQUENCIES[at]), float(_FREQUENCIES[at]))

@@ -1,0 +1,77 @@
+"""All files that are shipped are what the exported JSON schemas say, in editors of YAML 1.1 and of 1.2."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+jsonschema = pytest.importorskip("jsonschema")
+
+from edl6dof.app.inspect import SCHEMAS  # noqa: E402
+from edl6dof.config.document.scalars import read_scalar, write_scalar  # noqa: E402
+from edl6dof.config.document.yamltree import parse_yaml  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[3]
+FILES = {
+    "scenario": [
+        path for path in sorted((ROOT / "scenarios").rglob("*.yaml")) if path.parent.name != "plugin"
+    ],
+    "vehicle": sorted((ROOT / "vehicles").rglob("*.yaml")),
+    "planet": sorted((ROOT / "edl6dof/data/planets").glob("*.yaml")),
+}
+#: How text is read: by the older YAML of many editors, and by the newer one of this package.
+READERS = {"1.1": yaml.safe_load, "1.2": lambda text: parse_yaml(text, "").data}
+
+
+@pytest.fixture(scope="module")
+def validators():
+    made = {kind: make() for kind, make in SCHEMAS.items()}
+    for schema in made.values():
+        jsonschema.Draft7Validator.check_schema(schema)
+    return {kind: jsonschema.Draft7Validator(schema) for kind, schema in made.items()}
+
+
+@pytest.mark.parametrize("version", READERS)
+@pytest.mark.parametrize("kind", SCHEMAS)
+def test_shipped_files_are_valid(validators, kind, version):
+    assert len(FILES[kind]) > 4
+    for path in FILES[kind]:
+        data = READERS[version](path.read_text(encoding="utf-8"))
+        found = [
+            f"{list(one.absolute_path)}: {one.message[:100]}" for one in validators[kind].iter_errors(data)
+        ]
+        assert found == [], path.name
+
+
+@pytest.mark.parametrize(
+    "kind, bad",
+    [
+        ("scenario", {"simulation": {"step_s": 1.0}}),
+        ("scenario", {"campaign": {"cases": 0}}),
+        ("scenario", {"mission": {"phases": [{"name": "a", "control": True}]}}),
+        ("vehicle", {"mass": "heavy"}),
+        ("planet", {"mu_m3_s2": -1.0}),
+    ],
+)
+def test_what_the_program_refuses_is_invalid(validators, kind, bad):
+    data = READERS["1.2"](FILES[kind][0].read_text(encoding="utf-8"))
+    assert validators[kind].is_valid(data)
+    assert not validators[kind].is_valid({**data, **bad})
+
+
+def test_members_of_plugins_are_in_the_schema_of_their_scenario():
+    file = ROOT / "scenarios/plugin/energy_law.yaml"
+    command = [sys.executable, "-m", "edl6dof", "schema", str(file)]
+    found = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    schema = json.loads(found.stdout)
+    assert jsonschema.Draft7Validator(schema).is_valid(yaml.safe_load(file.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("value", ["off", "On", "no", "yes", 1e-5, 1e16, 2.5e-7, 3, 0.25, "1e5", "text"])
+def test_what_is_written_is_read_alike_by_both(value):
+    text = write_scalar(value)
+    assert yaml.safe_load(text) == value
+    assert (json.loads(text) if text.startswith('"') else read_scalar(text)) == value
