@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCUMENTS = ("README.md", "CONTRIBUTING.md", "docs/robustness.md", "tools/README.md")
+DOCUMENTS = (
+    *("README.md", "CONTRIBUTING.md", "docs/robustness.md", "tools/README.md"),
+    *sorted(str(page.relative_to(ROOT)) for page in (ROOT / "docs" / "theory").glob("*.md")),
+)
 
 
 @pytest.mark.parametrize("name", DOCUMENTS)

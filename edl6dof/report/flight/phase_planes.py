@@ -195,7 +195,7 @@ def aimed_rate(gains: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
     It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
     deceleration.
     """
-    inner = gains["proportional"] / gains["derivative"] * gains["near_deg"]
+    inner = gains["proportional"] / max(gains["derivative"], 1e-9) * gains["near_deg"]
     parabola = np.sqrt(inner**2 + 2.0 * gains["deceleration_deg_s2"] * (error - gains["near_deg"]))
     return np.minimum(np.where(error > gains["far_deg"], gains["rate_deg_s"], parabola), gains["rate_deg_s"])
 

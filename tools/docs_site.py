@@ -1,0 +1,66 @@
+"""Hooks of the documentation site (mkdocs.yml): pages made from the program, files from outside docs/,
+formulas.
+
+Formulas are written in LaTeX between dollars and become MathML, which browsers draw by themselves: a page
+that is read fetches nothing.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+from typing import Any
+
+from docs_reference import pages
+
+ROOT = Path(__file__).resolve().parents[1]
+
+#: Files of the repository that the site shows too: its page or file, and where it lies.
+COPIES = {
+    "contributing.md": "CONTRIBUTING.md",
+    "changelog.md": "CHANGELOG.md",
+    "assets/modulation.png": ".assets/modulation.png",
+    "assets/replay.png": ".assets/replay.png",
+}
+
+_FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the generated pages and the copies."""
+    from mkdocs.structure.files import File
+
+    for path, text in pages().items():
+        files.append(File.generated(config, path, content=text))
+    for path, source in COPIES.items():
+        content = (ROOT / source).read_bytes()
+        files.append(
+            File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content)
+        )
+    return files
+
+
+def _from_root(content: bytes) -> str:
+    """A page of the repository's root as it reads from inside docs/."""
+    return content.decode().replace("](docs/", "](")
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """Turn links that lead out of docs/ into links to the copies."""
+    for path, source in COPIES.items():
+        markdown = markdown.replace(f"](../{source})", f"]({path})")
+    return markdown
+
+
+def on_page_content(content: str, page: Any, config: Any, files: Any) -> str:
+    """Draw the formulas."""
+    return _FORMULA.sub(_mathml, content)
+
+
+def _mathml(found: re.Match[str]) -> str:
+    from latex2mathml.converter import convert
+
+    text = html.unescape(found[2]).strip()
+    display = "block" if text.startswith("\\[") else "inline"
+    return convert(text[2:-2].strip(), display=display)
