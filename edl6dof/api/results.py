@@ -16,7 +16,8 @@ from edl6dof.metrics.evaluation import Check
 if TYPE_CHECKING:
     import pandas
     import xarray
-    from matplotlib.figure import Figure as Canvas
+
+    from edl6dof.report.matplotlib_figure import Canvas
 
 
 class FlightResults(ABC):
@@ -106,7 +107,7 @@ class FlightResults(ABC):
         """
         from edl6dof.config.errors import refusal
         from edl6dof.report.channels import channel_plot, chosen
-        from edl6dof.report.matplotlib_figure import STYLE, matplotlib_figure
+        from edl6dof.report.matplotlib_figure import styled
 
         if not channels:
             raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
@@ -118,10 +119,7 @@ class FlightResults(ABC):
         )
         if not rows.any():
             raise refusal(self.name, f"has no telemetry between these times ({t[0]:g} to {t[-1]:g} s)")
-        import matplotlib
-
-        with matplotlib.rc_context(STYLE):
-            return Plot(matplotlib_figure(channel_plot(self, names, x, rows)))
+        return Plot(styled(channel_plot(self, names, x, rows)))
 
     def to_pandas(self) -> pandas.DataFrame:
         """Telemetry as a data frame indexed by time.

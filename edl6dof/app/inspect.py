@@ -94,7 +94,8 @@ def _ask_for_nothing_in_sections(schema: dict[str, Any]) -> None:
                 name = option.get("$ref", "").rsplit("/", 1)[-1]
                 if name in definitions and name not in met:
                     met.add(name)
-                    definitions[name].pop("required", None)
+                    for asks in ("required", "anyOf"):  # anyOf: one of several that are required
+                        definitions[name].pop(asks, None)
                     waiting.append(definitions[name])
 
 

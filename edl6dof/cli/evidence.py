@@ -77,7 +77,7 @@ def validate(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of the table.")] = False,
     trust: Trust = False,
 ) -> None:
-    """Set dispersed flights beside what was published of a mission.
+    """Set dispersed flights of missions beside what was published.
 
     A mission is a scenario whose file disperses it and which says what was published of its flight.
     Afterwards, the same flights with a report: edl6dof campaign NAME -n N.

@@ -13,7 +13,7 @@ import numpy as np
 from edl6dof.interchange.mesh_file import GLB, STL, read_mesh_file
 
 #: Most triangles that are taken from one file.
-MOST_TRIANGLES = 200_000
+MOST_TRIANGLES = 50_000
 _COMPONENTS = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _TRIANGLES = 4
 

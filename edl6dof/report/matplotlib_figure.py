@@ -94,6 +94,14 @@ def write_figure(figure: Figure, path: Path, dpi: int = 200) -> None:
         matplotlib_figure(figure).savefig(path, dpi=dpi)
 
 
+def styled(figure: Figure) -> Canvas:
+    """The figure in the lettering and lines of the report, whatever matplotlib is set to."""
+    import matplotlib
+
+    with matplotlib.rc_context(STYLE):
+        return matplotlib_figure(figure)
+
+
 def matplotlib_figure(figure: Figure) -> Canvas:
     """The figure on a canvas as wide as the text of a page."""
     from matplotlib.figure import Figure as Canvas

@@ -147,7 +147,7 @@ def _believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) ->
     _hang(record["configuration"], hung, vehicle)
     record["n_engines"] = len(vehicle.engines)
     for slot, engine in zip(record["engines"], vehicle.engines, strict=False):
-        axial = slot["axial"] = -engine.direction[0]
+        axial = slot["axial"] = abs(engine.direction[0])
         slot["full_thrust"] = axial * engine.full_thrust_n
         slot["specific_impulse"] = axial * engine.full_specific_impulse_s
         slot["throttle_min"] = axial * engine.throttle_min_n

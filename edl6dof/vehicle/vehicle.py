@@ -175,6 +175,11 @@ class VehicleParams(Hardware):
         return next((part for part in self.parts if part.shape == shape), None)
 
     @property
+    def own_engines(self) -> list[EngineParams]:
+        """Engines with a nozzle of their own: not the one that is made of thrusters."""
+        return [engine for engine in self.engines if engine.model != thruster_set.NAME]
+
+    @property
     def main_parachute(self) -> ParachuteParams:
         """The parachute flown last; one of the smallest size where there is none."""
         return self.parachutes[-1] if self.parachutes else ParachuteParams(name="none")

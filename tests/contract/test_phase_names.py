@@ -25,6 +25,11 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.navigation.derived": {"lift"},
     "edl6dof.scenario.belief": {"lift"},
     "edl6dof.scenario.believed_aero": {"lift"},
+    "edl6dof.gym.powered_descent": {
+        "slow_descent",
+        "landed",
+    },  # phases of the flight that the task is made of
+    "edl6dof.sim.observing": {"lift"},  # what is measured
     "edl6dof.replay.scene.arrows": {"lift"},  # the arrow of the force
     "edl6dof.report.flight.descent": {"parachute"},  # key of a plot
     "edl6dof.report.flight.parts": {"parachute"},  # word at the mortar's mark, as in the next one

@@ -101,7 +101,7 @@ def test_parachute_fills_from_nothing_to_its_whole_area_and_is_repeatable(name):
     assert np.array_equal(share, [inflation(chute, t) for t in times])
 
 
-@pytest.mark.parametrize("name", ENGINE_MODELS.names)
+@pytest.mark.parametrize("name", [name for name in ENGINE_MODELS.names if name != "thruster_set"])
 def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatable(name):
     engine = np.zeros(1, ENGINE)[0]
     fill(engine, EngineParams(name="main", model=name, full_thrust_n=7500.0, throttle_max_n=5000.0))
@@ -120,6 +120,13 @@ def test_engine_stays_between_none_and_full_thrust_comes_to_both_and_is_repeatab
     flows = np.array([propellant_flow(engine, level) for level in (0.0, 60.0, 7500.0)])
     assert flows[0] == 0.0 and np.all(flows[1:] > 0.0) and np.all(np.isfinite(flows))
     assert np.array_equal(levels, burn())
+
+
+def test_engine_of_thrusters_gives_nothing_of_its_own():
+    engine = np.zeros(1, ENGINE)[0]
+    fill(engine, EngineParams(name="main", model="thruster_set", full_thrust_n=7500.0, throttle_max_n=5000.0))
+    assert thrust_goal(engine, 0.0, 1e-3, 7500.0) == (0.0, 0.0)
+    assert thrust_rate(engine, 0.0, 0.0, True) == 0.0 and propellant_flow(engine, 0.0) == 0.0
 
 
 def looking_down(r, rng):

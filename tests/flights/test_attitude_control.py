@@ -29,6 +29,7 @@ def reversal():
     peak = scouted["t_s"][np.argmax(scouted["truth.dynamic_pressure_pa"])]
     saved = edl6dof.fly("tianwen1", HELD_BANK, save_at_s=peak - 3.0).saved
     saved.fsw["guide"]["bank"] *= -1.0
+    saved.fsw["own"]["bank"] *= -1.0  # what guidance holds
     flight = fly(continue_from(saved, (f"simulation.time_limit_s={peak + 12.0}",)), start=saved)
     table = flight.telemetry
     goal = np.degrees(saved.fsw["guide"]["bank"][0])

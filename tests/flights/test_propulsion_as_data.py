@@ -39,7 +39,7 @@ def two_engines():
     main = edl6dof.load("tianwen1").scenario.vehicle.engines[0].model_dump(mode="json")
     halves = []
     for name, side in (("left", -1.0), ("right", 1.0)):
-        half = {**main, "name": name, "nozzle_m": [-0.3, side * ARM_M, 0.0]}
+        half = {**main, "name": name, "group": "main", "nozzle_m": [-0.3, side * ARM_M, 0.0]}
         for key in ("full_thrust_n", "throttle_min_n", "throttle_max_n"):
             half[key] = main[key] / 2.0
         valve = main["throttled"]
@@ -48,18 +48,8 @@ def two_engines():
     return f"vehicle.engines={json.dumps(halves)}"
 
 
-def both(table):
-    ignition, cut = table["powered_deceleration"]["events"][1], table["landed"]["events"][0]
-    table["powered_deceleration"]["events"][1:] = [
-        {**ignition, "thing": "left"}, {**ignition, "name": "second_ignition", "thing": "right"},
-    ]  # fmt: skip
-    table["landed"]["events"] = [
-        {**cut, "thing": "left"}, {**cut, "name": "second_cut_off", "thing": "right"},
-    ]  # fmt: skip
-
-
 def test_two_engines_of_half_the_thrust_descend_as_one(nominal):
-    flight = edl6dof.fly("tianwen1", [two_engines(), phases(both)])
+    flight = edl6dof.fly("tianwen1", [two_engines()])
     assert flight.metrics["touchdown_s"] == pytest.approx(nominal.metrics["touchdown_s"], abs=0.5)
     assert flight.metrics["propellant_used_kg"] == pytest.approx(
         nominal.metrics["propellant_used_kg"], abs=0.5
@@ -72,7 +62,6 @@ def test_two_engines_of_half_the_thrust_descend_as_one(nominal):
 
 def test_an_engine_that_is_cut_off_leaves_the_moment_of_the_other():
     def change(table):
-        both(table)
         stop = event("failure", "cut_off", "left", when("phase_time_s", "above", 3.0))
         table["powered_deceleration"]["events"].append(stop)
 
@@ -99,7 +88,7 @@ def test_a_fault_of_one_engine_leaves_the_other_all_its_thrust(nominal):
         "at: {phase: powered_deceleration, plus_s: 6}}]"
     )
     limit = f"simulation.time_limit_s={nominal.metrics['backshell_s'] + 10.0}"
-    flight = edl6dof.fly("tianwen1", [two_engines(), phases(both), fault, limit])
+    flight = edl6dof.fly("tianwen1", [two_engines(), fault, limit])
     event = next(one for one in flight.events if one["key"] == "fault")
     assert event["name"] == "fault: left engine shortfall"
     table, t, span = flight.telemetry, event["t_s"], 0.2

@@ -30,6 +30,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 
 from campaign_run import write_drop
 
+from edl6dof.api.campaign_flight import EngineChoice
 from edl6dof.api.reports import report_of
 from edl6dof.app import campaign_flight
 from edl6dof.app.campaign import CampaignOptions
@@ -203,7 +204,7 @@ class Harness:
         gc.freeze()
 
     def _use(self, engine: Recorded) -> None:
-        campaign_flight._engine = lambda options: contextlib.nullcontext(engine)
+        EngineChoice.start = lambda self: contextlib.nullcontext(engine)
 
     def table(self) -> str:
         """Which table lies in the folder now."""

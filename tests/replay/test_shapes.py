@@ -121,3 +121,14 @@ def test_each_parachute_has_its_own_size_while_it_flies():
     assert [one.number for one in pair] == [0, 1] and pair[0].end == pair[1].first
     widths = [extent(canopy(flight.scenario.vehicle, one.number)[0])[1:] for one in pair]
     assert widths[1] / widths[0] == pytest.approx(own["diameter_m"] / 5.0, rel=1e-6)
+
+
+def test_a_biconic_forebody_has_its_break():
+    capsule = "vehicle.aero.capsule"
+    second = (f"{capsule}.forebody_break_radius_m=1.2", f"{capsule}.forebody_second_cone_angle_deg=50")
+    biconic = vehicle("tianwen1", f"{capsule}.cone_half_angle_deg=65", *second)
+    forebody = outline(biconic).forebody
+    at = next(k for k, (_, r) in enumerate(forebody) if abs(r - 1.2) < 1e-12)
+    for k, half_angle in ((at - 1, 65.0), (at, 50.0)):
+        (x0, r0), (x1, r1) = forebody[k], forebody[k + 1]
+        assert np.degrees(np.arctan2(r1 - r0, x0 - x1)) == pytest.approx(half_angle)

@@ -58,7 +58,7 @@ class Flames(Recorder):
         self.columns(entity, self.t[rows], rr.Points3D.columns(positions=places).partition(each))
 
     def _engines(self) -> None:
-        engines = self.vehicle.engines
+        engines = self.vehicle.own_engines
         thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"])
         full = sum(engine.full_thrust_n for engine in engines)
         if full <= 0.0:

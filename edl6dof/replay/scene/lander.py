@@ -115,7 +115,7 @@ def _strut(jet: Any, base: float, scale: float) -> Mesh:
 def nozzles(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
     """Nozzles of thrusters and bells of engines, each in its place; ``None`` without any."""
     parts = [nozzle(jet, DARK) for jet in vehicle.rcs.thrusters]
-    parts += [bell(engine, shape.radius / _RADIUS) for engine in vehicle.engines]
+    parts += [bell(engine, shape.radius / _RADIUS) for engine in vehicle.own_engines]
     return merge(parts) if parts else None
 
 

@@ -4,12 +4,13 @@ out, what follows from its aerodynamics, its mass and its landing gear.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import cos, pi, radians, sin, sqrt, tan
 from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.config.base import Vec3
+from edl6dof.config.base import Vec3, stated
 from edl6dof.vehicle.appearance import BodyShape, LanderKind
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -87,7 +88,11 @@ def diameter(vehicle: VehicleParams) -> float:
         return vehicle.appearance.diameter_m
     if aero.model == "capsule":
         return aero.capsule.diameter_m
-    area = aero.lift_drag.reference_area_m2 if aero.model == "lift_drag" else aero.constant.reference_area_m2
+    area = aero.constant.reference_area_m2
+    if aero.model == "lift_drag":
+        area = aero.lift_drag.reference_area_m2
+    elif aero.model == "body":
+        area = aero.body.reference_area_m2
     return 2.0 * sqrt(area / pi)
 
 
@@ -135,13 +140,19 @@ def _forebody(vehicle: VehicleParams) -> list[Corner]:
     half = look.cone_half_angle_deg or (capsule.cone_half_angle_deg if own else _HALF_ANGLE)
     cone = radians(90.0 - half)
     nose = min(nose, (wide - edge * (1.0 - sin(cone))) / sin(cone))
-    x0, r0 = look.nose_x_m - nose * (1.0 - cos(cone)), nose * sin(cone)
-    r1 = wide - edge * (1.0 - sin(cone))
-    x1 = x0 - (r1 - r0) * tan(cone)
     front = [
         (look.nose_x_m - nose * (1.0 - cos(a)), max(nose * sin(a), 1e-4)) for a in np.linspace(0.0, cone, 7)
     ]
-    flank = [(x0 + (x1 - x0) * k, r0 + (r1 - r0) * k) for k in (0.34, 0.67)]
+    corners = [(look.nose_x_m - nose * (1.0 - cos(cone)), nose * sin(cone))]
+    if own and capsule.forebody_break_radius_m is not None:  # the first cone of a biconic one
+        (x, r), r_break = corners[0], capsule.forebody_break_radius_m
+        corners.append((x - (r_break - r) * tan(cone), r_break))
+        cone = radians(90.0 - stated(capsule.forebody_second_cone_angle_deg))
+    x0, r0 = corners[-1]
+    r1 = wide - edge * (1.0 - sin(cone))
+    x1 = x0 - (r1 - r0) * tan(cone)
+    flank = [point for ends in pairwise(corners) for point in ends]
+    flank += [(x0 + (x1 - x0) * k, r0 + (r1 - r0) * k) for k in (0.34, 0.67)]
     turn = np.linspace(cone, 0.5 * pi, 6)
     shoulder = [(x1 - edge * (cos(cone) - cos(a)), wide - edge * (1.0 - sin(a))) for a in turn]
     return [*front, *flank, *shoulder]

@@ -14,6 +14,7 @@ import numpy as np
 from edl6dof.campaign.design.case import Case
 from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.flight import Flight
+from edl6dof.sim.outcome import LANDED, TIPPED_OVER
 
 SCENARIO = "schiaparelli"
 _NAVIGATION = "flight_software.navigation"
@@ -74,13 +75,21 @@ def phases(flights: int, **label: str | float) -> list[Case]:
 
 
 def swing(flight: Flight) -> dict[str, float]:
-    """How the capsule swung under the opening canopy, what the gyros said, and how the vertical was off after
-    it.
+    """How the capsule swung under the opening canopy, what the gyros said, how the vertical was off after it,
+    and whether the flight neither landed nor only tipped over.
     """
+    crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
     after = (t > fired) & (t < fired + SWINGING_S)
+    crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     if not after.any():
-        return {"swing_deg_s": nan, "flagged_s": nan, "vertical_deg": nan, "verdict_s": nan}
+        return {
+            "swing_deg_s": nan,
+            "flagged_s": nan,
+            "vertical_deg": nan,
+            "verdict_s": nan,
+            "crashed": crashed,
+        }
     rates = [np.abs(flight.telemetry[f"truth.rate_{axis}_deg_s"][after]) for axis in "qr"]
     flagged = flight.telemetry["sensed.gyros_saturated"][after] > 0
     step = float(np.median(np.diff(t)))
@@ -89,6 +98,7 @@ def swing(flight: Flight) -> dict[str, float]:
         "flagged_s": float(np.count_nonzero(flagged)) * step,
         "vertical_deg": vertical_error(flight, int(np.flatnonzero(after)[-1])),
         "verdict_s": _first_verdict(flight) - fired,
+        "crashed": crashed,
     }
 
 

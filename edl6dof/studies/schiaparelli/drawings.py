@@ -54,7 +54,7 @@ def _cliff(flight: Flight, rows: Sequence[Row]) -> Panel:
     end = flight.scenario.sensors.inertial_unit.gyros.range_deg_s
     own = [row for row in rows if row["sweep"] == "persistence"]
     traces = []
-    for name, good in (("landed", True), ("lost", False)):
+    for name, good in (("within limits", True), ("lost", False)):
         some = [row for row in own if bool(row["success"]) is good]
         swing = np.array([row["swing_deg_s"] / end for row in some])
         traces.append(plots.dots(swing, np.array([row["persistence_s"] for row in some]), name))

@@ -50,7 +50,7 @@ def landed(rows: Sequence[Row]) -> int:
 
 def crashed(rows: Sequence[Row]) -> int:
     """How many ended in a crash, and neither landed nor only tipped over."""
-    return sum(not row["outcome"].startswith(("landed", "tipped over")) for row in rows)
+    return sum(bool(row["crashed"]) for row in rows)
 
 
 def early(rows: Sequence[Row]) -> int:
@@ -103,7 +103,7 @@ def guards(rows: Sequence[Row]) -> Grid:
             )
         )  # fmt: skip
     heads = (
-        *("", "flights", "landed", "beyond the range", "of these landed", "crashed"),
+        *("", "flights", "landings", "beyond the range", "of these landed", "crashed"),
         *("released early", "propellant kg"),
     )
     return Grid("One guard at a time", heads, tuple(found))

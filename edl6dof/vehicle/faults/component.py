@@ -7,7 +7,6 @@ from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
 from edl6dof.interface.events import Action
-from edl6dof.vehicle.propulsion.engine_models import thruster_set
 from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Kinds of component; a fault names the one it acts on under the key of the same name.
@@ -46,7 +45,7 @@ def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
         "branch": [branch.name for branch in vehicle.rcs.laid_branches],
         "rcs": ["rcs"] if vehicle.rcs.thrusters else [],
         "surface": [surface.name for surface in vehicle.surfaces],
-        "engine": [engine.name for engine in vehicle.engines if engine.model != thruster_set.NAME],
+        "engine": [engine.name for engine in vehicle.own_engines],
         "parachute": [chute.name for chute in vehicle.parachutes],
         "tank": [tank.name for tank in vehicle.tanks],
     }

@@ -53,8 +53,8 @@ class EngineParams(EngineChoice, Hardware):
     @classmethod
     def _unit_length(cls, value: Vec3) -> Vec3:
         found = unit_vector(value)
-        if not found[0] < -0.1:
-            raise ValueError(f"must push along -x, at most 84 deg from it (got {list(value)})")
+        if not abs(found[0]) > 0.1:
+            raise ValueError(f"must push along x of B, at most 84 deg aside (got {list(value)})")
         return found
 
 

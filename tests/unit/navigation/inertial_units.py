@@ -32,6 +32,7 @@ def believed_unit(number: int = 6) -> np.ndarray:
     unit["gyro_noise"] = radians(0.01) / 60.0
     unit["gyro_bias"] = radians(0.03) / 3600.0
     unit["gyro_scale"] = 5e-5
+    unit["gyro_range"] = radians(300.0)
     unit["accelerometer_noise"] = 20e-6 * G0
     unit["accelerometer_bias"] = 30e-6 * G0
     unit["accelerometer_scale"] = 7e-5

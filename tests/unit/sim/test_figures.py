@@ -106,7 +106,7 @@ def test_verdicts_are_right_on_thrusters_that_a_fault_makes_fail_with_its_kind(f
 
 def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(rough):
     """Limits that end a flight in the compiled loop are no figures."""
-    ending = {"skip_out_m", "crash_speed_m_s", "body_rate_deg_s", "total_alpha_deg"}
+    ending = {"skip_out_m", "crash_speed_m_s", "body_rate_deg_s", "total_alpha_deg", "powered_tilt_deg"}
     assert {figure.limit for figure in LIMITS} == LimitParams.model_fields.keys() - ending
     assert [figure.name for figure in LIMITS if split_unit(figure.limit)[1] != figure.unit] == []
     assert [check.label for check in checks(rough.scenario.limits, rough.metrics)] == [
