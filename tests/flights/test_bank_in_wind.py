@@ -52,7 +52,7 @@ EASTWARD = {
     "sheared": SHEARED,
 }
 #: Of each mission the winds it is flown in.  A tail wind that nothing on board expects carries all but the
-#: first beyond the aim point: laws then bank up to their limits, down to lift down, in a few great moves.
+#: first beyond the aim point: laws that fly ahead then bank up to their limits, in a few great moves.
 MISSIONS = {
     "zheng2015": {"tail": steady(90), **EASTWARD},
     "yan2016": EASTWARD,
@@ -78,6 +78,25 @@ def test_bank_travel_in_a_steady_or_sheared_wind_is_that_of_calm_air(law, missio
         bank = list(BANKS)[turn]
         travel = bank_travel(mission, law, *BANKS[bank], f"truth={wind}")
         assert travel <= MORE * calm[turn] + ROUNDING, (bank, name)
+
+
+#: Laws that follow a reference of drag, which some of them fit anew to the range to go.
+TRACKING = ("drag_tracking", "fl", "ehgo_fl", "dob_sliding", "ftc_dob", "pd_dob", "adaptive_hinf", "etpc")
+
+
+@pytest.mark.parametrize("law", TRACKING)
+def test_laws_that_follow_drag_hold_the_bound_in_a_tail_wind_and_a_turning_one(law):
+    """With the range update to within 100 m/s of the end the profile jumped at each fit: ``fl`` 2.2."""
+    for sets in BANKS.values():
+        calm = bank_travel("wu2013", law, *sets)
+        for wind in (steady(0), SHEARED):
+            assert bank_travel("wu2013", law, *sets, f"truth={wind}") <= MORE * calm, (sets[0], wind)
+
+
+def test_range_update_to_the_end_makes_the_bank_angle_travel_in_a_tail_wind():
+    """What the scenario of Wu, Cui & Cui avoids by stopping at 900 m/s."""
+    sets = [*BANKS["ideal"], f"{ENTRY}.tracking.update_stop_m_s=600"]
+    assert bank_travel("wu2013", "fl", *sets, f"truth={steady(0)}") > 2.0 * bank_travel("wu2013", "fl", *sets)
 
 
 @pytest.mark.parametrize("law", ENTRY_LAWS.names)

@@ -12,11 +12,20 @@ from __future__ import annotations
 from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.design.variants import scenario_of
 from edl6dof.campaign.executor import fly_cases
-from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.loading import LoadedScenario, load_scenario
 from edl6dof.sim.flight import Flight, fly
 from edl6dof.studies.study import Progress, Report, Study
 from edl6dof.studies.wu2013.drawings import drawings
-from edl6dof.studies.wu2013.experiments import CONTINUOUS, ENTRY, EXPERIMENTS, KEPT, LAWS, PRINTED, cases
+from edl6dof.studies.wu2013.experiments import (
+    CONTINUOUS,
+    ENTRY,
+    EXPERIMENTS,
+    KEPT,
+    LAWS,
+    PRINTED,
+    UPDATED_TO_THE_END,
+    cases,
+)
 from edl6dof.studies.wu2013.findings import findings
 from edl6dof.studies.wu2013.flights import figures, history
 
@@ -33,7 +42,7 @@ REMARKS = (
 
 def run(runs: int, progress: Progress) -> Report:
     """Fly the dispersed entries in every experiment, and some of them in full for the figures."""
-    loaded, flown = load_scenario(SCENARIO), cases(runs)
+    loaded, flown = _loaded(), cases(runs)
     table = fly_cases(loaded, flown, collect=figures, progress=lambda done, row: progress(done, len(flown)))
     places = {
         (experiment.name, law): [
@@ -48,7 +57,7 @@ def run(runs: int, progress: Progress) -> Report:
     starts = {share: history(_nominal(share)) for share in STARTS}
     shown = {
         f"{label}, {experiment.name}": history(
-            fly(scenario_of(load_scenario(SCENARIO), flown[places[experiment.name, law][0]]))
+            fly(scenario_of(loaded, flown[places[experiment.name, law][0]]))
         )
         for experiment in (PRINTED, KEPT)
         for law, label in LAWS.items()
@@ -58,10 +67,14 @@ def run(runs: int, progress: Progress) -> Report:
     )
 
 
+def _loaded() -> LoadedScenario:
+    return load_scenario(SCENARIO, [UPDATED_TO_THE_END])
+
+
 def _nominal(share: float) -> Flight:
     """The nominal entry, its observer started from a share of the drag."""
     belief = {**CONTINUOUS, f"{ENTRY}.ehgo_fl.start_share": share}
-    return fly(scenario_of(load_scenario(SCENARIO), Case(0, belief=belief)))
+    return fly(scenario_of(_loaded(), Case(0, belief=belief)))
 
 
 STUDY = Study(

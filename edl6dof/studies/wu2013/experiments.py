@@ -30,6 +30,8 @@ SPREADS = (
 )
 ENTRY = "flight_software.guidance.entry"
 LAWS = {"ehgo_fl": "EHGO+FL", "fl": "FL"}
+#: The paper stops its range update nowhere: flown on to 100 m/s before the terminal speed.
+UPDATED_TO_THE_END = f"{ENTRY}.tracking.update_stop_m_s=600"
 #: A true value by dotted path.
 Truth = dict[str, Any]
 
