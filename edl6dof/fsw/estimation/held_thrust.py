@@ -1,11 +1,11 @@
 """A throttle that no longer moves: thrust that rests while its command falls.
 
-The thrust that the specific force shows is smoothed, and where it rests it is noted together with its
-command.  What follows its command from there, even by a share of it, is noted anew: a weak engine gives less,
-and the drag of the air or a thruster that is stuck on show as thrust beside it.  Where the command has fallen
-and the thrust rests, the throttle stands.  That is believed for good, and the thrust followed from then on
-whenever it rests.  A command that rises and is not followed says less: a weak engine is made up for so
-(:mod:`.engine_shortfall`).
+The thrust that the specific force shows is smoothed, and where it rests it is noted together with the command
+at which it came to rest: what the command has done since, it has not followed.  What follows its command from
+there, even by a share of it, is noted anew: a weak engine gives less, and the drag of the air or a thruster
+that is stuck on show as thrust beside it.  Where the command has fallen and the thrust rests, the throttle
+stands.  That is believed for good, and the thrust followed from then on whenever it rests.  A command that
+rises and is not followed says less: a weak engine is made up for so (:mod:`.engine_shortfall`).
 
 Source: this project.
 """
@@ -41,6 +41,7 @@ HELD_THRUST = np.dtype(
     [
         ("smoothed", "f8"),  # N: measured thrust
         ("resting", "f8"),  # N: where it began to rest
+        ("meanwhile", "f8"),  # N: and its command then
         ("rested", "f8"),  # s: for how long it has
         ("stayed", "f8"),  # s: and for how long away from its command
         ("reference", "f8"),  # N: what was noted
@@ -79,7 +80,7 @@ def held_thrust(params, commanded, measured, dt, memory):
     memory.rested += dt
     memory.stayed += dt
     if abs(memory.smoothed - memory.resting) > RESTS * memory.resting:
-        memory.resting = memory.smoothed
+        memory.resting, memory.meanwhile = memory.smoothed, commanded
         memory.rested = memory.stayed = 0.0
     away = memory.held > 0.0 or is_away(params, commanded, memory)
     if not away:
@@ -88,5 +89,5 @@ def held_thrust(params, commanded, measured, dt, memory):
         memory.held = memory.smoothed
     moved = abs(memory.smoothed - memory.reference) > RESTS * memory.reference
     if moved and not away and memory.rested >= params.settled:
-        memory.reference, memory.asked = memory.smoothed, commanded
+        memory.reference, memory.asked = memory.smoothed, memory.meanwhile
     return memory.held

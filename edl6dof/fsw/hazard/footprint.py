@@ -38,6 +38,8 @@ PLANES = np.dtype(
         ("rise_north", "f4", (MAP_CELLS,)),
         ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
         ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
+        ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
+        ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
     ],
     align=True,
 )

@@ -68,6 +68,23 @@ def test_jolt_while_the_throttle_stands_does_not_hide_it():
     assert believed(commanded, measured, noise=60.0)[-1] == pytest.approx(4300.0, rel=0.02)
 
 
+def test_throttle_that_stops_on_its_way_down_is_believed_to_stand():
+    """It has followed more of the whole fall than a weak engine has to; of the rest it follows nothing."""
+    full, falls = np.full(75, 7500.0), np.linspace(5000.0, 1500.0, 75)
+    commanded = np.concatenate([full, falls, np.full(100, 1500.0)])
+    found = believed(commanded, np.maximum(followed(commanded), 5190.0), noise=60.0)
+    assert found[-1] == pytest.approx(5190.0, rel=0.02)
+
+
+def test_weak_engine_whose_command_rises_once_it_rests_and_falls_again_does_not_stand():
+    """Its thrust is noted with the command at which it came to rest, not with the one that rose since."""
+    full, low, falls = np.full(75, 9100.0), np.full(100, 5100.0), np.linspace(6300.0, 5200.0, 60)
+    for cycles in range(35, 65, 2):
+        rests, rises = np.full(cycles, 6300.0), np.full(40, 9100.0)
+        commanded = np.concatenate([full, rests, rises, falls, low])
+        assert not believed(commanded, followed(commanded, 0.66), noise=60.0).any()
+
+
 def test_full_level_that_stays_is_believed_within_two_seconds_and_kept_while_the_engine_is_off():
     commanded = np.concatenate([np.full(75, 7500.0), np.full(50, 5000.0), np.zeros(100)])
     found = believed(commanded, np.where(commanded > 0.0, 7500.0, 0.0), noise=100.0)

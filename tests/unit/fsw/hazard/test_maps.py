@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 from charts import CELL_M, EAST, NORTH, chart_of, empty_chart, new, rocks, rocky
-from scipy import ndimage
+from scipy import ndimage, special
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.hazard.choose import CHOICE, ChoiceParams, choose_spot
@@ -219,9 +219,42 @@ def test_probability_is_that_of_drawn_ground():
     assert out["probability"][128, 128] == pytest.approx(kept, abs=0.02)
 
 
-def test_map_of_rocks_is_worked_out_in_time():
+def test_verdicts_are_those_of_the_exact_product():
+    """Against scipy's normal distribution, cell by cell of each disc, over a map with cells of few points."""
+    deviation, between, least, radius_m, roughest = 0.03, 0.02, 0.95, 2.25, 0.22
+    chart, out = chart_of(rocky(rocks(0.04, 2)), deviation), new(JUDGED)
+    chart["weight"] = np.random.default_rng(5).choice([0.25, 1.0, 2.0], EAST.shape, p=[0.01, 0.4, 0.59])
+    footprint = assessed(chart, radius_m)
+    judge_by_probability(chart, footprint, radius_m, STEEPEST, roughest, deviation, between, least, out)
+    mean, highest = chart["mean"].astype(float), chart["highest"].astype(float)
+    sigma = np.sqrt(deviation**2 / chart["weight"] + between**2)
+    reach = int(radius_m / CELL_M)
+    side = range(-reach, reach + 1)
+    disc = [(n, e) for n in side for e in side if np.hypot(n, e) <= radius_m / CELL_M]
+
+    def around(values, place):
+        return np.roll(values, (-place[0], -place[1]), (0, 1))
+
+    second = sum(n * n for n, _ in disc)
+    level = sum(around(mean, at) for at in disc) / len(disc)
+    north = sum(at[0] * around(mean, at) for at in disc) / second
+    east = sum(at[1] * around(mean, at) for at in disc) / second
+    slope = np.hypot(north, east) / CELL_M
+    exact = special.ndtr((STEEPEST - slope) / (np.hypot(deviation, between) / (CELL_M * np.sqrt(second))))
+    for at in disc:
+        off = np.abs(around(highest, at) - level - north * at[0] - east * at[1])
+        exact *= special.ndtr((roughest * np.hypot(1.0, slope) - off) / around(sigma, at))
+    known, safe = footprint["slope"] < 1.0, out["verdict"] == SAFE
+    assert 100 < np.count_nonzero(safe) < np.count_nonzero(known)
+    np.testing.assert_allclose(out["probability"][safe], exact[safe], atol=3e-5)
+    assert not np.any(safe & ~known)
+    assert np.abs(exact - least)[known & (safe != (exact >= least))].max(initial=0.0) < 3e-5
+
+
+@pytest.mark.parametrize("abundance", [0.04, 0.10])
+def test_map_of_rocks_is_worked_out_in_time(abundance):
     """The whole of it, by the clock of the thread: at most 50 ms on one core, the best of some."""
-    chart = chart_of(rocky(rocks(0.10, 1)), deviation=0.02)
+    chart = chart_of(rocky(rocks(abundance, 1)), deviation=0.02)
     footprint, out, picked, work = new(FOOTPRINT), new(JUDGED), new(CHOICE), new(ENVELOPE)
     params, best = choice_params(), np.inf
     for _ in range(10):
